@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+namespace limber {
+
+/// A file that cannot be used: names file, line (0: the whole file), and what was expected and found.
+/// what() reads "FILE:LINE: expected EXPECTED, found FOUND".
+class DataError : public std::runtime_error {
+ public:
+  DataError(std::string file, std::size_t line, const std::string& expected, const std::string& found);
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] std::size_t line() const { return line_; }
+
+ private:
+  std::string file_;
+  std::size_t line_;
+};
+
+}  // namespace limber

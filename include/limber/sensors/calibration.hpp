@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+
+#include "limber/core/pose.hpp"
+#include "limber/sensors/camera.hpp"
+
+namespace limber {
+
+/// theta, the rig: (ax, ay, az [rad], tx, ty, tz [m]) with X_cam1 = R_s X_cam0 + t_s,
+/// R_s = Rz(az) Ry(ay) Rx(ax), t_s = (tx, ty, tz). Paper, Eqs. (25)-(27) as corrected: t_s = (-2, 0, 0)
+/// is a right camera that stands 2 m to the right.
+using RigParameters = Eigen::Matrix<double, 6, 1>;
+
+[[nodiscard]] Pose pose_from_rig(const RigParameters& theta);  ///< T_cam1_cam0
+[[nodiscard]] RigParameters rig_from_pose(const Pose& T_cam1_cam0);
+
+/// Where the body frame of the navigation state sits.
+enum class BodyFrame {
+  kImu,              ///< T_body_cam0 is known and does not depend on theta
+  kCam0,             ///< the left camera (the paper)
+  kMiddleOfBaseline  ///< halfway between the cameras, in position and attitude: both depend on theta
+};
+
+/// What an estimator may assume about a stereo rig. Never the truth.
+struct StereoCalibration {
+  Camera cam0, cam1;
+  RigParameters theta = RigParameters::Zero();
+  BodyFrame body = BodyFrame::kImu;
+  Pose T_body_cam0;  ///< used for kImu; identity for kCam0, derived from theta for kMiddleOfBaseline
+
+  /// Distance between the camera centres [m].
+  [[nodiscard]] double baseline() const { return theta.tail<3>().norm(); }
+};
+
+/// IMU noise: continuous densities, as in EuRoC's imu0/sensor.yaml.
+struct ImuNoise {
+  double gyro_density = 1.7e-4;      ///< [rad/s/sqrt(Hz)]
+  double gyro_walk = 2.0e-5;         ///< [rad/s^2/sqrt(Hz)]
+  double accel_density = 2.0e-3;     ///< [m/s^2/sqrt(Hz)]
+  double accel_walk = 3.0e-3;        ///< [m/s^3/sqrt(Hz)]
+};
+
+/// Odometry noise per sample: standard deviations of body velocity [m/s] and rate [rad/s].
+struct OdometryNoise {
+  Eigen::Vector3d sigma_v = Eigen::Vector3d::Constant(0.1);
+  Eigen::Vector3d sigma_omega = Eigen::Vector3d::Constant(0.02);
+};
+
+/// Standard deviations of (u0, v0, u1, v1) [px].
+using PixelNoise = Eigen::Vector4d;
+
+}  // namespace limber

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+/// What sensors deliver. All times are integers in nanoseconds of one clock.
+namespace limber {
+
+/// One inertial sample, in the IMU frame.
+struct ImuSample {
+  std::int64_t t_ns = 0;
+  Eigen::Vector3d omega_imu = Eigen::Vector3d::Zero();  ///< angular rate [rad/s]
+  Eigen::Vector3d accel_imu = Eigen::Vector3d::Zero();  ///< specific force [m/s^2], +9.81 upwards at rest
+};
+
+/// One body-frame velocity and rate sample (wheels, or any odometer).
+struct OdometrySample {
+  std::int64_t t_ns = 0;
+  Eigen::Vector3d v_body = Eigen::Vector3d::Zero();      ///< velocity in the body frame [m/s]
+  Eigen::Vector3d omega_body = Eigen::Vector3d::Zero();  ///< angular rate [rad/s]
+};
+
+/// One point in one stereo frame, raw (distorted) pixels. At least one camera has seen it.
+struct StereoObservation {
+  std::int64_t track_id = 0;
+  Eigen::Vector2d uv_cam0 = Eigen::Vector2d::Zero();  ///< [px], meaningful only if in_cam0
+  Eigen::Vector2d uv_cam1 = Eigen::Vector2d::Zero();  ///< [px], meaningful only if in_cam1
+  bool in_cam0 = true;
+  bool in_cam1 = true;
+};
+
+/// All points of one stereo frame; each track_id at most once. May be empty.
+struct StereoFrame {
+  std::int64_t t_ns = 0;
+  std::vector<StereoObservation> observations;
+};
+
+/// Full state as a recording's ground truth gives it. Velocity and biases may be unknown.
+struct GroundTruthState {
+  std::int64_t t_ns = 0;
+  Eigen::Matrix3d R_world_body = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d p_world_body = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Vector3d v_world_body = Eigen::Vector3d::Zero();  ///< [m/s], in the world frame
+  Eigen::Vector3d bias_gyro = Eigen::Vector3d::Zero();     ///< [rad/s]
+  Eigen::Vector3d bias_accel = Eigen::Vector3d::Zero();    ///< [m/s^2]
+};
+
+}  // namespace limber
