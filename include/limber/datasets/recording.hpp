@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/samples.hpp"
+
+namespace limber {
+
+/// A stereo pair on disk, not loaded.
+struct ImagePair {
+  std::int64_t t_ns = 0;
+  std::filesystem::path cam0, cam1;
+};
+
+/// The true rig at one instant; for evaluation and for `oracle` only.
+struct CalibrationTruth {
+  std::int64_t t_ns = 0;
+  RigParameters theta = RigParameters::Zero();
+};
+
+/// @brief One recording in limber's own conventions, whatever format it came from.
+/// Every list is in strictly increasing time. What the recording does not hold is empty.
+struct Recording {
+  std::string name;
+  std::filesystem::path path;
+
+  // What an estimator may use.
+  StereoCalibration calibration;             ///< the assumed calibration; body is kImu, or kCam0 for camera-only data
+  std::vector<ImuSample> imu;
+  std::optional<ImuNoise> imu_noise;
+  std::vector<OdometrySample> odometry;      ///< body frame velocity and rate
+  std::optional<OdometryNoise> odometry_noise;
+  std::optional<PixelNoise> pixel_noise;
+  std::vector<StereoFrame> frames;           ///< matched points; empty where images are given
+  std::vector<ImagePair> images;             ///< stereo pairs; empty where matched points are given
+
+  // Truth, for evaluation only (and `--init groundtruth`, `oracle`).
+  std::vector<GroundTruthState> groundtruth; ///< body in world
+  bool groundtruth_has_velocity = false;
+  bool groundtruth_has_biases = false;
+  std::map<std::int64_t, Eigen::Vector3d> landmarks_true;  ///< track_id -> p_world_landmark [m]
+  std::vector<CalibrationTruth> calibration_true;
+
+  std::vector<std::string> notes;  ///< defaults that stood in for missing values, in plain words
+};
+
+}  // namespace limber
