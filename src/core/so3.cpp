@@ -54,8 +54,9 @@ Eigen::Matrix3d so3_right_jacobian(const Eigen::Vector3d& phi) {
 Eigen::Matrix3d so3_right_jacobian_inverse(const Eigen::Vector3d& phi) {
   const double angle = phi.norm();
   const double angle2 = angle * angle;
-  const double c = angle < kSmallAngle ? 1.0 / 12.0 + angle2 / 720.0
-                                       : 1.0 / angle2 - std::cos(0.5 * angle) / (2.0 * angle * std::sin(0.5 * angle));
+  const double c = angle < kSmallAngle
+                       ? 1.0 / 12.0 + angle2 / 720.0
+                       : 1.0 / angle2 - std::cos(0.5 * angle) / (2.0 * angle * std::sin(0.5 * angle));
   const Eigen::Matrix3d K = skew(phi);
   return Eigen::Matrix3d::Identity() + 0.5 * K + c * K * K;
 }
@@ -73,7 +74,8 @@ Eigen::Matrix3d rotation_from_euler_zyx(const Eigen::Vector3d& angles) {
 }
 
 Eigen::Vector3d euler_zyx_from_rotation(const Eigen::Matrix3d& R) {
-  return {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)), std::atan2(R(1, 0), R(0, 0))};
+  return {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
+          std::atan2(R(1, 0), R(0, 0))};
 }
 
 Eigen::Matrix3d euler_zyx_axes(const Eigen::Vector3d& angles) {

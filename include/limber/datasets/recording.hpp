@@ -33,17 +33,17 @@ struct Recording {
   std::filesystem::path path;
 
   // What an estimator may use.
-  StereoCalibration calibration;             ///< the assumed calibration; body is kImu, or kCam0 for camera-only data
+  StereoCalibration calibration;  ///< the assumed calibration; body is kImu, or kCam0 for camera-only data
   std::vector<ImuSample> imu;
   std::optional<ImuNoise> imu_noise;
-  std::vector<OdometrySample> odometry;      ///< body frame velocity and rate
+  std::vector<OdometrySample> odometry;  ///< body frame velocity and rate
   std::optional<OdometryNoise> odometry_noise;
   std::optional<PixelNoise> pixel_noise;
-  std::vector<StereoFrame> frames;           ///< matched points; empty where images are given
-  std::vector<ImagePair> images;             ///< stereo pairs; empty where matched points are given
+  std::vector<StereoFrame> frames;  ///< matched points; empty where images are given
+  std::vector<ImagePair> images;    ///< stereo pairs; empty where matched points are given
 
   // Truth, for evaluation only (and `--init groundtruth`, `oracle`).
-  std::vector<GroundTruthState> groundtruth; ///< body in world
+  std::vector<GroundTruthState> groundtruth;  ///< body in world
   bool groundtruth_has_velocity = false;
   bool groundtruth_has_biases = false;
   std::map<std::int64_t, Eigen::Vector3d> landmarks_true;  ///< track_id -> p_world_landmark [m]

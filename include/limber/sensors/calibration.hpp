@@ -36,10 +36,10 @@ struct StereoCalibration {
 
 /// IMU noise: continuous densities, as in EuRoC's imu0/sensor.yaml.
 struct ImuNoise {
-  double gyro_density = 1.7e-4;      ///< [rad/s/sqrt(Hz)]
-  double gyro_walk = 2.0e-5;         ///< [rad/s^2/sqrt(Hz)]
-  double accel_density = 2.0e-3;     ///< [m/s^2/sqrt(Hz)]
-  double accel_walk = 3.0e-3;        ///< [m/s^3/sqrt(Hz)]
+  double gyro_density = 1.7e-4;   ///< [rad/s/sqrt(Hz)]
+  double gyro_walk = 2.0e-5;      ///< [rad/s^2/sqrt(Hz)]
+  double accel_density = 2.0e-3;  ///< [m/s^2/sqrt(Hz)]
+  double accel_walk = 3.0e-3;     ///< [m/s^3/sqrt(Hz)]
 };
 
 /// Odometry noise per sample: standard deviations of body velocity [m/s] and rate [rad/s].

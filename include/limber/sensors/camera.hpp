@@ -33,8 +33,8 @@ struct Camera {
 
 /// Pixel of a point and its derivative.
 struct Projection {
-  Eigen::Vector2d uv;                   ///< [px], distorted
-  Eigen::Matrix<double, 2, 3> J_uv_X;   ///< derivative with respect to X
+  Eigen::Vector2d uv;                  ///< [px], distorted
+  Eigen::Matrix<double, 2, 3> J_uv_X;  ///< derivative with respect to X
 };
 
 /// @brief Projects X (3, camera frame, any positive scale) to raw pixels.
