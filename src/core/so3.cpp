@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "limber/core/so3.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace limber {
@@ -74,8 +73,12 @@ Eigen::Matrix3d rotation_from_euler_zyx(const Eigen::Vector3d& angles) {
 }
 
 Eigen::Vector3d euler_zyx_from_rotation(const Eigen::Matrix3d& R) {
-  return {std::atan2(R(2, 1), R(2, 2)), std::asin(std::clamp(-R(2, 0), -1.0, 1.0)),
-          std::atan2(R(1, 0), R(0, 0))};
+  // z is read off R Rx(x)^T = Rz Ry, so that the three angles rebuild R even where x and z are not unique.
+  const double x = std::atan2(R(2, 1), R(2, 2));
+  const double y = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
+  const double sx = std::sin(x);
+  const double cx = std::cos(x);
+  return {x, y, std::atan2(sx * R(0, 2) - cx * R(0, 1), cx * R(1, 1) - sx * R(1, 2))};
 }
 
 Eigen::Matrix3d euler_zyx_axes(const Eigen::Vector3d& angles) {

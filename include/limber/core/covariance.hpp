@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+namespace limber {
+
+/// The state comes in triplets (position, attitude, landmark, ...): every block of x is 3 wide.
+inline constexpr Eigen::Index kTriplet = 3;
+
+/// @brief Symmetric n×n matrix that grows and shrinks by triplets without moving what stays.
+///
+/// Only the lower triangle is stored and kept up to date; every accessor gives the symmetric value, so that
+/// symmetry cannot be lost. Storage has spare capacity: appending is O(n), a rank-k update touches n²k/2
+/// products.
+class Covariance {
+ public:
+  [[nodiscard]] Eigen::Index size() const { return size_; }
+
+  /// Full symmetric copy, n×n.
+  [[nodiscard]] Eigen::MatrixXd dense() const;
+
+  /// Copy of rows [row, row + rows) and columns [col, col + cols).
+  [[nodiscard]] Eigen::MatrixXd block(Eigen::Index row, Eigen::Index col, Eigen::Index rows,
+                                      Eigen::Index cols) const;
+
+  /// The diagonal block that starts at `start`.
+  template <int N>
+  [[nodiscard]] Eigen::Matrix<double, N, N> diagonal_block(Eigen::Index start) const {
+    return data_.template block<N, N>(start, start).template selfadjointView<Eigen::Lower>();
+  }
+
+  /// Sets the diagonal block that starts at `start`; only the lower triangle of `value` is read.
+  void set_diagonal_block(Eigen::Index start, const Eigen::Ref<const Eigen::MatrixXd>& value);
+
+  /// Columns of the triplets that start at `starts`, side by side: n × 3|starts|.
+  void gather(std::span<const Eigen::Index> starts, Eigen::MatrixXd& columns) const;
+
+  /// Replaces row and column of the triplets at `starts`; `columns` is n × 3|starts| and symmetric where it
+  /// meets itself.
+  void scatter(std::span<const Eigen::Index> starts, const Eigen::Ref<const Eigen::MatrixXd>& columns);
+
+  /// P -= W Wᵀ, W: n×k.
+  void subtract_outer(const Eigen::Ref<const Eigen::MatrixXd>& W);
+
+  /// Applies x' = Phi x + w to the leading block: P_aa = Phi P_aa Phiᵀ + Q, P_ba = P_ba Phiᵀ. Phi, Q: k×k, k
+  /// <= n.
+  void propagate_leading(const Eigen::Ref<const Eigen::MatrixXd>& Phi,
+                         const Eigen::Ref<const Eigen::MatrixXd>& Q);
+
+  /// P_ba = P_ba Phiᵀ for the rows b below the leading k×k block, which stays as it is.
+  void propagate_cross(const Eigen::Ref<const Eigen::MatrixXd>& Phi);
+
+  /// Appends `count` zero rows and columns; returns the index of the first.
+  Eigen::Index append(Eigen::Index count);
+
+  /// Removes the triplet at `start` by moving the last one into its place.
+  /// @return where the moved triplet came from (== start if it was the last).
+  Eigen::Index remove_triplet(Eigen::Index start);
+
+ private:
+  Eigen::Index size_ = 0;
+  Eigen::MatrixXd data_;  // capacity × capacity; lower triangle of the leading size_ × size_ is valid
+};
+
+}  // namespace limber

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "limber/update/measurement.hpp"
+#include "limber/update/update.hpp"
+
+namespace limber {
+
+/// Which groups of a measurement passed, and how far each was off.
+struct GateReport {
+  std::vector<bool> accepted;     ///< one flag per group
+  std::vector<double> distance;   ///< squared Mahalanobis distance when judged last [-], one per group
+  std::vector<double> threshold;  ///< what it was compared with [-], one per group
+
+  [[nodiscard]] bool all_accepted() const;
+};
+
+/// @brief Judges each group on its *projected* residual, so that a wrong calibration refuses no point.
+///
+/// With dtheta_hat = (DᵀS⁻¹D)⁺DᵀS⁻¹r, group i is judged on (r − D dtheta_hat)_i with the diagonal block of
+/// S − D (DᵀS⁻¹D)⁺ Dᵀ; while the worst group exceeds the chi-square quantile it is dropped and all others are
+/// judged anew. Judging each group on its own residual would throw away the right camera.
+/// @param groups       partition of the rows of the innovation
+/// @param probability  chance that a good point passes, in (0, 1)
+[[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
+                              const ParameterTreatment& treatment, double probability);
+
+/// The innovation without the groups that are not `kept`.
+[[nodiscard]] Innovation subset(const Innovation& innovation, const std::vector<RowGroup>& groups,
+                                const std::vector<bool>& kept);
+
+}  // namespace limber

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "limber/core/covariance.hpp"
+#include "limber/update/measurement.hpp"
+
+namespace limber {
+
+/// What the update did. Unless it is kUpdated, the covariance is exactly as it was and dx is zero.
+enum class UpdateStatus : std::uint8_t {
+  kUpdated,
+  kEmpty,              ///< no rows, or none left beside the constraints
+  kSingularInnovation  ///< S is not positive definite: the covariance was broken before
+};
+
+/// How a wrong parameter theta may act on the measurement r = H dx + D dtheta + noise.
+struct ParameterTreatment {
+  /// C: c×k. The gain obeys L D C = 0. Columns are scaled to one plausible error each (0.1 deg, 5 % of the
+  /// baseline); k = 0: no constraint. Any rank.
+  Eigen::MatrixXd constrained;
+  /// Sigma_w: c×c, covariance of dtheta, fresh in every measurement (time-white). Empty: none.
+  Eigen::MatrixXd white_covariance;
+};
+
+/// Outcome of an update.
+struct UpdateReport {
+  UpdateStatus status = UpdateStatus::kEmpty;
+  Eigen::VectorXd dx;     ///< correction of the error state: n
+  double nis = 0.0;       ///< normalised innovation squared of the projected rows [-]
+  Eigen::Index dof = 0;   ///< its degrees of freedom: m − rank(D C)
+  Eigen::Index rank = 0;  ///< rank of D C
+};
+
+/// @brief EKF update with the least-variance gain among those that obey L D C = 0 (null-space form).
+///
+/// With N a basis of the left null space of D C it is the ordinary EKF on Nᵀr, NᵀH, NᵀRN: m − rank(D C) rows,
+/// P stays symmetric positive definite. No constraint and no white covariance: the plain EKF.
+/// @param[in,out] P           n×n
+/// @param[in]     measurement r: m; H: m×n; sigma: m; D: m×c
+/// @throws std::invalid_argument if shapes disagree; the message gives them
+/// @note [Vivet2022], Eqs. (16)-(19) as corrected; derivation in docs/derivations/constrained-update.md. O(n²
+/// m).
+[[nodiscard]] UpdateReport update(Covariance& P, const LinearMeasurement& measurement,
+                                  const ParameterTreatment& treatment);
+
+/// The same, from an innovation that was already formed (and perhaps gated); consumes it.
+[[nodiscard]] UpdateReport update(Covariance& P, Innovation&& innovation,
+                                  const ParameterTreatment& treatment);
+
+/// @brief The same update in the gain form of the paper: L = K − K D (DᵀS⁻¹D)⁻¹ DᵀS⁻¹, Eq. (17) and (19)
+/// corrected. Dense and slow; singular where D C is rank-deficient (status kSingularInnovation). The
+/// reference of the tests.
+[[nodiscard]] UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measurement,
+                                            const ParameterTreatment& treatment);
+
+}  // namespace limber

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "limber/core/covariance.hpp"
+
+#include <algorithm>
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+MatrixXd Covariance::dense() const {
+  MatrixXd full = data_.topLeftCorner(size_, size_);
+  full.triangularView<Eigen::StrictlyUpper>() = full.transpose();
+  return full;
+}
+
+MatrixXd Covariance::block(Index row, Index col, Index rows, Index cols) const {
+  MatrixXd out(rows, cols);
+  for (Index j = 0; j < cols; ++j) {
+    for (Index i = 0; i < rows; ++i) {
+      const auto [low, high] = std::minmax(row + i, col + j);
+      out(i, j) = data_(high, low);
+    }
+  }
+  return out;
+}
+
+void Covariance::set_diagonal_block(Index start, const Eigen::Ref<const MatrixXd>& value) {
+  data_.block(start, start, value.rows(), value.cols()).triangularView<Eigen::Lower>() = value;
+}
+
+void Covariance::gather(std::span<const Index> starts, MatrixXd& columns) const {
+  columns.resize(size_, kTriplet * static_cast<Index>(starts.size()));
+  Index out = 0;
+  for (const Index start : starts) {
+    auto target = columns.middleCols<kTriplet>(out);
+    target.topRows(start) = data_.block(start, 0, kTriplet, start).transpose();
+    target.middleRows<kTriplet>(start) = diagonal_block<kTriplet>(start);
+    const Index below = size_ - start - kTriplet;
+    target.bottomRows(below) = data_.block(start + kTriplet, start, below, kTriplet);
+    out += kTriplet;
+  }
+}
+
+void Covariance::scatter(std::span<const Index> starts, const Eigen::Ref<const MatrixXd>& columns) {
+  Index in = 0;
+  for (const Index start : starts) {
+    const auto source = columns.middleCols<kTriplet>(in);
+    data_.block(start, 0, kTriplet, start) = source.topRows(start).transpose();
+    data_.block<kTriplet, kTriplet>(start, start) = source.middleRows<kTriplet>(start);
+    const Index below = size_ - start - kTriplet;
+    data_.block(start + kTriplet, start, below, kTriplet) = source.bottomRows(below);
+    in += kTriplet;
+  }
+}
+
+void Covariance::subtract_outer(const Eigen::Ref<const MatrixXd>& W) {
+  auto P = data_.topLeftCorner(size_, size_);
+  P.selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
+}
+
+void Covariance::propagate_leading(const Eigen::Ref<const MatrixXd>& Phi,
+                                   const Eigen::Ref<const MatrixXd>& Q) {
+  const Index k = Phi.rows();
+  const MatrixXd P = data_.topLeftCorner(k, k).selfadjointView<Eigen::Lower>();
+  set_diagonal_block(0, Phi * P * Phi.transpose() + Q);
+  propagate_cross(Phi);
+}
+
+void Covariance::propagate_cross(const Eigen::Ref<const MatrixXd>& Phi) {
+  const Index k = Phi.rows();
+  auto cross = data_.block(k, 0, size_ - k, k);
+  cross = (cross * Phi.transpose()).eval();
+}
+
+Index Covariance::append(Index count) {
+  const Index first = size_;
+  if (size_ + count > data_.rows()) {
+    const Index capacity = std::max(size_ + count, data_.rows() + data_.rows() / 2 + 64);
+    MatrixXd grown(capacity, capacity);
+    grown.topLeftCorner(size_, size_) = data_.topLeftCorner(size_, size_);
+    data_.swap(grown);
+  }
+  size_ += count;
+  data_.block(first, 0, count, size_).setZero();
+  return first;
+}
+
+Index Covariance::remove_triplet(Index start) {
+  const Index last = size_ - kTriplet;
+  if (start != last) {
+    const Eigen::Matrix3d moved = diagonal_block<kTriplet>(last);
+    const Index between = last - start - kTriplet;
+    data_.block(start, 0, kTriplet, start) = data_.block(last, 0, kTriplet, start);
+    data_.block(start + kTriplet, start, between, kTriplet) =
+        data_.block(last, start + kTriplet, kTriplet, between).transpose();
+    set_diagonal_block(start, moved);
+  }
+  size_ = last;
+  return last;
+}
+
+}  // namespace limber

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "limber/update/constraint.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// D times the right singular vectors whose singular value is not weak: m×rank.
+MatrixXd strong_directions(const Eigen::Ref<const MatrixXd>& D) {
+  if (D.cols() == 0) {
+    return D;
+  }
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(D.transpose() * D);
+  Index weak = 0;
+  while (weak < D.cols() && eigen.eigenvalues()(weak) < kWeakDirection * kWeakDirection) {
+    ++weak;
+  }
+  return D * eigen.eigenvectors().rightCols(D.cols() - weak);
+}
+
+NullSpaceProjection::NullSpaceProjection(const Eigen::Ref<const MatrixXd>& D) {
+  // From the last row up, so that the constrained rows, which Householder QR puts first, already stand near
+  // the end.
+  for (Index row = D.rows() - 1; row >= 0; --row) {
+    if (!D.row(row).isZero(0.0)) {
+      touched_.push_back(row);
+    }
+  }
+  if (touched_.empty()) {
+    return;
+  }
+  MatrixXd A = strong_directions(D(touched_, Eigen::all));
+  rank_ = std::min(A.cols(), A.rows());
+  if (rank_ == 0) {
+    return;
+  }
+  const Eigen::HouseholderQR<MatrixXd> qr(A);
+  V_ = qr.matrixQR().leftCols(rank_);
+  V_.triangularView<Eigen::StrictlyUpper>().setZero();
+  V_.diagonal().setOnes();
+  // Compact WY: T(k,k) = tau_k, T(0:k,k) = -tau_k T(0:k,0:k) V(:,0:k)ᵀ V(:,k).
+  T_.setZero(rank_, rank_);
+  for (Index k = 0; k < rank_; ++k) {
+    const double tau = qr.hCoeffs()(k);
+    T_(k, k) = tau;
+    if (k > 0) {
+      T_.col(k).head(k) = T_.topLeftCorner(k, k) * (V_.leftCols(k).transpose() * V_.col(k)) * -tau;
+    }
+  }
+  order_tail(D.rows());
+}
+
+void NullSpaceProjection::order_tail(Index rows) {
+  tail_start_ = touched_[static_cast<std::size_t>(rank_ - 1)];
+  std::vector<bool> constrained(static_cast<std::size_t>(rows - tail_start_), false);
+  for (Index k = 0; k < rank_; ++k) {
+    constrained[static_cast<std::size_t>(touched_[static_cast<std::size_t>(k)] - tail_start_)] = true;
+  }
+  for (const bool wanted : {false, true}) {
+    for (std::size_t k = 0; k < constrained.size(); ++k) {
+      if (constrained[k] == wanted) {
+        tail_order_.push_back(static_cast<Index>(k));
+      }
+    }
+  }
+}
+
+void NullSpaceProjection::apply_left(Eigen::Ref<MatrixXd> x) const {
+  if (rank_ == 0) {
+    return;
+  }
+  MatrixXd rows = x(touched_, Eigen::all);
+  rows.noalias() -= V_ * (T_.transpose() * (V_.transpose() * rows)).eval();
+  x(touched_, Eigen::all) = rows;
+  auto tail = x.bottomRows(x.rows() - tail_start_);
+  tail = tail(tail_order_, Eigen::all).eval();
+}
+
+void NullSpaceProjection::apply_right(Eigen::Ref<MatrixXd> x) const {
+  if (rank_ == 0) {
+    return;
+  }
+  MatrixXd cols = x(Eigen::all, touched_);
+  cols.noalias() -= ((cols * V_) * T_).eval() * V_.transpose();
+  x(Eigen::all, touched_) = cols;
+  auto tail = x.rightCols(x.cols() - tail_start_);
+  tail = tail(Eigen::all, tail_order_).eval();
+}
+
+}  // namespace limber

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+#include "limber/update/gate.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <map>
+
+#include "limber/core/chi_square.hpp"
+#include "limber/update/constraint.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Eigenvalues below this share of the largest count as zero: the constraint has used up that residual.
+constexpr double kRankTolerance = 1e-9;
+
+struct Distance {
+  double squared = 0.0;
+  Index dof = 0;
+};
+
+/// eᵀ B⁺ e. `scale` says how large B would be without the constraint.
+Distance mahalanobis(const VectorXd& e, const MatrixXd& B, double scale) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(B);
+  Distance out;
+  for (Index k = 0; k < e.size(); ++k) {
+    if (eigen.eigenvalues()(k) > kRankTolerance * scale) {
+      const double component = eigen.eigenvectors().col(k).dot(e);
+      out.squared += component * component / eigen.eigenvalues()(k);
+      ++out.dof;
+    }
+  }
+  return out;
+}
+
+/// S⁻¹ of the rows still in play, applied to A (the constrained directions) and to r.
+class Judge {
+ public:
+  Judge(const Innovation& innovation, const MatrixXd& S, const MatrixXd& A, double probability)
+      : r_(innovation.r), S_(S), A_(A), probability_(probability), llt_(S) {
+    SinvA_ = llt_.solve(A_);
+    Sinvr_ = llt_.solve(r_);
+  }
+
+  [[nodiscard]] bool valid() const { return llt_.info() == Eigen::Success; }
+
+  /// Judges the accepted groups; returns the one that exceeds its threshold most, or -1.
+  Index worst(const std::vector<RowGroup>& groups, GateReport& report) {
+    const MatrixXd M = A_.transpose() * SinvA_;
+    const Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition(M);
+    const VectorXd delta = decomposition.solve(A_.transpose() * Sinvr_);
+    const MatrixXd Minv = decomposition.pseudoInverse();
+    Index worst = -1;
+    double worst_ratio = 1.0;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      if (!report.accepted[g]) {
+        continue;
+      }
+      const auto [row, rows] = groups[g];
+      const MatrixXd A = A_.middleRows(row, rows);
+      const MatrixXd S = S_.block(row, row, rows, rows);
+      const Distance d =
+          mahalanobis(r_.segment(row, rows) - A * delta, S - A * Minv * A.transpose(), S.trace());
+      report.distance[g] = d.squared;
+      report.threshold[g] = quantile(d.dof);
+      if (d.dof > 0 && d.squared > worst_ratio * report.threshold[g]) {
+        worst_ratio = d.squared / report.threshold[g];
+        worst = static_cast<Index>(g);
+      }
+    }
+    return worst;
+  }
+
+  /// Takes the rows of a group out: block elimination in S⁻¹.
+  void drop(const RowGroup& group) {
+    if (Sinv_.size() == 0) {
+      Sinv_ = llt_.solve(MatrixXd::Identity(S_.rows(), S_.cols()));
+    }
+    const MatrixXd column = Sinv_.middleCols(group.row, group.rows);
+    const MatrixXd pivot = Sinv_.block(group.row, group.row, group.rows, group.rows);
+    const MatrixXd scaled = pivot.llt().solve(column.transpose());  // V_ii⁻¹ V_i:
+    SinvA_ -= scaled.transpose() * SinvA_.middleRows(group.row, group.rows).eval();
+    Sinvr_ -= scaled.transpose() * Sinvr_.segment(group.row, group.rows).eval();
+    Sinv_.noalias() -= column * scaled;
+  }
+
+ private:
+  double quantile(Index dof) {
+    if (dof == 0) {
+      return 0.0;
+    }
+    const auto [it, fresh] = quantiles_.try_emplace(dof, 0.0);
+    if (fresh) {
+      it->second = chi_square_quantile(probability_, static_cast<double>(dof));
+    }
+    return it->second;
+  }
+
+  const VectorXd& r_;
+  const MatrixXd& S_;
+  const MatrixXd& A_;
+  double probability_;
+  Eigen::LLT<MatrixXd> llt_;
+  MatrixXd SinvA_, Sinv_;
+  VectorXd Sinvr_;
+  std::map<Index, double> quantiles_;
+};
+
+std::vector<Index> kept_rows(const std::vector<RowGroup>& groups, const std::vector<bool>& kept) {
+  std::vector<Index> rows;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    for (Index k = 0; kept[g] && k < groups[g].rows; ++k) {
+      rows.push_back(groups[g].row + k);
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+bool GateReport::all_accepted() const {
+  return std::find(accepted.begin(), accepted.end(), false) == accepted.end();
+}
+
+GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
+                const ParameterTreatment& treatment, double probability) {
+  GateReport report{std::vector<bool>(groups.size(), true), std::vector<double>(groups.size(), 0.0),
+                    std::vector<double>(groups.size(), 0.0)};
+  MatrixXd S = innovation.S;
+  if (treatment.white_covariance.size() > 0) {
+    S.noalias() += innovation.D * (treatment.white_covariance * innovation.D.transpose()).eval();
+  }
+  const MatrixXd A = treatment.constrained.cols() > 0
+                         ? strong_directions(innovation.D * treatment.constrained)
+                         : MatrixXd(S.rows(), 0);
+  Judge judge(innovation, S, A, probability);
+  if (!judge.valid()) {
+    return report;  // the update will say that S is singular
+  }
+  for (Index worst = judge.worst(groups, report); worst >= 0; worst = judge.worst(groups, report)) {
+    report.accepted[static_cast<std::size_t>(worst)] = false;
+    judge.drop(groups[static_cast<std::size_t>(worst)]);
+  }
+  return report;
+}
+
+Innovation subset(const Innovation& innovation, const std::vector<RowGroup>& groups,
+                  const std::vector<bool>& kept) {
+  const std::vector<Index> rows = kept_rows(groups, kept);
+  return {innovation.r(rows), innovation.D(rows, Eigen::all), innovation.PHt(Eigen::all, rows),
+          innovation.S(rows, rows)};
+}
+
+}  // namespace limber

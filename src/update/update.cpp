@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "limber/update/update.hpp"
+
+#include <Eigen/Cholesky>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "limber/update/constraint.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+void check(const Innovation& innovation, const ParameterTreatment& treatment) {
+  const Index c = innovation.D.cols();
+  if ((treatment.constrained.cols() > 0 && treatment.constrained.rows() != c) ||
+      (treatment.white_covariance.size() > 0 && treatment.white_covariance.rows() != c)) {
+    throw std::invalid_argument("update: D has " + std::to_string(c) + " columns, but C has " +
+                                std::to_string(treatment.constrained.rows()) + " rows and Sigma_w " +
+                                std::to_string(treatment.white_covariance.rows()));
+  }
+}
+
+/// S += D Sigma_w Dᵀ.
+void add_white_covariance(Innovation& innovation, const ParameterTreatment& treatment) {
+  if (treatment.white_covariance.size() > 0) {
+    innovation.S.noalias() += innovation.D * (treatment.white_covariance * innovation.D.transpose()).eval();
+  }
+}
+
+UpdateReport untouched(UpdateStatus status, Index n) {
+  UpdateReport report;
+  report.status = status;
+  report.dx = VectorXd::Zero(n);
+  return report;
+}
+
+}  // namespace
+
+UpdateReport update(Covariance& P, const LinearMeasurement& measurement,
+                    const ParameterTreatment& treatment) {
+  return update(P, form_innovation(P, measurement), treatment);
+}
+
+UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreatment& treatment) {
+  check(innovation, treatment);
+  const Index m = innovation.r.size();
+  if (m == 0) {
+    return untouched(UpdateStatus::kEmpty, P.size());
+  }
+  add_white_covariance(innovation, treatment);
+
+  Index rank = 0;
+  if (treatment.constrained.cols() > 0) {
+    const NullSpaceProjection projection(innovation.D * treatment.constrained);
+    rank = projection.rank();
+    projection.apply_left(innovation.r);
+    projection.apply_right(innovation.PHt);
+    projection.apply_right(innovation.S);
+    projection.apply_left(Eigen::Ref<MatrixXd>(innovation.S));
+  }
+  const Index dof = m - rank;
+  if (dof == 0) {
+    return untouched(UpdateStatus::kEmpty, P.size());
+  }
+
+  const Eigen::LLT<MatrixXd> llt(innovation.S.topLeftCorner(dof, dof));
+  if (llt.info() != Eigen::Success) {
+    return untouched(UpdateStatus::kSingularInnovation, P.size());
+  }
+  // With S = L Lᵀ: W = P Hᵀ L⁻ᵀ, dx = W L⁻¹ r, P -= W Wᵀ.
+  const VectorXd y = llt.matrixL().solve(innovation.r.head(dof));
+  auto W = innovation.PHt.leftCols(dof);
+  llt.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(W);
+  UpdateReport report;
+  report.status = UpdateStatus::kUpdated;
+  report.dx.noalias() = W * y;
+  report.nis = y.squaredNorm();
+  report.dof = dof;
+  report.rank = rank;
+  P.subtract_outer(W);
+  return report;
+}
+
+UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measurement,
+                              const ParameterTreatment& treatment) {
+  Innovation innovation = form_innovation(P, measurement);
+  check(innovation, treatment);
+  const Index n = P.size();
+  if (innovation.r.size() == 0) {
+    return untouched(UpdateStatus::kEmpty, n);
+  }
+  add_white_covariance(innovation, treatment);
+  const Eigen::LLT<MatrixXd> S(innovation.S);
+  if (S.info() != Eigen::Success) {
+    return untouched(UpdateStatus::kSingularInnovation, n);
+  }
+  const MatrixXd K = S.solve(innovation.PHt.transpose()).transpose();  // P Hᵀ S⁻¹
+  MatrixXd L = K;
+  MatrixXd P_new = P.dense() - K * innovation.PHt.transpose();  // (I − K H) P
+  Index rank = 0;
+  double nis = innovation.r.dot(S.solve(innovation.r));
+  if (treatment.constrained.cols() > 0) {
+    const MatrixXd dH = innovation.D * treatment.constrained;
+    const MatrixXd SinvD = S.solve(dH);
+    const Eigen::LDLT<MatrixXd> M(dH.transpose() * SinvD);
+    if (M.info() != Eigen::Success || !M.isPositive() || M.vectorD().minCoeff() <= 0.0) {
+      return untouched(UpdateStatus::kSingularInnovation, n);
+    }
+    const MatrixXd KD = K * dH;
+    L -= KD * M.solve(SinvD.transpose());   // Eq. (17)
+    P_new += KD * M.solve(KD.transpose());  // Eq. (19)
+    const VectorXd d = SinvD.transpose() * innovation.r;
+    nis -= d.dot(M.solve(d));
+    rank = dH.cols();
+  }
+  P.set_diagonal_block(0, 0.5 * (P_new + P_new.transpose()));
+  UpdateReport report;
+  report.status = UpdateStatus::kUpdated;
+  report.dx = L * innovation.r;
+  report.nis = nis;
+  report.dof = innovation.r.size() - rank;
+  report.rank = rank;
+  return report;
+}
+
+}  // namespace limber
