@@ -2,77 +2,133 @@
 #include "limber/core/chi_square.hpp"
 
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <stdexcept>
+#include <string>
 
 namespace limber {
 namespace {
 
-constexpr int kMaxTerms = 2000;
-constexpr double kEpsilon = 1e-16;
+constexpr double kEps = std::numeric_limits<double>::epsilon();
 
-/// Lower regularised incomplete gamma function P(a, x), by series (x < a + 1).
-double gamma_p_series(double a, double x) {
-  double term = 1.0 / a;
-  double sum = term;
-  for (int n = 1; n < kMaxTerms && std::abs(term) > kEpsilon * std::abs(sum); ++n) {
-    term *= x / (a + n);
-    sum += term;
+// x^a exp(-x) / Gamma(a + 1). For large a through Stirling's series, which never subtracts large logarithms.
+double gamma_prefactor(double a, double x) {
+  constexpr double kStirlingFrom = 15.0;
+  if (a < kStirlingFrom) {
+    return std::exp(a * std::log(x) - x) / std::tgamma(a + 1.0);
   }
-  return sum * std::exp(-x + a * std::log(x) - std::lgamma(a));
+  const double a2 = a * a;
+  const double series = (1.0 / 12.0 - (1.0 / 360.0 - (1.0 / 1260.0 - 1.0 / (1680.0 * a2)) / a2) / a2) / a;
+  const double mu = (x - a) / a;
+  return std::exp(a * (std::log1p(mu) - mu) - series) / std::sqrt(2.0 * std::numbers::pi * a);
 }
 
-/// Upper regularised incomplete gamma function Q(a, x), by Lentz's continued fraction (x >= a + 1).
+// Lower regularised incomplete gamma function P(a, x) by its power series, for x < a + 1. [DLMF], 8.11.4.
+double gamma_p_series(double a, double x) {
+  double term = 1.0;
+  double sum = 1.0;
+  for (double n = a + 1.0; term > kEps * sum; n += 1.0) {
+    term *= x / n;
+    sum += term;
+  }
+  return gamma_prefactor(a, x) * sum;
+}
+
+// Upper Q(a, x) by its continued fraction, for x >= a + 1: modified Lentz algorithm. [DLMF], 8.9.2.
 double gamma_q_fraction(double a, double x) {
   constexpr double kTiny = 1e-300;
   double b = x + 1.0 - a;
   double c = 1.0 / kTiny;
   double d = 1.0 / b;
-  double h = d;
-  for (int i = 1; i < kMaxTerms; ++i) {
-    const double an = -i * (i - a);
+  double fraction = d;
+  for (double n = 1.0, factor = 0.0; std::abs(factor - 1.0) > 4.0 * kEps; n += 1.0) {
+    const double numerator = -n * (n - a);
     b += 2.0;
-    d = an * d + b;
+    d = numerator * d + b;
     d = 1.0 / (std::abs(d) < kTiny ? kTiny : d);
-    c = b + an / c;
+    c = b + numerator / c;
     c = std::abs(c) < kTiny ? kTiny : c;
-    const double delta = d * c;
-    h *= delta;
-    if (std::abs(delta - 1.0) < kEpsilon) {
-      break;
-    }
+    factor = d * c;
+    fraction *= factor;
   }
-  return h * std::exp(-x + a * std::log(x) - std::lgamma(a));
+  return a * gamma_prefactor(a, x) * fraction;
+}
+
+void check_dof(double dof) {
+  if (!(dof > 0.0) || !std::isfinite(dof)) {
+    throw std::invalid_argument("chi-square: degrees of freedom must be positive, got " +
+                                std::to_string(dof));
+  }
+}
+
+// Both tails at once, each accurate where it is small.
+struct Tails {
+  double lower, upper;
+};
+
+Tails chi_square_tails(double x, double dof) {
+  check_dof(dof);
+  if (std::isnan(x)) {
+    throw std::invalid_argument("chi-square: the value is not a number");
+  }
+  if (x <= 0.0) {
+    return {0.0, 1.0};
+  }
+  if (std::isinf(x)) {
+    return {1.0, 0.0};
+  }
+  const double a = 0.5 * dof;
+  const double half = 0.5 * x;
+  if (half < a + 1.0) {
+    const double lower = gamma_p_series(a, half);
+    return {lower, 1.0 - lower};
+  }
+  const double upper = gamma_q_fraction(a, half);
+  return {1.0 - upper, upper};
+}
+
+// Density of the distribution at x > 0.
+double chi_square_density(double x, double dof) {
+  const double a = 0.5 * dof;
+  return gamma_prefactor(a, 0.5 * x) * a / x;
 }
 
 }  // namespace
 
-double chi_square_cdf(double x, double dof) {
-  if (!(dof > 0.0) || !(x >= 0.0)) {
-    throw std::invalid_argument("chi_square_cdf: expected dof > 0 and x >= 0");
-  }
-  if (x == 0.0) {
-    return 0.0;
-  }
-  const double a = 0.5 * dof;
-  const double half = 0.5 * x;
-  return half < a + 1.0 ? gamma_p_series(a, half) : 1.0 - gamma_q_fraction(a, half);
-}
+double chi_square_cdf(double x, double dof) { return chi_square_tails(x, dof).lower; }
+
+double chi_square_survival(double x, double dof) { return chi_square_tails(x, dof).upper; }
 
 double chi_square_quantile(double probability, double dof) {
-  if (!(probability >= 0.0 && probability < 1.0) || !(dof > 0.0)) {
-    throw std::invalid_argument("chi_square_quantile: expected 0 <= probability < 1 and dof > 0");
+  check_dof(dof);
+  if (!(probability >= 0.0 && probability < 1.0)) {
+    throw std::invalid_argument("chi-square: probability must be in [0, 1), got " +
+                                std::to_string(probability));
+  }
+  if (probability == 0.0) {
+    return 0.0;
   }
   double low = 0.0;
-  double high = dof + 10.0;
+  double high = dof + 1.0;
   while (chi_square_cdf(high, dof) < probability) {
+    low = high;
     high *= 2.0;
   }
-  // Bisection to the last bit: called once per gate, never in a loop over points.
-  for (int i = 0; i < 200 && high - low > 1e-14 * high; ++i) {
-    const double middle = 0.5 * (low + high);
-    (chi_square_cdf(middle, dof) < probability ? low : high) = middle;
+  // Newton steps on the smaller tail, bisection where they leave the bracket.
+  double x = 0.5 * (low + high);
+  for (int i = 0; i < 200 && high - low > kEps * high; ++i) {
+    const Tails tails = chi_square_tails(x, dof);
+    const double excess = probability < 0.5 ? tails.lower - probability : (1.0 - probability) - tails.upper;
+    (excess > 0.0 ? high : low) = x;
+    const double next = x - excess / chi_square_density(x, dof);
+    const double moved = next > low && next < high ? next : 0.5 * (low + high);
+    if (std::abs(moved - x) <= kEps * x) {
+      return moved;
+    }
+    x = moved;
   }
-  return 0.5 * (low + high);
+  return x;
 }
 
 }  // namespace limber
