@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "limber/core/state.hpp"
+#include "limber/measure/rig.hpp"
+
+namespace limber {
+
+/// @brief A landmark seen from the body, in homogeneous form: its position is Y / w.
+/// Cartesian landmarks have w = 1, inverse-depth ones w = rho, so that far points need no special case.
+struct BodyPoint {
+  Eigen::Vector3d Y = Eigen::Vector3d::UnitZ();
+  double w = 1.0;
+  Eigen::Matrix3d J_Y_position, J_Y_attitude;  ///< of the body
+  Eigen::Matrix3d J_Y_landmark;                ///< of the landmark's triplet
+  Eigen::RowVector3d J_w_landmark;
+  Eigen::Matrix3d J_Y_anchor_position = Eigen::Matrix3d::Zero();  ///< zero for Cartesian landmarks
+  Eigen::Matrix3d J_Y_anchor_attitude = Eigen::Matrix3d::Zero();
+};
+
+/// @brief The landmark in the body frame at pose T_world_body, with derivatives with respect to the error
+/// state.
+/// @param anchor  the landmark's anchor; null for a Cartesian landmark
+[[nodiscard]] BodyPoint body_point(const Pose& T_world_body, const Landmark& landmark, const Anchor* anchor);
+
+/// @brief Position of the landmark in the world [m]; far away but finite where the inverse depth is not
+/// positive.
+[[nodiscard]] Eigen::Vector3d world_position(const Landmark& landmark, const Anchor* anchor);
+
+/// Pixel of a landmark in one camera and its derivatives.
+struct PointProjection {
+  Eigen::Vector2d uv;  ///< [px]
+  Eigen::Matrix<double, 2, 3> J_position, J_attitude, J_landmark;
+  Eigen::Matrix<double, 2, 3> J_anchor_position, J_anchor_attitude;  ///< inverse depth only
+  Eigen::Matrix<double, 2, 6> J_theta;  ///< zero if the camera does not depend on theta
+};
+
+/// @brief Projects a body point into one camera of the rig.
+/// @return nothing where the camera model is not valid (behind the camera)
+/// @note [Vivet2022], Eqs. (22)-(28) as corrected.
+[[nodiscard]] std::optional<PointProjection> project_point(const MountedCamera& mounted,
+                                                           const BodyPoint& point);
+
+}  // namespace limber
