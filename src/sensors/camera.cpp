@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "limber/sensors/camera.hpp"
 
+#include <Eigen/LU>
+
 #include <cmath>
 #include <limits>
 
@@ -13,6 +15,7 @@ using Eigen::Vector3d;
 
 constexpr int kMaxIterations = 30;
 constexpr double kConvergence = 1e-13;  // of normalised coordinates
+constexpr int kMonotonicSamples = 16;   // between the axis and a fisheye ray
 
 struct Distorted {
   Vector2d m;  // distorted normalised coordinates
@@ -68,17 +71,27 @@ EquidistantRadius equidistant_radius(const Equidistant& d, double theta) {
           1.0 + s * (3.0 * d.k1 + s * (5.0 * d.k2 + s * (7.0 * d.k3 + s * 9.0 * d.k4)))};
 }
 
+/// Whether theta_d grows all the way from the axis to theta: beyond a fold, pixels belong to other rays.
+bool is_monotonic(const Equidistant& d, double theta) {
+  for (int k = 1; k <= kMonotonicSamples; ++k) {
+    if (equidistant_radius(d, theta * k / kMonotonicSamples).derivative <= 0.0) {
+      return false;
+    }
+  }
+  return true;
+}
+
 std::optional<Projection> project_equidistant(const Camera& camera, const Equidistant& d, const Vector3d& X) {
   const double rho = X.head<2>().norm();
   const double range2 = X.squaredNorm();
-  if (range2 == 0.0 || (rho == 0.0 && X.z() <= 0.0)) {
+  if (!X.allFinite() || range2 == 0.0 || (rho == 0.0 && X.z() <= 0.0)) {
     return std::nullopt;
   }
   const double theta = std::atan2(rho, X.z());
-  const EquidistantRadius radius = equidistant_radius(d, theta);
-  if (radius.derivative <= 0.0 || radius.value < 0.0) {
+  if (!is_monotonic(d, theta)) {
     return std::nullopt;
   }
+  const EquidistantRadius radius = equidistant_radius(d, theta);
   // m = theta_d (x, y) / rho; on the axis the limit is (x, y) / z.
   const bool on_axis = rho < 1e-9 * X.z();
   const double scale = on_axis ? 1.0 / X.z() : radius.value / rho;
@@ -99,7 +112,7 @@ std::optional<Projection> project_equidistant(const Camera& camera, const Equidi
 
 template <typename PlanarDistortion>
 std::optional<Projection> project_planar(const Camera& camera, const PlanarDistortion& d, const Vector3d& X) {
-  if (!(X.z() > 0.0)) {
+  if (!(X.z() > 0.0) || !X.allFinite()) {
     return std::nullopt;
   }
   const Vector2d m = X.head<2>() / X.z();
@@ -151,7 +164,7 @@ std::optional<Vector3d> unproject_equidistant(const Equidistant& d, const Vector
     const double step = (radius - r.value) / r.derivative;
     theta += step;
     if (std::abs(step) < kConvergence * (1.0 + theta)) {
-      if (theta < 0.0 || theta >= M_PI || equidistant_radius(d, theta).derivative <= 0.0) {
+      if (theta < 0.0 || theta >= M_PI || !is_monotonic(d, theta)) {
         return std::nullopt;
       }
       const Vector2d e = radius > 0.0 ? Vector2d(target / radius) : Vector2d::Zero();
