@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "limber/update/measurement.hpp"
+#include "limber/update/innovation.hpp"
 #include "limber/update/update.hpp"
 
 namespace limber {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "limber/core/covariance.hpp"
-#include "limber/update/measurement.hpp"
+#include "limber/update/innovation.hpp"
 
 namespace limber {
 

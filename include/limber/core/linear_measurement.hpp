@@ -42,18 +42,4 @@ struct LinearMeasurement {
   [[nodiscard]] LinearMeasurement subset(const std::vector<bool>& kept) const;
 };
 
-/// @brief The measurement in units of its noise, and what the prior says about it.
-/// All rows are divided by sigma, so that the noise is the identity.
-struct Innovation {
-  Eigen::VectorXd r;    ///< m
-  Eigen::MatrixXd D;    ///< m×c
-  Eigen::MatrixXd PHt;  ///< P Hᵀ: n×m
-  Eigen::MatrixXd S;    ///< H P Hᵀ + I: m×m, full symmetric
-};
-
-/// @brief Whitens the measurement and forms P Hᵀ and S from the sparse H. O(n m) with the few blocks a row
-/// has.
-/// @throws std::invalid_argument if shapes disagree, a sigma is not positive or a residual is not finite
-[[nodiscard]] Innovation form_innovation(const Covariance& P, const LinearMeasurement& measurement);
-
 }  // namespace limber

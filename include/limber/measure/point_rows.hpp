@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+
+#include "limber/core/linear_measurement.hpp"
+#include "limber/core/state.hpp"
+#include "limber/measure/stereo_model.hpp"
+
+namespace limber {
+
+/// @brief A measurement of `rows` rows, all zero; D has six columns unless theta is part of the state.
+[[nodiscard]] LinearMeasurement empty_measurement(Eigen::Index rows, const StateLayout& layout);
+
+/// @brief Writes the two rows of one point in one camera at `row` of a stacked measurement: residual, sigma,
+/// the blocks of H, and theta's share, which goes to H if theta is in the state and to D if not.
+/// @param anchor    of the landmark; null if Cartesian
+/// @param sigma_px  standard deviations of (u, v) [px]
+void write_point_rows(LinearMeasurement& measurement, Eigen::Index row, const Eigen::Vector2d& uv_measured,
+                      const Eigen::Vector2d& sigma_px, const PointProjection& projection,
+                      const Landmark& landmark, const Anchor* anchor, const StateLayout& layout);
+
+}  // namespace limber

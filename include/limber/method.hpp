@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "limber/sensors/calibration.hpp"
+
+namespace limber {
+
+/// What a filter makes of the assumed rig theta.
+enum class Method : std::uint8_t {
+  kEkf,       ///< trusts it
+  kEkfFull,   ///< estimates it as a random walk
+  kLcekf,     ///< keeps its gain blind to the constrained directions
+  kSoft,      ///< expects a fresh, finite error in every frame
+  kConsider,  ///< carries its uncertainty, never corrects it (Schmidt)
+  kMonoLeft,  ///< does not look through the right camera
+  kOracle     ///< trusts it, and is told the truth by the application (simulation only)
+};
+
+/// All methods, in the order of tables.
+inline constexpr std::array kAllMethods = {Method::kEkf,   Method::kEkfFull,  Method::kLcekf,
+                                           Method::kSoft,  Method::kConsider, Method::kMonoLeft,
+                                           Method::kOracle};
+
+/// Name on the command line: ekf, ekf-full, lcekf, soft, consider, mono-left, oracle.
+[[nodiscard]] std::string to_string(Method method);
+/// @throws std::invalid_argument for another name; the message lists the known ones
+[[nodiscard]] Method method_from_string(const std::string& name);
+
+/// Directions of theta to which the gain is blind.
+struct ConstraintSet {
+  enum class Kind : std::uint8_t {
+    kFull,               ///< all six
+    kRotation,           ///< the three angles
+    kRotationDirection,  ///< all but the length of the baseline
+    kListed              ///< those in `listed`
+  };
+  Kind kind = Kind::kFull;
+  std::array<bool, 6> listed{};  ///< ax, ay, az, tx, ty, tz; read for kListed only
+};
+
+/// "full", "none", "rotation", "rotation+direction" or a list such as "ax,ay,tx".
+/// @throws std::invalid_argument for anything else
+[[nodiscard]] ConstraintSet constraint_set_from_string(const std::string& text);
+[[nodiscard]] std::string to_string(const ConstraintSet& set);
+
+/// One plausible error of each parameter: 0.1 deg, and 5 % of the baseline [rad, m].
+[[nodiscard]] RigParameters plausible_error(double baseline);
+
+/// C: 6×k, columns scaled to one plausible error each. `rotation+direction` leaves the direction of t_s out.
+[[nodiscard]] Eigen::MatrixXd constraint_directions(const ConstraintSet& set, const RigParameters& theta);
+
+}  // namespace limber

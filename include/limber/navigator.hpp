@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "limber/map/birth.hpp"
+#include "limber/map/estimate.hpp"
+#include "limber/map/stack_frame.hpp"
+#include "limber/map/upkeep.hpp"
+#include "limber/method.hpp"
+#include "limber/predict/input_buffer.hpp"
+#include "limber/predict/motion.hpp"
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/samples.hpp"
+#include "limber/update/update.hpp"
+
+namespace limber {
+
+/// Everything a navigator is told before it starts. Defaults are those of a small visual-inertial rig.
+struct NavigatorOptions {
+  Method method = Method::kLcekf;
+  ConstraintSet constraints;  ///< lcekf only
+  MotionModel motion = MotionModel::kImu;
+
+  ImuNoise imu_noise;
+  OdometryNoise odometry_noise;  ///< per sample
+  ConstantVelocityNoise constant_velocity_noise;
+  PixelNoise sigma_px = PixelNoise::Constant(0.5);
+  double gravity = 9.81;  ///< [m/s^2]
+
+  /// ekf-full, consider, soft: standard deviation of theta [rad, m]. Zero: one plausible error (0.1 deg, 5
+  /// %).
+  RigParameters theta_sigma = RigParameters::Zero();
+  /// ekf-full: random walk of theta, variance per second [rad^2/s, m^2/s]; Table 1, 'well estimated', at 100
+  /// Hz.
+  RigParameters theta_walk = (RigParameters() << 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4).finished();
+
+  LandmarkKind landmarks = LandmarkKind::kInverseDepth;
+  BirthOptions birth;  ///< mode and kind are set from method and landmarks
+  UpkeepOptions upkeep;
+  bool gate = true;
+  double gate_probability = 0.999;  ///< chance that a good point passes
+};
+
+/// Where to start.
+struct InitialState {
+  NavigationState nav;
+  Eigen::MatrixXd body_covariance;  ///< StateLayout::body_size() wide
+};
+
+/// What became of one frame.
+struct FrameReport {
+  std::int64_t t_ns = 0;
+  UpdateStatus status = UpdateStatus::kEmpty;
+  double nis = 0.0;       ///< of the projected rows [-]
+  Eigen::Index dof = 0;   ///< of nis
+  Eigen::Index rank = 0;  ///< constrained directions that this frame's geometry can see
+  std::size_t observed = 0;
+  std::size_t used = 0;
+  std::size_t born = 0;
+  std::size_t removed = 0;
+  std::vector<Refusal> refused;
+};
+
+/// @brief Stereo navigation for a rig that bends: inputs in, frames in, state out.
+///
+/// Feed inputs up to (or beyond) a frame's time, then the frame. One navigator, one thread.
+class Navigator {
+ public:
+  /// @param calibration  what the filter assumes; never the truth (but see oracle)
+  /// @throws std::invalid_argument if options contradict each other or shapes disagree
+  Navigator(const NavigatorOptions& options, const StereoCalibration& calibration,
+            const InitialState& initial);
+
+  /// @throws std::invalid_argument if time does not increase or a value is not finite
+  void add_imu(const ImuSample& sample);
+  void add_odometry(const OdometrySample& sample);
+
+  /// Advances the state to t_ns with the inputs so far; nothing happens if t_ns is not later.
+  void predict_to(std::int64_t t_ns);
+
+  /// @brief Predict, bear, update, keep up: one stereo frame.
+  /// @throws std::invalid_argument if the frame is older than the state, a pixel is not finite or an id comes
+  /// twice
+  FrameReport process(const StereoFrame& frame);
+
+  /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
+  void assume_theta(const RigParameters& theta);
+
+  [[nodiscard]] const Estimate& estimate() const { return estimate_; }
+  [[nodiscard]] const NavigatorOptions& options() const { return options_; }
+
+ private:
+  using Newborn = std::unordered_map<std::int64_t, UnspentRows>;
+
+  [[nodiscard]] Transition predict_step(const InputStep& step);
+  [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns);
+  [[nodiscard]] Newborn bear(const StereoFrame& frame);
+  void update_with(const StereoFrame& frame, const Newborn& newborn, FrameReport& report);
+  void book(const StackedFrame& stacked, const std::vector<bool>& accepted, const Newborn& newborn,
+            FrameReport& report);
+  [[nodiscard]] ParameterTreatment treatment() const;
+
+  NavigatorOptions options_;
+  StereoCalibration calibration_;  // theta is the one in use
+  MountedRig rig_;
+  Estimate estimate_;
+  InputBuffer inputs_;
+};
+
+}  // namespace limber

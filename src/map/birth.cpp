@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include "limber/map/birth.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "limber/measure/point_rows.hpp"
+#include "limber/measure/triangulate.hpp"
+#include "limber/update/innovation.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+namespace {
+
+/// A triangulated point further than this many baselines starts there: beyond, depth cannot be told from
+/// infinity.
+constexpr double kFarthestBaselines = 1000.0;
+/// A triangulated point nearer than this many baselines starts there.
+constexpr double kNearestBaselines = 0.5;
+constexpr int kRefinements = 4;
+
+/// What both cameras say about a new point, as unit bearings.
+struct Sighting {
+  Vector3d d0;
+  std::optional<Vector3d> d1;
+};
+
+std::optional<Sighting> sight(const StereoObservation& observation, const MountedRig& rig) {
+  if (!observation.in_cam0) {
+    return std::nullopt;
+  }
+  const std::optional<Vector3d> d0 = unproject(rig[0].camera, observation.uv_cam0);
+  if (!d0) {
+    return std::nullopt;
+  }
+  Sighting out{*d0, std::nullopt};
+  if (observation.in_cam1) {
+    out.d1 = unproject(rig[1].camera, observation.uv_cam1);
+  }
+  return out;
+}
+
+Pose between_cameras(const MountedRig& rig) { return rig[1].T_cam_body * rig[0].T_cam_body.inverse(); }
+
+/// Triangulated inverse depth, kept inside the plausible range.
+double start_inverse_depth(const Sighting& sighting, const Pose& T_cam1_cam0) {
+  const double baseline = T_cam1_cam0.p.norm();
+  const double lowest = 1.0 / (kFarthestBaselines * baseline);
+  const double rho = inverse_depth_along(sighting.d0, *sighting.d1, T_cam1_cam0).value_or(lowest);
+  return std::clamp(rho, lowest, 1.0 / (kNearestBaselines * baseline));
+}
+
+/// A new inverse-depth landmark whose chart points along the left bearing: (a, b) start at zero.
+Landmark inverse_depth_landmark(const StereoObservation& observation, const Vector3d& d0, double rho,
+                                int anchor, std::int64_t t_ns) {
+  Landmark landmark;
+  landmark.track_id = observation.track_id;
+  landmark.kind = LandmarkKind::kInverseDepth;
+  landmark.anchor = anchor;
+  landmark.last_seen_ns = t_ns;
+  landmark.R_cam0_chart.col(2) = d0;
+  landmark.R_cam0_chart.col(0) = d0.unitOrthogonal();
+  landmark.R_cam0_chart.col(1) = d0.cross(landmark.R_cam0_chart.col(0));
+  landmark.value << 0.0, 0.0, rho;
+  return landmark;
+}
+
+/// Covariance of (a, b) from the left pixel's noise.
+Eigen::Matrix2d bearing_covariance(const Camera& camera, const Landmark& landmark, const Vector2d& sigma_px) {
+  const Eigen::Matrix2d J_uv_ab =
+      project(camera, landmark.R_cam0_chart.col(2))->J_uv_X * landmark.R_cam0_chart.leftCols<2>();
+  const Eigen::Matrix2d J = J_uv_ab.inverse();
+  return J * sigma_px.cwiseAbs2().asDiagonal() * J.transpose();
+}
+
+/// Bearing from the left pixel, inverse depth from `rho` and its sigma; correlated with nothing but its
+/// anchor.
+Matrix3d diffuse_covariance(const MountedRig& rig, const Landmark& landmark, const PixelNoise& sigma_px,
+                            double rho_sigma) {
+  Matrix3d P_ll = Matrix3d::Zero();
+  P_ll.topLeftCorner<2, 2>() = bearing_covariance(rig[0].camera, landmark, sigma_px.head<2>());
+  P_ll(2, 2) = rho_sigma * rho_sigma;
+  return P_ll;
+}
+
+/// Reprojection of a landmark that is not in the state yet: four rows at `measurement`, H_l beside it.
+/// The landmark's own blocks are taken out of H.
+bool linearise_newborn(const Estimate& estimate, const StereoObservation& observation, const MountedRig& rig,
+                       const PixelNoise& sigma_px, Landmark& landmark, const Anchor* anchor,
+                       LinearMeasurement& measurement, Eigen::Matrix<double, 4, 3>& H_l) {
+  const BodyPoint point = body_point(estimate.nav.T_world_body, landmark, anchor);
+  measurement = empty_measurement(4, estimate.layout());
+  landmark.at = -1;
+  for (Index cam = 0; cam < 2; ++cam) {
+    const std::optional<PointProjection> projection =
+        project_point(rig[static_cast<std::size_t>(cam)], point);
+    if (!projection) {
+      return false;
+    }
+    write_point_rows(measurement, 2 * cam, cam == 0 ? observation.uv_cam0 : observation.uv_cam1,
+                     sigma_px.segment<2>(2 * cam), *projection, landmark, anchor, estimate.layout());
+    H_l.middleRows<2>(2 * cam) = projection->J_landmark;
+  }
+  std::erase_if(measurement.H.blocks, [](const SparseJacobian::Block& block) { return block.col < 0; });
+  return true;
+}
+
+/// Least-squares birth: x_l from all four pixels, with what the pose and theta add (classical SLAM).
+bool bear_classically(Estimate& estimate, const StereoObservation& observation, const MountedRig& rig,
+                      const PixelNoise& sigma_px, Landmark landmark, const Anchor* anchor) {
+  LinearMeasurement measurement;
+  Eigen::Matrix<double, 4, 3> H_l;
+  const Eigen::Vector4d weight = sigma_px.cwiseInverse();
+  Eigen::Matrix<double, 3, 4> G;  // whitened pixels to landmark
+  for (int i = 0; i < kRefinements; ++i) {
+    if (!linearise_newborn(estimate, observation, rig, sigma_px, landmark, anchor, measurement, H_l)) {
+      return false;
+    }
+    const Eigen::Matrix<double, 4, 3> A = weight.asDiagonal() * H_l;
+    const Eigen::FullPivLU<Matrix3d> AtA(A.transpose() * A);
+    if (!AtA.isInvertible()) {
+      return false;
+    }
+    G = AtA.solve(A.transpose());
+    if (i + 1 < kRefinements) {
+      landmark.value += G * weight.cwiseProduct(measurement.residual);
+    }
+  }
+  const Innovation innovation = form_innovation(estimate.P, measurement);
+  const MatrixXd P_xl = -innovation.PHt * G.transpose();
+  estimate.add_landmark(landmark, G * innovation.S * G.transpose(), P_xl);
+  return true;
+}
+
+std::optional<UnspentRows> bear_inverse_depth(Estimate& estimate, const StereoObservation& observation,
+                                              const Sighting& sighting, const MountedRig& rig,
+                                              const PixelNoise& sigma_px, std::int64_t t_ns, int anchor,
+                                              const BirthOptions& options) {
+  if (!sighting.d1) {
+    const Landmark landmark =
+        inverse_depth_landmark(observation, sighting.d0, options.mono_inverse_depth, anchor, t_ns);
+    estimate.add_landmark(landmark,
+                          diffuse_covariance(rig, landmark, sigma_px, options.mono_inverse_depth_sigma));
+    return UnspentRows::kNone;
+  }
+  const Pose T_cam1_cam0 = between_cameras(rig);
+  const Landmark landmark = inverse_depth_landmark(observation, sighting.d0,
+                                                   start_inverse_depth(sighting, T_cam1_cam0), anchor, t_ns);
+  if (options.mode == BirthMode::kClassical) {
+    if (!bear_classically(estimate, observation, rig, sigma_px, landmark, estimate.anchor_of(landmark))) {
+      return std::nullopt;
+    }
+    return UnspentRows::kNone;
+  }
+  const double rho_sigma = options.inverse_depth_sigma_baselines / T_cam1_cam0.p.norm();
+  Matrix3d P_ll = diffuse_covariance(rig, landmark, sigma_px, rho_sigma);
+  if (rig[0].depends_on_theta) {
+    // The left pixel is no clean bearing of the body then: leave it to the stacked update as well.
+    P_ll.topLeftCorner<2, 2>() = Eigen::Matrix2d::Identity();
+    estimate.add_landmark(landmark, P_ll);
+    return UnspentRows::kAll;
+  }
+  estimate.add_landmark(landmark, P_ll);
+  return UnspentRows::kRight;
+}
+
+std::optional<UnspentRows> bear_cartesian(Estimate& estimate, const StereoObservation& observation,
+                                          const Sighting& sighting, const MountedRig& rig,
+                                          const PixelNoise& sigma_px, std::int64_t t_ns,
+                                          const BirthOptions& options) {
+  if (!sighting.d1) {
+    return std::nullopt;  // a Cartesian point needs its depth at once
+  }
+  const Eigen::Vector4d X = triangulate_dlt(sighting.d0, *sighting.d1, between_cameras(rig));
+  const Vector3d p_cam0 = X.head<3>() / std::max(X(3), 1e-9);
+  if (!(p_cam0.dot(sighting.d0) > 0.0)) {
+    return std::nullopt;
+  }
+  Landmark landmark;
+  landmark.track_id = observation.track_id;
+  landmark.kind = LandmarkKind::kCartesian;
+  landmark.last_seen_ns = t_ns;
+  landmark.value = estimate.nav.T_world_body * (rig[0].T_cam_body.inverse() * p_cam0);
+  if (options.mode == BirthMode::kClassical) {
+    if (!bear_classically(estimate, observation, rig, sigma_px, landmark, nullptr)) {
+      return std::nullopt;
+    }
+    return UnspentRows::kNone;
+  }
+  estimate.add_landmark(landmark, Matrix3d::Identity() * (options.cartesian_sigma * options.cartesian_sigma));
+  return UnspentRows::kAll;
+}
+
+}  // namespace
+
+std::optional<UnspentRows> bear_landmark(Estimate& estimate, const StereoObservation& observation,
+                                         const MountedRig& rig, const PixelNoise& sigma_px, std::int64_t t_ns,
+                                         int anchor, const BirthOptions& options) {
+  const std::optional<Sighting> sighting = sight(observation, rig);
+  if (!sighting) {
+    return std::nullopt;
+  }
+  return options.kind == LandmarkKind::kInverseDepth
+             ? bear_inverse_depth(estimate, observation, *sighting, rig, sigma_px, t_ns, anchor, options)
+             : bear_cartesian(estimate, observation, *sighting, rig, sigma_px, t_ns, options);
+}
+
+}  // namespace limber

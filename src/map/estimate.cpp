@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+#include "limber/map/estimate.hpp"
+
+#include <array>
+#include <stdexcept>
+#include <string>
+
+#include "limber/core/so3.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using L = StateLayout;
+
+namespace {
+
+constexpr double kCloneJitterPosition = 1e-6;  // [m]
+constexpr double kCloneJitterAttitude = 1e-7;  // [rad]
+
+void retract_pose(Pose& pose, const Vector3d& dp, const Vector3d& dtheta) {
+  pose.p += dp;
+  pose.R = so3_normalized(pose.R * so3_exp(dtheta));
+}
+
+}  // namespace
+
+Estimate::Estimate(StateLayout layout, const NavigationState& nav_state, const MatrixXd& body_covariance,
+                   const RigParameters& rig, const Eigen::Matrix<double, 6, 6>& theta_covariance)
+    : nav(nav_state), theta(rig), layout_(layout) {
+  if (body_covariance.rows() != layout.body_size() || body_covariance.cols() != layout.body_size()) {
+    throw std::invalid_argument("estimate: the body's covariance is " +
+                                std::to_string(body_covariance.rows()) + "x" +
+                                std::to_string(body_covariance.cols()) + ", expected " +
+                                std::to_string(layout.body_size()) + " wide");
+  }
+  P.append(layout.map_begin());
+  P.set_diagonal_block(0, body_covariance);
+  if (layout.has_theta) {
+    P.set_diagonal_block(layout.theta(), theta_covariance);
+  }
+}
+
+const Landmark* Estimate::find(std::int64_t track_id) const {
+  const auto it = index_of_.find(track_id);
+  return it == index_of_.end() ? nullptr : &landmarks_[it->second];
+}
+
+Landmark* Estimate::find(std::int64_t track_id) {
+  return const_cast<Landmark*>(static_cast<const Estimate*>(this)->find(track_id));
+}
+
+const Anchor* Estimate::anchor_of(const Landmark& landmark) const {
+  return landmark.kind == LandmarkKind::kCartesian ? nullptr
+                                                   : &anchors_[static_cast<std::size_t>(landmark.anchor)];
+}
+
+void Estimate::retract(const Eigen::VectorXd& dx) {
+  retract_pose(nav.T_world_body, dx.segment<3>(L::kPosition), dx.segment<3>(L::kAttitude));
+  if (layout_.motion != MotionModel::kOdometry) {
+    nav.v_world_body += dx.segment<3>(L::kVelocity);
+  }
+  if (layout_.motion == MotionModel::kConstantVelocity) {
+    nav.omega_body += dx.segment<3>(L::kRate);
+  }
+  if (layout_.motion == MotionModel::kImu) {
+    nav.bias_gyro += dx.segment<3>(L::kBiasGyro);
+    nav.bias_accel += dx.segment<3>(L::kBiasAccel);
+  }
+  if (layout_.has_theta) {
+    theta += dx.segment<6>(layout_.theta());
+  }
+  for (Anchor& anchor : anchors_) {
+    if (anchor.users > 0) {
+      retract_pose(anchor.T_world_body, dx.segment<3>(anchor.position_at), dx.segment<3>(anchor.attitude_at));
+    }
+  }
+  for (Landmark& landmark : landmarks_) {
+    landmark.value += dx.segment<3>(landmark.at);
+  }
+}
+
+Index Estimate::append_triplet(Tenant tenant) {
+  tenants_.push_back(tenant);
+  return P.append(kTriplet);
+}
+
+void Estimate::remove_triplet(Index at) {
+  const Index moved_from = P.remove_triplet(at);
+  const auto slot = [&](Index start) {
+    return static_cast<std::size_t>((start - layout_.map_begin()) / kTriplet);
+  };
+  const Tenant moved = tenants_[slot(moved_from)];
+  tenants_[slot(at)] = moved;
+  tenants_.pop_back();
+  if (moved_from == at) {
+    return;
+  }
+  switch (moved.owner) {
+    case Owner::kLandmark:
+      landmarks_[moved.index].at = at;
+      break;
+    case Owner::kAnchorPosition:
+      anchors_[moved.index].position_at = at;
+      break;
+    case Owner::kAnchorAttitude:
+      anchors_[moved.index].attitude_at = at;
+      break;
+  }
+}
+
+int Estimate::add_anchor(const Pose& T_body_cam0) {
+  std::size_t index = anchors_.size();
+  if (free_anchors_.empty()) {
+    anchors_.emplace_back();
+  } else {
+    index = static_cast<std::size_t>(free_anchors_.back());
+    free_anchors_.pop_back();
+  }
+  Anchor& anchor = anchors_[index];
+  anchor.T_world_body = nav.T_world_body;
+  anchor.T_body_cam0 = T_body_cam0;
+  anchor.users = 0;
+  anchor.position_at = append_triplet({Owner::kAnchorPosition, index});
+  anchor.attitude_at = append_triplet({Owner::kAnchorAttitude, index});
+
+  // Same rows as the pose, plus the whisker on the diagonal.
+  const std::array<Index, 2> pose = {L::kPosition, L::kAttitude};
+  const std::array<Index, 2> clone = {anchor.position_at, anchor.attitude_at};
+  MatrixXd columns;
+  P.gather(pose, columns);
+  columns.middleRows<L::kPoseSize>(anchor.position_at) = columns.topRows<L::kPoseSize>().eval();
+  for (Index k = 0; k < kTriplet; ++k) {
+    columns(anchor.position_at + k, k) += kCloneJitterPosition * kCloneJitterPosition;
+    columns(anchor.attitude_at + k, kTriplet + k) += kCloneJitterAttitude * kCloneJitterAttitude;
+  }
+  P.scatter(clone, columns);
+  return static_cast<int>(index);
+}
+
+Landmark& Estimate::add_landmark(Landmark landmark, const Matrix3d& P_ll, const MatrixXd& P_xl) {
+  const Index before = size();
+  landmark.at = append_triplet({Owner::kLandmark, landmarks_.size()});
+  MatrixXd columns = MatrixXd::Zero(size(), kTriplet);
+  if (P_xl.rows() > 0) {
+    columns.topRows(before) = P_xl;
+  }
+  columns.bottomRows<kTriplet>() = 0.5 * (P_ll + P_ll.transpose());
+  P.scatter(std::array<Index, 1>{landmark.at}, columns);
+  if (landmark.kind == LandmarkKind::kInverseDepth) {
+    ++anchors_[static_cast<std::size_t>(landmark.anchor)].users;
+  }
+  index_of_[landmark.track_id] = landmarks_.size();
+  landmarks_.push_back(landmark);
+  return landmarks_.back();
+}
+
+void Estimate::remove_anchor(int anchor) {
+  remove_triplet(anchors_[static_cast<std::size_t>(anchor)].attitude_at);
+  remove_triplet(anchors_[static_cast<std::size_t>(anchor)].position_at);
+  free_anchors_.push_back(anchor);
+}
+
+void Estimate::release_anchor(int anchor) {
+  if (--anchors_[static_cast<std::size_t>(anchor)].users == 0) {
+    remove_anchor(anchor);
+  }
+}
+
+void Estimate::drop_unused_anchor(int anchor) {
+  if (anchor >= 0 && anchors_[static_cast<std::size_t>(anchor)].users == 0) {
+    remove_anchor(anchor);
+  }
+}
+
+void Estimate::remove_landmark(std::int64_t track_id) {
+  const auto it = index_of_.find(track_id);
+  if (it == index_of_.end()) {
+    return;
+  }
+  const std::size_t index = it->second;
+  const Landmark removed = landmarks_[index];
+  index_of_.erase(it);
+  remove_triplet(removed.at);
+  if (index + 1 != landmarks_.size()) {
+    landmarks_[index] = landmarks_.back();
+    index_of_[landmarks_[index].track_id] = index;
+    tenants_[static_cast<std::size_t>((landmarks_[index].at - layout_.map_begin()) / kTriplet)].index = index;
+  }
+  landmarks_.pop_back();
+  if (removed.kind == LandmarkKind::kInverseDepth) {
+    release_anchor(removed.anchor);
+  }
+}
+
+Eigen::Matrix<double, 3, 9> world_position_jacobian(const Landmark& landmark, const Anchor& anchor) {
+  const double rho = landmark.value.z();
+  const Matrix3d R_world_cam0 = anchor.T_world_body.R * anchor.T_body_cam0.R;
+  const Vector3d direction = landmark.R_cam0_chart * Vector3d(landmark.value.x(), landmark.value.y(), 1.0);
+  const Vector3d p_body = anchor.T_body_cam0 * Vector3d(direction / rho);
+  Eigen::Matrix<double, 3, 9> J;
+  J.leftCols<3>().setIdentity();
+  J.middleCols<3>(3) = -anchor.T_world_body.R * skew(p_body);
+  J.middleCols<2>(6) = R_world_cam0 * landmark.R_cam0_chart.leftCols<2>() / rho;
+  J.col(8) = -(R_world_cam0 * direction) / (rho * rho);
+  return J;
+}
+
+void Estimate::convert_to_cartesian(Landmark& landmark) {
+  const Anchor anchor = *anchor_of(landmark);
+  const Eigen::Matrix<double, 3, 9> J = world_position_jacobian(landmark, anchor);
+  const std::array<Index, 3> sources = {anchor.position_at, anchor.attitude_at, landmark.at};
+  MatrixXd gathered;
+  P.gather(sources, gathered);
+  MatrixXd columns = gathered * J.transpose();
+  Matrix3d P_ll = Matrix3d::Zero();
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    P_ll +=
+        J.middleCols<kTriplet>(kTriplet * static_cast<Index>(k)) * columns.middleRows<kTriplet>(sources[k]);
+  }
+  columns.middleRows<kTriplet>(landmark.at) = 0.5 * (P_ll + P_ll.transpose());
+  P.scatter(std::array<Index, 1>{landmark.at}, columns);
+
+  landmark.value = world_position(landmark, &anchor);
+  landmark.kind = LandmarkKind::kCartesian;
+  const int released = landmark.anchor;
+  landmark.anchor = -1;
+  release_anchor(released);
+}
+
+Vector3d Estimate::landmark_position(const Landmark& landmark, Matrix3d* covariance) const {
+  const Anchor* anchor = anchor_of(landmark);
+  if (covariance != nullptr) {
+    if (anchor == nullptr) {
+      *covariance = P.diagonal_block<3>(landmark.at);
+    } else {
+      const Eigen::Matrix<double, 3, 9> J = world_position_jacobian(landmark, *anchor);
+      const std::array<Index, 3> sources = {anchor->position_at, anchor->attitude_at, landmark.at};
+      Eigen::Matrix<double, 9, 9> joint;
+      for (std::size_t i = 0; i < sources.size(); ++i) {
+        for (std::size_t j = 0; j < sources.size(); ++j) {
+          joint.block<3, 3>(3 * static_cast<Index>(i), 3 * static_cast<Index>(j)) =
+              P.block(sources[i], sources[j], kTriplet, kTriplet);
+        }
+      }
+      *covariance = J * joint * J.transpose();
+    }
+  }
+  return world_position(landmark, anchor);
+}
+
+}  // namespace limber

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "limber/map/upkeep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace limber {
+
+using Eigen::Vector3d;
+
+namespace {
+
+std::vector<std::int64_t> to_remove(const Estimate& estimate, std::int64_t t_ns,
+                                    const UpkeepOptions& options) {
+  std::vector<std::int64_t> gone;
+  std::vector<const Landmark*> unseen;
+  for (const Landmark& landmark : estimate.landmarks()) {
+    const double unseen_s = 1e-9 * static_cast<double>(t_ns - landmark.last_seen_ns);
+    if (landmark.refusals >= options.max_refusals || unseen_s > options.forget_after_s) {
+      gone.push_back(landmark.track_id);
+    } else if (landmark.last_seen_ns < t_ns) {
+      unseen.push_back(&landmark);
+    }
+  }
+  const std::size_t kept = estimate.landmarks().size() - gone.size();
+  if (kept > options.max_landmarks) {
+    const std::size_t excess = std::min(kept - options.max_landmarks, unseen.size());
+    std::sort(unseen.begin(), unseen.end(), [](const Landmark* a, const Landmark* b) {
+      return a->last_seen_ns != b->last_seen_ns ? a->last_seen_ns < b->last_seen_ns
+                                                : a->track_id < b->track_id;
+    });
+    for (std::size_t k = 0; k < excess; ++k) {
+      gone.push_back(unseen[k]->track_id);
+    }
+  }
+  return gone;
+}
+
+}  // namespace
+
+double linearity_index(const Estimate& estimate, const Landmark& landmark) {
+  const Anchor* anchor = estimate.anchor_of(landmark);
+  const double rho = landmark.value.z();
+  if (anchor == nullptr) {
+    return 0.0;
+  }
+  if (rho <= 0.0) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const double sigma_rho = std::sqrt(estimate.P.diagonal_block<3>(landmark.at)(2, 2));
+  const Vector3d p_world_landmark = world_position(landmark, anchor);
+  const Vector3d from_anchor = p_world_landmark - anchor->T_world_body * anchor->T_body_cam0.p;
+  const Vector3d from_here = p_world_landmark - estimate.nav.T_world_body * anchor->T_body_cam0.p;
+  const double distance = from_here.norm();
+  const double cos_alpha = from_anchor.dot(from_here) / (from_anchor.norm() * distance);
+  return 4.0 * sigma_rho / (rho * rho) / distance * std::abs(cos_alpha);
+}
+
+std::size_t keep_up(Estimate& estimate, std::int64_t t_ns, const UpkeepOptions& options) {
+  for (Landmark& landmark : estimate.landmarks()) {
+    if (landmark.kind == LandmarkKind::kInverseDepth && landmark.last_seen_ns == t_ns &&
+        linearity_index(estimate, landmark) < options.linearity_index) {
+      estimate.convert_to_cartesian(landmark);
+    }
+  }
+  const std::vector<std::int64_t> gone = to_remove(estimate, t_ns, options);
+  for (const std::int64_t track_id : gone) {
+    estimate.remove_landmark(track_id);
+  }
+  return gone.size();
+}
+
+}  // namespace limber

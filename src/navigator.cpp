@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT
+#include "limber/navigator.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <unordered_set>
+#include <utility>
+
+#include "limber/update/gate.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+bool has_theta(Method method) { return method == Method::kEkfFull || method == Method::kConsider; }
+
+BirthMode birth_mode(Method method) {
+  return method == Method::kLcekf || method == Method::kSoft ? BirthMode::kDiffuse : BirthMode::kClassical;
+}
+
+RigParameters theta_sigma(const NavigatorOptions& options, const StereoCalibration& calibration) {
+  return options.theta_sigma.isZero() ? plausible_error(calibration.baseline()) : options.theta_sigma;
+}
+
+NavigatorOptions completed(NavigatorOptions options) {
+  options.birth.mode = birth_mode(options.method);
+  options.birth.kind = options.landmarks;
+  if (!(options.sigma_px.array() > 0.0).all()) {
+    throw std::invalid_argument("navigator: sigma_px must be positive");
+  }
+  if (!(options.gate_probability > 0.0 && options.gate_probability < 1.0)) {
+    throw std::invalid_argument("navigator: gate_probability must lie between 0 and 1");
+  }
+  return options;
+}
+
+Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration& calibration,
+                       const InitialState& initial) {
+  const RigParameters sigma = theta_sigma(options, calibration);
+  return {StateLayout{options.motion, has_theta(options.method)}, initial.nav, initial.body_covariance,
+          calibration.theta, sigma.cwiseAbs2().asDiagonal()};
+}
+
+/// The frame as a method sees it: mono-left does not look through the right camera.
+StereoFrame visible(const StereoFrame& frame, Method method) {
+  StereoFrame out = frame;
+  if (method == Method::kMonoLeft) {
+    for (StereoObservation& observation : out.observations) {
+      observation.in_cam1 = false;
+    }
+  }
+  std::erase_if(out.observations, [](const StereoObservation& o) { return !o.in_cam0 && !o.in_cam1; });
+  return out;
+}
+
+void check(const StereoFrame& frame, std::int64_t state_t_ns) {
+  const auto fail = [&](const std::string& what) {
+    throw std::invalid_argument("frame at " + std::to_string(frame.t_ns) + " ns " + what);
+  };
+  if (frame.t_ns < state_t_ns) {
+    fail("is older than the state, " + std::to_string(state_t_ns) + " ns");
+  }
+  std::unordered_set<std::int64_t> seen;
+  for (const StereoObservation& o : frame.observations) {
+    if ((o.in_cam0 && !o.uv_cam0.allFinite()) || (o.in_cam1 && !o.uv_cam1.allFinite())) {
+      fail("has a pixel that is not finite, track " + std::to_string(o.track_id));
+    }
+    if (!seen.insert(o.track_id).second) {
+      fail("holds track " + std::to_string(o.track_id) + " twice");
+    }
+  }
+}
+
+/// Noise of a step in a gap between samples grows with the gap.
+ImuNoise inflated(ImuNoise noise, double gap) {
+  noise.gyro_density *= std::sqrt(gap);
+  noise.accel_density *= std::sqrt(gap);
+  return noise;
+}
+
+/// Per-sample noise as it acts over a step of dt: white, so that its variance goes with the sample interval
+/// over dt.
+OdometryNoise per_step(OdometryNoise noise, double sample_interval, double dt, double gap) {
+  const double factor = std::sqrt(gap * (sample_interval > 0.0 ? sample_interval / dt : 1.0));
+  noise.sigma_v *= factor;
+  noise.sigma_omega *= factor;
+  return noise;
+}
+
+}  // namespace
+
+Navigator::Navigator(const NavigatorOptions& options, const StereoCalibration& calibration,
+                     const InitialState& initial)
+    : options_(completed(options)),
+      calibration_(calibration),
+      rig_(mount(calibration)),
+      estimate_(make_estimate(options_, calibration, initial)) {}
+
+void Navigator::add_imu(const ImuSample& sample) {
+  if (options_.motion != MotionModel::kImu) {
+    throw std::invalid_argument("navigator: IMU sample given, but the motion model is not kImu");
+  }
+  inputs_.add({sample.t_ns, sample.omega_imu, sample.accel_imu});
+}
+
+void Navigator::add_odometry(const OdometrySample& sample) {
+  if (options_.motion != MotionModel::kOdometry) {
+    throw std::invalid_argument("navigator: odometry sample given, but the motion model is not kOdometry");
+  }
+  inputs_.add({sample.t_ns, sample.v_body, sample.omega_body});
+}
+
+void Navigator::assume_theta(const RigParameters& theta) {
+  if (estimate_.layout().has_theta) {
+    throw std::invalid_argument("navigator: theta is part of the state and cannot be assumed");
+  }
+  calibration_.theta = theta;
+  estimate_.theta = theta;
+  rig_ = mount(calibration_);
+}
+
+std::vector<InputStep> Navigator::steps_to(std::int64_t t_ns) {
+  const std::int64_t begin_ns = estimate_.nav.t_ns;
+  if (options_.motion != MotionModel::kConstantVelocity) {
+    return inputs_.steps(begin_ns, t_ns);
+  }
+  InputStep step;
+  step.t_end_ns = t_ns;
+  step.dt = 1e-9 * static_cast<double>(t_ns - begin_ns);
+  return {step};
+}
+
+Transition Navigator::predict_step(const InputStep& step) {
+  switch (options_.motion) {
+    case MotionModel::kImu:
+      return predict_imu(estimate_.nav, step.first, step.second, step.dt,
+                         inflated(options_.imu_noise, step.gap), options_.gravity);
+    case MotionModel::kOdometry:
+      return predict_odometry(
+          estimate_.nav, step.first, step.second, step.dt,
+          per_step(options_.odometry_noise, inputs_.usual_interval_s(), step.dt, step.gap));
+    case MotionModel::kConstantVelocity:
+      break;
+  }
+  return predict_constant_velocity(estimate_.nav, step.dt, options_.constant_velocity_noise);
+}
+
+void Navigator::predict_to(std::int64_t t_ns) {
+  if (t_ns <= estimate_.nav.t_ns) {
+    return;
+  }
+  const double dt = 1e-9 * static_cast<double>(t_ns - estimate_.nav.t_ns);
+  const Index k = estimate_.layout().body_size();
+  Transition whole{MatrixXd::Identity(k, k), MatrixXd::Zero(k, k)};
+  for (const InputStep& step : steps_to(t_ns)) {
+    const Transition part = predict_step(step);
+    whole.Phi = part.Phi * whole.Phi;
+    whole.Q = part.Phi * whole.Q * part.Phi.transpose() + part.Q;
+  }
+  estimate_.nav.t_ns = t_ns;
+  estimate_.P.propagate_leading(whole.Phi, whole.Q);
+  if (options_.method == Method::kEkfFull) {
+    const Index at = estimate_.layout().theta();
+    Eigen::Matrix<double, 6, 6> P_theta = estimate_.P.diagonal_block<6>(at);
+    P_theta.diagonal() += options_.theta_walk * dt;
+    estimate_.P.set_diagonal_block(at, P_theta);
+  }
+}
+
+ParameterTreatment Navigator::treatment() const {
+  ParameterTreatment out;
+  if (options_.method == Method::kLcekf) {
+    out.constrained = constraint_directions(options_.constraints, estimate_.theta);
+  } else if (options_.method == Method::kSoft) {
+    out.white_covariance = theta_sigma(options_, calibration_).cwiseAbs2().asDiagonal();
+  }
+  return out;
+}
+
+Navigator::Newborn Navigator::bear(const StereoFrame& frame) {
+  Newborn newborn;
+  int anchor = -1;
+  for (const StereoObservation& observation : frame.observations) {
+    if (!observation.in_cam0 || estimate_.find(observation.track_id) != nullptr) {
+      continue;
+    }
+    if (anchor < 0 && options_.landmarks == LandmarkKind::kInverseDepth) {
+      anchor = estimate_.add_anchor(rig_[0].T_cam_body.inverse());
+    }
+    const std::optional<UnspentRows> unspent =
+        bear_landmark(estimate_, observation, rig_, options_.sigma_px, frame.t_ns, anchor, options_.birth);
+    if (unspent) {
+      newborn[observation.track_id] = *unspent;
+    }
+  }
+  estimate_.drop_unused_anchor(anchor);
+  return newborn;
+}
+
+void Navigator::book(const StackedFrame& stacked, const std::vector<bool>& accepted, const Newborn& newborn,
+                     FrameReport& report) {
+  for (std::size_t g = 0; g < stacked.track_ids.size(); ++g) {
+    Landmark* landmark = estimate_.find(stacked.track_ids[g]);
+    landmark->refusals = accepted[g] ? 0 : landmark->refusals + 1;
+    landmark->last_seen_ns = report.t_ns;
+    report.used += accepted[g] ? 1 : 0;
+  }
+  for (const Refusal& refusal : report.refused) {
+    Landmark* landmark = estimate_.find(refusal.track_id);
+    if (refusal.reason == RefusalReason::kNotProjectable) {
+      ++landmark->refusals;
+    }
+    // A newborn that contradicts its own frame is no landmark.
+    if (newborn.contains(refusal.track_id)) {
+      estimate_.remove_landmark(refusal.track_id);
+    }
+  }
+}
+
+void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, FrameReport& report) {
+  const StackedFrame stacked =
+      stack_frame(estimate_, frame, rig_, options_.sigma_px, newborn, report.refused);
+  std::vector<bool> accepted(stacked.track_ids.size(), true);
+  if (stacked.measurement.rows() > 0) {
+    const ParameterTreatment how = treatment();
+    Innovation innovation = form_innovation(estimate_.P, stacked.measurement);
+    if (options_.gate) {
+      const GateReport gated = gate(innovation, stacked.measurement.groups, how, options_.gate_probability);
+      accepted = gated.accepted;
+      for (std::size_t g = 0; g < accepted.size(); ++g) {
+        if (!accepted[g]) {
+          report.refused.push_back(
+              {stacked.track_ids[g], RefusalReason::kGate, gated.distance[g], gated.threshold[g]});
+        }
+      }
+      if (!gated.all_accepted()) {
+        innovation = subset(innovation, stacked.measurement.groups, accepted);
+      }
+    }
+    const Eigen::Matrix<double, 6, 6> P_theta =
+        has_theta(options_.method) ? estimate_.P.diagonal_block<6>(estimate_.layout().theta())
+                                   : Eigen::Matrix<double, 6, 6>::Zero().eval();
+    UpdateReport update_report = update(estimate_.P, std::move(innovation), how);
+    if (options_.method == Method::kConsider && update_report.status == UpdateStatus::kUpdated) {
+      // Schmidt: the gain's theta rows are zero, so its block stays; the cross-covariances are those of the
+      // EKF.
+      const Index at = estimate_.layout().theta();
+      estimate_.P.set_diagonal_block(at, P_theta);
+      update_report.dx.segment<6>(at).setZero();
+    }
+    estimate_.retract(update_report.dx);
+    report.status = update_report.status;
+    report.nis = update_report.nis;
+    report.dof = update_report.dof;
+    report.rank = update_report.rank;
+  }
+  if (options_.method == Method::kEkfFull) {
+    calibration_.theta = estimate_.theta;
+    rig_ = mount(calibration_);
+  }
+  book(stacked, accepted, newborn, report);
+}
+
+FrameReport Navigator::process(const StereoFrame& raw) {
+  check(raw, estimate_.nav.t_ns);
+  const StereoFrame frame = visible(raw, options_.method);
+  FrameReport report;
+  report.t_ns = frame.t_ns;
+  report.observed = frame.observations.size();
+
+  predict_to(frame.t_ns);
+  const bool bear_before = options_.birth.mode == BirthMode::kDiffuse;
+  Newborn newborn = bear_before ? bear(frame) : Newborn{};
+  update_with(frame, newborn, report);
+  if (!bear_before) {
+    newborn = bear(frame);
+  }
+  report.born = newborn.size();
+  report.removed = keep_up(estimate_, frame.t_ns, options_.upkeep);
+  return report;
+}
+
+}  // namespace limber
