@@ -18,8 +18,7 @@ MatrixXd Covariance::block(Index row, Index col, Index rows, Index cols) const {
   MatrixXd out(rows, cols);
   for (Index j = 0; j < cols; ++j) {
     for (Index i = 0; i < rows; ++i) {
-      const auto [low, high] = std::minmax(row + i, col + j);
-      out(i, j) = data_(high, low);
+      out(i, j) = data_(std::max(row + i, col + j), std::min(row + i, col + j));
     }
   }
   return out;
