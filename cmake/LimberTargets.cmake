@@ -1,26 +1,47 @@
 # SPDX-License-Identifier: MIT
 # Flags that every target of the project shares.
 
-# limber_add_library(<room> <sources>...): the static library limber_<room>, alias limber::<room>.
-function(limber_add_library room)
-  add_library(limber_${room} STATIC ${ARGN})
-  add_library(limber::${room} ALIAS limber_${room})
-  set_target_properties(limber_${room} PROPERTIES EXPORT_NAME ${room} POSITION_INDEPENDENT_CODE ON)
+# limber_add_library(<component> <sources>...): the static library limber_<component>, alias limber::<component>.
+# It is installed with the headers of include/limber/<component>/; see LimberInstall.cmake.
+function(limber_add_library component)
+  add_library(limber_${component} STATIC ${ARGN})
+  add_library(limber::${component} ALIAS limber_${component})
+  set_target_properties(limber_${component} PROPERTIES EXPORT_NAME ${component} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(
-    limber_${room} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
-                          $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  target_compile_features(limber_${room} PUBLIC cxx_std_20)
-  # A library built with AVX and a caller built without must agree on how Eigen aligns its types.
-  target_compile_definitions(limber_${room} PUBLIC EIGEN_MAX_ALIGN_BYTES=32)
-  limber_set_flags(limber_${room})
+    limber_${component} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(limber_${component} PUBLIC cxx_std_20)
+  if(LIMBER_NATIVE)
+    # Public: library and caller must agree on how Eigen aligns its types, which depends on the processor.
+    target_compile_options(limber_${component} PUBLIC -march=native)
+  endif()
+  limber_set_flags(limber_${component})
+  set_property(GLOBAL APPEND PROPERTY LIMBER_COMPONENTS ${component})
 endfunction()
 
 function(limber_set_flags target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # GCC 12 sees ghosts in Eigen and std::string (GCC bugs 105593, 105651); the sanitizers look for real ones.
+    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-restrict)
+  endif()
   if(LIMBER_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
-  if(LIMBER_NATIVE)
-    target_compile_options(${target} PRIVATE -march=native)
+endfunction()
+
+# Eigen without optimisation is fifty times slower: nobody should get that by saying nothing.
+function(limber_default_build_type type)
+  get_property(is_multi_config GLOBAL PROPERTY GENERATOR_IS_MULTI_CONFIG)
+  if(NOT is_multi_config AND NOT CMAKE_BUILD_TYPE)
+    set(CMAKE_BUILD_TYPE ${type} CACHE STRING "Debug, Release or RelWithDebInfo" FORCE)
+  endif()
+endfunction()
+
+function(limber_use_ccache)
+  find_program(LIMBER_CCACHE ccache)
+  mark_as_advanced(LIMBER_CCACHE)
+  if(LIMBER_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${LIMBER_CCACHE} CACHE STRING "Compiler launcher")
   endif()
 endfunction()

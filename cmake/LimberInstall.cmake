@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: MIT
+# Installs libraries, headers, the program and the package files behind
+#   find_package(limber REQUIRED COMPONENTS filter)
+# Each library is a component with an export file of its own, so that asking for the filter needs Eigen alone.
+include(CMakePackageConfigHelpers)
+set(limber_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/limber)
+get_property(limber_components GLOBAL PROPERTY LIMBER_COMPONENTS)
+
+# The package that find_dependency() must find for a library that a component links.
+function(limber_package_of library out)
+  if(library STREQUAL "Eigen3::Eigen")
+    set(package Eigen3)
+  elseif(library MATCHES "^opencv_")
+    set(package OpenCV)
+  elseif(library STREQUAL "yaml-cpp")
+    set(package yaml-cpp)
+  elseif(library MATCHES "^(fmt|spdlog|nlohmann_json|CLI11|TBB|Threads)::")
+    set(package ${CMAKE_MATCH_1})
+  else()
+    message(FATAL_ERROR "Name the package of '${library}' in cmake/LimberInstall.cmake: "
+                        "an installed component links it.")
+  endif()
+  set(${out} ${package} PARENT_SCOPE)
+endfunction()
+
+# For each component the components and packages to load before it; src/CMakeLists.txt adds the lower ones first.
+set(limber_component_table "")
+foreach(component IN LISTS limber_components)
+  set(needs_${component} "")
+  set(packages_${component} "")
+  get_target_property(libraries limber_${component} LINK_LIBRARIES)
+  foreach(library IN LISTS libraries)
+    if(library MATCHES "^limber(::|_)(.+)$")
+      list(APPEND needs_${component} ${needs_${CMAKE_MATCH_2}})
+      list(APPEND packages_${component} ${packages_${CMAKE_MATCH_2}})
+    elseif(library)
+      limber_package_of(${library} package)
+      list(APPEND packages_${component} ${package})
+    endif()
+  endforeach()
+  list(APPEND needs_${component} ${component})
+  list(REMOVE_DUPLICATES needs_${component})
+  list(REMOVE_DUPLICATES packages_${component})
+  string(APPEND limber_component_table "set(_limber_${component}_components ${needs_${component}})\n"
+         "set(_limber_${component}_packages ${packages_${component}})\n")
+
+  install(TARGETS limber_${component} EXPORT limber_${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(
+    EXPORT limber_${component}
+    FILE limber_${component}.cmake
+    NAMESPACE limber::
+    DESTINATION ${limber_package_dir})
+  if(NOT component STREQUAL "filter")
+    install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/limber/${component}
+            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber)
+  endif()
+endforeach()
+
+# The filter's headers: core/ to map/, and the navigator.
+file(GLOB limber_filter_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/limber/*.hpp)
+install(FILES ${limber_filter_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber)
+foreach(room core sensors predict measure update map)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/limber/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber)
+endforeach()
+
+if(TARGET limber)
+  install(TARGETS limber RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/limberConfig.cmake.in
+                              ${PROJECT_BINARY_DIR}/limberConfig.cmake INSTALL_DESTINATION ${limber_package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/limberConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/limberConfig.cmake ${PROJECT_BINARY_DIR}/limberConfigVersion.cmake
+        DESTINATION ${limber_package_dir})

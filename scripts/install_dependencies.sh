@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Installs what limber is built from and is not there yet (Debian 12 packages). Says nothing when all is there.
+set -euo pipefail
+
+packages=(
+  g++ cmake ninja-build ccache    # build
+  libeigen3-dev                   # the filter
+  libyaml-cpp-dev libfmt-dev nlohmann-json3-dev libcli11-dev  # datasets, simulator, program
+  libopencv-dev                   # image front end
+  libgtest-dev libbenchmark-dev   # tests and benchmarks
+  clang-format python3            # scripts/
+)
+
+is_installed() {
+  [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" == installed ]]
+}
+
+missing=()
+for package in "${packages[@]}"; do
+  is_installed "$package" || missing+=("$package")
+done
+if ((${#missing[@]} == 0)); then
+  exit 0
+fi
+
+if ! command -v apt-get >/dev/null; then
+  echo "limber needs these Debian 12 packages, or what your system calls them: ${missing[*]}" >&2
+  exit 1
+fi
+as_root=(env DEBIAN_FRONTEND=noninteractive)
+if ((EUID != 0)); then
+  if ! command -v sudo >/dev/null; then
+    echo "Neither root nor sudo: ask your administrator for 'apt-get install ${missing[*]}'" >&2
+    exit 1
+  fi
+  as_root=(sudo "${as_root[@]}")
+fi
+
+echo "Installing ${#missing[@]} Debian packages: ${missing[*]}"
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+if ! { "${as_root[@]}" apt-get update && 
+       "${as_root[@]}" apt-get install --yes --no-install-recommends "${missing[@]}"; } >"$log" 2>&1 </dev/null; then
+  tail -n 30 "$log" >&2
+  echo "apt-get failed, see above" >&2
+  exit 1
+fi

@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Installs what is missing, builds and runs every test: Release, then again under the address and undefined
+# behaviour sanitizers (without the long statistics). Leaves the program at build/release/limber.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+trap 'echo "limber: FAILED, see above" >&2' ERR
+
+scripts/install_dependencies.sh
+
+build() {
+  echo "== Building with preset $1"
+  cmake --preset "$1" >/dev/null
+  cmake --build --preset "$1"
+}
+
+build release
+ctest --preset release
+
+# The users' projects of the label `consumer` and the long statistics of the label `slow` were run above.
+build asan
+ctest --preset asan --label-exclude 'slow|consumer'
+
+echo "limber: every test passed, in Release and under the sanitizers"
