@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "limber/core/pose.hpp"
+#include "limber/sensors/samples.hpp"
+
+/// Files that hold a trajectory. Every reader throws DataError (file, line, expected, found) for what it
+/// cannot use: wrong number of columns, numbers that are not finite, times that do not increase, quaternions
+/// far from unit norm, matrices that are no rotation, no pose at all. Every writer goes through AtomicFile.
+namespace limber {
+
+enum class TrajectoryFormat {
+  kTum,               ///< t [s] tx ty tz qx qy qz qw
+  kKittiPoses,        ///< 12 numbers a line, the upper 3x4 of T_world_cam0, no time
+  kEurocGroundTruth,  ///< EuRoC's state_groundtruth_estimate0/data.csv
+  kLimber             ///< limber's trajectory.csv
+};
+
+/// Poses of a file.
+struct Trajectory {
+  TrajectoryFormat format = TrajectoryFormat::kTum;
+  bool has_time = true;            ///< false: StampedPose::t_ns is the index of the pose (KITTI)
+  std::vector<StampedPose> poses;  ///< strictly increasing time, at least one
+};
+
+/// Reads any of the formats; the content tells which.
+[[nodiscard]] Trajectory read_trajectory(const std::filesystem::path& path);
+
+/// TUM format. Times keep every digit down to 1 ns. Lines of 14 or 20 columns (OpenVINS: covariances) are
+/// read too, without those columns.
+[[nodiscard]] std::vector<StampedPose> read_tum(const std::filesystem::path& path);
+void write_tum(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
+
+/// KITTI odometry poses, turned from KITTI's camera-like world (x right, y down, z forward) to z up:
+/// T_world_cam0 = R_zup_kitti * T_file, so that the identity looks along x. Times are indices.
+[[nodiscard]] std::vector<StampedPose> read_kitti_poses(const std::filesystem::path& path);
+
+/// EuRoC ground truth: 8 (pose), 11 (with velocity) or 17 columns (with biases).
+struct GroundTruth {
+  std::vector<GroundTruthState> states;
+  bool has_velocity = false;
+  bool has_biases = false;
+};
+[[nodiscard]] GroundTruth read_euroc_groundtruth(const std::filesystem::path& path);
+
+/// One line of trajectory.csv. What is unknown is an empty cell.
+struct TrajectoryRow {
+  std::int64_t t_ns = 0;
+  Pose T_world_body;
+  std::optional<Eigen::Vector3d> v_world_body;  ///< [m/s]
+  std::optional<Eigen::Vector3d> bias_gyro;     ///< [rad/s]
+  std::optional<Eigen::Vector3d> bias_accel;    ///< [m/s^2]
+  /// Covariance of (position in world [m], attitude error dtheta in the body frame [rad]), symmetric.
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance;
+};
+
+/// trajectory.csv: a header line with names and units, then t_ns, position, quaternion (w x y z), velocity,
+/// gyro and accelerometer bias, and the upper triangle of the covariance, row by row (38 columns).
+[[nodiscard]] std::vector<TrajectoryRow> read_trajectory_csv(const std::filesystem::path& path);
+
+/// @throws std::invalid_argument if times do not increase or a number is not finite
+void write_trajectory_csv(const std::filesystem::path& path, const std::vector<TrajectoryRow>& rows);
+
+}  // namespace limber

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: MIT
+// EuRoC ASL folders: what track logs and recordings with images share, and the images.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "formats.hpp"
+#include "image_size.hpp"
+#include "limber/core/errors.hpp"
+#include "limber/datasets/trajectory_files.hpp"
+#include "sensor_yaml.hpp"
+#include "text_file.hpp"
+
+namespace limber::detail {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kIdentityTolerance = 1e-6;
+
+// The sensors that limber expects in the body frame itself.
+void require_body_frame(const SensorYaml& yaml, const char* sensor) {
+  if (!yaml.has("T_BS")) {
+    return;
+  }
+  const Pose T_body_sensor = yaml.body_from_sensor();
+  if (!T_body_sensor.R.isIdentity(kIdentityTolerance) || !T_body_sensor.p.isZero(kIdentityTolerance)) {
+    yaml.fail("T_BS", fmt::format("the identity as T_BS: the {} must be in the body frame", sensor),
+              "another transform");
+  }
+}
+
+// What the optional sensor.yaml of a folder says; nothing if there is none.
+std::optional<SensorYaml> optional_yaml(const fs::path& folder) {
+  const fs::path path = folder / "sensor.yaml";
+  return fs::exists(path) ? std::optional<SensorYaml>(path) : std::nullopt;
+}
+
+void read_calibration(const fs::path& mav0, Recording& recording) {
+  const SensorYaml yaml0(mav0 / "cam0" / "sensor.yaml");
+  const SensorYaml yaml1(mav0 / "cam1" / "sensor.yaml");
+  StereoCalibration& calibration = recording.calibration;
+  calibration.cam0 = read_camera(yaml0);
+  calibration.cam1 = read_camera(yaml1);
+  const Pose T_imu_cam0 = yaml0.body_from_sensor();  // EuRoC's T_BS
+  const Pose T_imu_cam1 = yaml1.body_from_sensor();
+  calibration.body = BodyFrame::kImu;
+  calibration.T_body_cam0 = T_imu_cam0;
+  calibration.theta = rig_from_pose(T_imu_cam1.inverse() * T_imu_cam0);
+  const std::string note = check_baseline(
+      calibration.theta, mav0 / "cam1" / "sensor.yaml", yaml1.line("T_BS"),
+      "are the cameras swapped, or are the T_BS inverted (they map camera to body coordinates)?");
+  if (!note.empty()) {
+    recording.notes.push_back(note);
+  }
+}
+
+void read_imu_noise(const fs::path& folder, Recording& recording) {
+  const auto yaml = optional_yaml(folder);
+  if (!yaml) {
+    recording.notes.emplace_back("imu0/sensor.yaml is missing: the default IMU noise is assumed");
+    return;
+  }
+  require_body_frame(*yaml, "IMU");
+  ImuNoise noise;
+  const std::array<std::pair<const char*, double*>, 4> values = {
+      {{"gyroscope_noise_density", &noise.gyro_density},
+       {"gyroscope_random_walk", &noise.gyro_walk},
+       {"accelerometer_noise_density", &noise.accel_density},
+       {"accelerometer_random_walk", &noise.accel_walk}}};
+  for (const auto& [key, value] : values) {
+    if (!yaml->has(key)) {
+      recording.notes.push_back(
+          fmt::format("imu0/sensor.yaml does not give {}: the default IMU noise is assumed", key));
+      return;
+    }
+    *value = yaml->not_negative(key);
+  }
+  recording.imu_noise = noise;
+}
+
+void read_imu(const fs::path& folder, Recording& recording) {
+  TableReader table(folder / "data.csv",
+                    {.names = {"timestamp [ns]", "w_x", "w_y", "w_z", "a_x", "a_y", "a_z"}, .counts = {7}});
+  while (table.next()) {
+    recording.imu.push_back({table.increasing_time(), table.vector3(1), table.vector3(4)});
+  }
+  table.require_a_row("IMU sample");
+  read_imu_noise(folder, recording);
+}
+
+void read_odometry(const fs::path& folder, Recording& recording) {
+  TableReader table(folder / "data.csv",
+                    {.names = {"timestamp [ns]", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z"}, .counts = {7}});
+  while (table.next()) {
+    recording.odometry.push_back({table.increasing_time(), table.vector3(1), table.vector3(4)});
+  }
+  table.require_a_row("odometry sample");
+  const auto yaml = optional_yaml(folder);
+  if (yaml) {
+    require_body_frame(*yaml, "odometry");
+  }
+  if (!yaml || !yaml->has("sigma_v") || !yaml->has("sigma_w")) {
+    recording.notes.emplace_back(
+        "odometry0/sensor.yaml does not give sigma_v and sigma_w: the default odometry noise is assumed");
+    return;
+  }
+  recording.odometry_noise = OdometryNoise{yaml->not_negative3("sigma_v"), yaml->not_negative3("sigma_w")};
+}
+
+void read_truth(const fs::path& folder, Recording& recording) {
+  GroundTruth truth = read_euroc_groundtruth(folder / "data.csv");
+  recording.groundtruth = std::move(truth.states);
+  recording.groundtruth_has_velocity = truth.has_velocity;
+  recording.groundtruth_has_biases = truth.has_biases;
+  if (const auto yaml = optional_yaml(folder)) {
+    require_body_frame(*yaml, "ground truth");
+  }
+}
+
+void read_landmarks(const fs::path& folder, Recording& recording) {
+  TableReader table(folder / "data.csv", {.names = {"track_id", "x [m]", "y [m]", "z [m]"}, .counts = {4}});
+  while (table.next()) {
+    if (!recording.landmarks_true.emplace(table.integer(0), table.vector3(1)).second) {
+      table.fail("every track_id once", fmt::format("{} again", table.field(0)));
+    }
+  }
+  table.require_a_row("landmark");
+}
+
+void read_calibration_truth(const fs::path& folder, Recording& recording) {
+  TableReader table(folder / "data.csv", {.names = {"timestamp [ns]", "ax [rad]", "ay [rad]", "az [rad]",
+                                                    "tx [m]", "ty [m]", "tz [m]"},
+                                          .counts = {7}});
+  while (table.next()) {
+    CalibrationTruth truth{table.increasing_time(), {}};
+    truth.theta << table.vector3(1), table.vector3(4);
+    recording.calibration_true.push_back(truth);
+  }
+  table.require_a_row("sample of the true calibration");
+}
+
+// One line of camN/data.csv.
+struct ImageLine {
+  std::int64_t t_ns;
+  fs::path path;
+  std::size_t line;
+};
+
+std::vector<ImageLine> read_image_list(const fs::path& camera) {
+  TableReader table(camera / "data.csv", {.names = {"timestamp [ns]", "filename"}, .counts = {2}});
+  std::vector<ImageLine> images;
+  while (table.next()) {
+    const fs::path name(table.field(1));
+    const fs::path in_data = camera / "data" / name;
+    images.push_back({table.increasing_time(), fs::exists(in_data) ? in_data : camera / name, table.line()});
+  }
+  table.require_a_row("image");
+  return images;
+}
+
+void require_image(const fs::path& camera, const ImageLine& image) {
+  if (!fs::is_regular_file(image.path)) {
+    throw DataError(
+        (camera / "data.csv").string(), image.line,
+        fmt::format("the image {} in {}", image.path.filename().string(), (camera / "data").string()),
+        "no such file");
+  }
+}
+
+// The sensor.yaml must speak of these images.
+void require_resolution(const fs::path& image, const Camera& camera) {
+  const ImageSize size = read_image_size(image);
+  if (size.width != camera.width || size.height != camera.height) {
+    throw DataError(
+        image.string(), 0,
+        fmt::format("an image of {} x {} pixels, as sensor.yaml says", camera.width, camera.height),
+        fmt::format("{} x {}", size.width, size.height));
+  }
+}
+
+void read_image_pairs(const fs::path& mav0, Recording& recording) {
+  const auto left = read_image_list(mav0 / "cam0");
+  const auto right = read_image_list(mav0 / "cam1");
+  auto l = left.begin();
+  auto r = right.begin();
+  while (l != left.end() && r != right.end()) {
+    if (l->t_ns == r->t_ns) {
+      require_image(mav0 / "cam0", *l);
+      require_image(mav0 / "cam1", *r);
+      recording.images.push_back({l->t_ns, l++->path, r++->path});
+    } else {
+      l->t_ns < r->t_ns ? ++l : ++r;
+    }
+  }
+  const std::size_t pairs = recording.images.size();
+  if (pairs == 0) {
+    throw DataError((mav0 / "cam1" / "data.csv").string(), 0, "timestamps that cam0/data.csv has too",
+                    "none");
+  }
+  if (left.size() != pairs || right.size() != pairs) {
+    recording.notes.push_back(fmt::format(
+        "{} images of cam0 and {} of cam1 have no partner with the same timestamp and are left out",
+        left.size() - pairs, right.size() - pairs));
+  }
+  require_resolution(recording.images.front().cam0, recording.calibration.cam0);
+  require_resolution(recording.images.front().cam1, recording.calibration.cam1);
+}
+
+}  // namespace
+
+Recording read_euroc_common(const fs::path& mav0) {
+  Recording recording;
+  read_calibration(mav0, recording);
+  using Reader = void (*)(const fs::path&, Recording&);
+  constexpr std::array<std::pair<const char*, Reader>, 5> kOptional = {
+      {{"imu0", read_imu},
+       {"odometry0", read_odometry},
+       {"state_groundtruth_estimate0", read_truth},
+       {"landmarks0", read_landmarks},
+       {"calibration_truth0", read_calibration_truth}}};
+  for (const auto& [folder, read] : kOptional) {
+    if (fs::exists(mav0 / folder)) {
+      read(mav0 / folder, recording);
+      note_if_cut_off(mav0 / folder / "data.csv", recording.notes);
+    }
+  }
+  return recording;
+}
+
+Recording read_euroc_images(const fs::path& mav0) {
+  Recording recording = read_euroc_common(mav0);
+  read_image_pairs(mav0, recording);
+  note_if_cut_off(mav0 / "cam0" / "data.csv", recording.notes);
+  note_if_cut_off(mav0 / "cam1" / "data.csv", recording.notes);
+  return recording;
+}
+
+}  // namespace limber::detail

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+
+#include "limber/datasets/recording.hpp"
+
+/// The readers behind read_recording, one per format. They fill everything but name and path.
+namespace limber::detail {
+
+/// Calibration and everything optional of an EuRoC folder: all but tracks and images.
+[[nodiscard]] Recording read_euroc_common(const std::filesystem::path& mav0);
+
+[[nodiscard]] Recording read_track_log(const std::filesystem::path& mav0);
+[[nodiscard]] Recording read_euroc_images(const std::filesystem::path& mav0);
+[[nodiscard]] Recording read_kitti_odometry(const std::filesystem::path& folder);
+
+/// From KITTI's world (the first left camera: x right, y down, z forward) to one with z up that it looks
+/// along x.
+[[nodiscard]] Eigen::Matrix3d R_zup_kitti();
+
+/// Throws DataError, which names `place` and `line`, if the baseline is zero or cam1 stands to the left of
+/// cam0.
+/// @param hint what may be the cause, for the message
+/// @return a note if the baseline is not mainly along x, else an empty text
+[[nodiscard]] std::string check_baseline(const RigParameters& theta, const std::filesystem::path& place,
+                                         std::size_t line, const std::string& hint);
+
+}  // namespace limber::detail

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "formats.hpp"
+#include "limber/core/errors.hpp"
+#include "sensor_yaml.hpp"
+#include "text_file.hpp"
+
+namespace limber::detail {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Collects the rows of tracks0/data.csv into frames.
+class FrameCollector {
+ public:
+  explicit FrameCollector(TableReader& table) : table_(table) {}
+
+  void add_row() {
+    const std::int64_t t_ns = table_.integer(0);
+    const bool no_points = is_empty(1) && is_empty(2) && is_empty(3) && is_empty(4) && is_empty(5);
+    if (frames_.empty() || t_ns != frames_.back().t_ns || no_points || last_had_no_points_) {
+      table_.require_later(t_ns);
+      frames_.push_back({t_ns, {}});
+    }
+    last_had_no_points_ = no_points;
+    if (!no_points) {
+      add_point(frames_.back());
+    }
+  }
+
+  [[nodiscard]] std::vector<StereoFrame> frames() && { return std::move(frames_); }
+
+ private:
+  [[nodiscard]] bool is_empty(std::size_t column) const { return table_.field(column).empty(); }
+
+  void add_point(StereoFrame& frame) {
+    StereoObservation point;
+    point.track_id = table_.integer(1);
+    point.in_cam0 = !is_empty(2) || !is_empty(3);
+    point.in_cam1 = !is_empty(4) || !is_empty(5);
+    if (!point.in_cam0 && !point.in_cam1) {
+      table_.fail("pixels in at least one camera", "none");
+    }
+    if (point.in_cam0) {
+      point.uv_cam0 = {table_.number(2), table_.number(3)};
+    }
+    if (point.in_cam1) {
+      point.uv_cam1 = {table_.number(4), table_.number(5)};
+    }
+    const auto [last_seen, is_new] = last_frame_.try_emplace(point.track_id, frame.t_ns);
+    if (!is_new && std::exchange(last_seen->second, frame.t_ns) == frame.t_ns) {
+      table_.fail("every track_id once in a frame", fmt::format("{} again", point.track_id));
+    }
+    frame.observations.push_back(point);
+  }
+
+  TableReader& table_;
+  std::vector<StereoFrame> frames_;
+  std::unordered_map<std::int64_t, std::int64_t> last_frame_;  // track_id -> time of its last frame [ns]
+  bool last_had_no_points_ = false;
+};
+
+void read_pixel_noise(const fs::path& path, Recording& recording) {
+  if (fs::exists(path)) {
+    const SensorYaml yaml(path);
+    if (yaml.has("sigma_px")) {
+      const auto sigma = yaml.numbers("sigma_px", 4);
+      if (*std::min_element(sigma.begin(), sigma.end()) <= 0.0) {
+        yaml.fail("sigma_px", "sigma_px above zero", fmt::format("[{}]", fmt::join(sigma, ", ")));
+      }
+      recording.pixel_noise = PixelNoise(sigma[0], sigma[1], sigma[2], sigma[3]);
+      return;
+    }
+  }
+  recording.notes.emplace_back(
+      "tracks0/sensor.yaml does not give sigma_px: the default pixel noise is assumed");
+}
+
+}  // namespace
+
+Recording read_track_log(const fs::path& mav0) {
+  Recording recording = read_euroc_common(mav0);
+  StereoCalibration& calibration = recording.calibration;
+  if (recording.imu.empty() && recording.odometry.empty() && calibration.T_body_cam0.R.isIdentity(0.0) &&
+      calibration.T_body_cam0.p.isZero(0.0)) {
+    calibration.body = BodyFrame::kCam0;
+  }
+  const fs::path path = mav0 / "tracks0" / "data.csv";
+  TableReader table(
+      path,
+      {.names = {"timestamp [ns]", "track_id", "u0 [px]", "v0 [px]", "u1 [px]", "v1 [px]"}, .counts = {6}});
+  FrameCollector collector(table);
+  while (table.next()) {
+    collector.add_row();
+  }
+  table.require_a_row("frame");
+  recording.frames = std::move(collector).frames();
+  note_if_cut_off(path, recording.notes);
+  read_pixel_noise(mav0 / "tracks0" / "sensor.yaml", recording);
+  if (fs::exists(mav0 / "cam0" / "data.csv")) {
+    recording.notes.emplace_back("the images are not used: tracks0 holds matched points");
+  }
+  return recording;
+}
+
+}  // namespace limber::detail

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <set>
+#include <stdexcept>
+
+#include "limber/core/errors.hpp"
+#include "limber/datasets/atomic_file.hpp"
+#include "limber/datasets/track_log.hpp"
+#include "numbers.hpp"
+#include "table_text.hpp"
+
+namespace limber {
+namespace {
+
+namespace fs = std::filesystem;
+using detail::TableText;
+
+/// A folder under a temporary name: renamed by commit(), removed without it.
+class StagedFolder {
+ public:
+  explicit StagedFolder(fs::path final_name)
+      : final_name_(std::move(final_name)), staging_(temporary_name_beside(final_name_)) {
+    fs::create_directory(staging_);
+  }
+  ~StagedFolder() {
+    std::error_code ignored;
+    fs::remove_all(staging_, ignored);
+  }
+  StagedFolder(const StagedFolder&) = delete;
+  StagedFolder& operator=(const StagedFolder&) = delete;
+
+  /// Writes a file in a subfolder, which is made if needed.
+  void write(const char* subfolder, const char* name, std::string_view content) const {
+    fs::create_directories(staging_ / subfolder);
+    write_file_atomically(staging_ / subfolder / name, content);
+  }
+
+  /// Takes the place of an older folder of the final name.
+  void commit() {
+    const fs::path old = temporary_name_beside(final_name_);
+    const bool replaces = fs::exists(final_name_);
+    if (replaces) {
+      fs::rename(final_name_, old);
+    }
+    fs::rename(staging_, final_name_);
+    if (replaces) {
+      fs::remove_all(old);
+    }
+  }
+
+ private:
+  fs::path final_name_, staging_;
+};
+
+constexpr std::array<const char*, 8> kFolders = {
+    "imu0",       "odometry0",         "cam0", "cam1", "tracks0", "state_groundtruth_estimate0",
+    "landmarks0", "calibration_truth0"};
+
+// Nothing but what this writer makes; so that images or other people's files are never removed.
+void require_replaceable(const fs::path& mav0) {
+  if (!fs::exists(mav0)) {
+    return;
+  }
+  const auto refuse = [&mav0](const fs::path& found) {
+    throw DataError(mav0.string(), 0, "no folder mav0, or an older track log to replace",
+                    "one that holds " + found.string());
+  };
+  std::set<fs::path> known;
+  for (const char* const folder : kFolders) {
+    known.insert({mav0 / folder, mav0 / folder / "data.csv", mav0 / folder / "sensor.yaml"});
+  }
+  if (!fs::is_directory(mav0)) {
+    refuse("a file of this name");
+  }
+  known.erase(mav0 / "cam0" / "data.csv");  // lists images
+  known.erase(mav0 / "cam1" / "data.csv");
+  for (const fs::path& entry : fs::recursive_directory_iterator(mav0)) {
+    if (!known.contains(entry)) {
+      refuse(entry);
+    }
+  }
+}
+
+std::string list_of(const double* begin, std::size_t count) {
+  if (std::any_of(begin, begin + count, [](double value) { return !std::isfinite(value); })) {
+    throw std::invalid_argument("write_track_log: a number is not finite");
+  }
+  return fmt::format("[{}]", fmt::join(begin, begin + count, ", "));
+}
+
+std::string T_BS_text(const Pose& T_body_sensor) {
+  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = Eigen::Matrix4d::Identity();
+  T.topLeftCorner<3, 3>() = T_body_sensor.R;
+  T.topRightCorner<3, 1>() = T_body_sensor.p;
+  return fmt::format("T_BS:\n  cols: 4\n  rows: 4\n  data: {}\n", list_of(T.data(), 16));
+}
+
+struct DistortionText {
+  std::string model, coefficients;
+};
+
+DistortionText distortion_text(const Distortion& distortion) {
+  if (const auto* d = std::get_if<RadialTangential>(&distortion)) {
+    return {"radial-tangential", list_of(std::array{d->k1, d->k2, d->p1, d->p2}.data(), 4)};
+  }
+  if (const auto* d = std::get_if<Equidistant>(&distortion)) {
+    return {"equidistant", list_of(std::array{d->k1, d->k2, d->k3, d->k4}.data(), 4)};
+  }
+  return {"none", "[]"};
+}
+
+std::string camera_yaml(const Camera& camera, const Pose& T_body_cam) {
+  const std::array intrinsics{camera.fu, camera.fv, camera.cu, camera.cv};
+  const DistortionText distortion = distortion_text(camera.distortion);
+  return fmt::format(
+      "sensor_type: camera\n{}resolution: [{}, {}]\ncamera_model: pinhole\n"
+      "intrinsics: {}  # fu, fv, cu, cv\ndistortion_model: {}\ndistortion_coefficients: {}\n",
+      T_BS_text(T_body_cam), camera.width, camera.height, list_of(intrinsics.data(), 4), distortion.model,
+      distortion.coefficients);
+}
+
+void write_cameras(const StereoCalibration& calibration, const StagedFolder& mav0) {
+  const Pose T_body_cam0 = calibration.body == BodyFrame::kCam0 ? Pose{} : calibration.T_body_cam0;
+  const Pose T_body_cam1 = T_body_cam0 * pose_from_rig(calibration.theta).inverse();
+  mav0.write("cam0", "sensor.yaml", camera_yaml(calibration.cam0, T_body_cam0));
+  mav0.write("cam1", "sensor.yaml", camera_yaml(calibration.cam1, T_body_cam1));
+}
+
+void write_imu(const Recording& recording, const StagedFolder& mav0) {
+  if (recording.imu.empty()) {
+    return;
+  }
+  TableText table("write_track_log, IMU", ',');
+  table.header(
+      "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],"
+      "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]");
+  for (const ImuSample& sample : recording.imu) {
+    table.time(sample.t_ns);
+    table.cells(sample.omega_imu);
+    table.cells(sample.accel_imu);
+    table.end_row();
+  }
+  mav0.write("imu0", "data.csv", table.text());
+  std::string yaml = "sensor_type: imu\n" + T_BS_text(Pose{});
+  if (recording.imu_noise) {
+    const ImuNoise& noise = *recording.imu_noise;
+    yaml += fmt::format(
+        "gyroscope_noise_density: {}  # [rad/s/sqrt(Hz)]\ngyroscope_random_walk: {}  # [rad/s^2/sqrt(Hz)]\n"
+        "accelerometer_noise_density: {}  # [m/s^2/sqrt(Hz)]\naccelerometer_random_walk: {}  # "
+        "[m/s^3/sqrt(Hz)]\n",
+        noise.gyro_density, noise.gyro_walk, noise.accel_density, noise.accel_walk);
+  }
+  mav0.write("imu0", "sensor.yaml", yaml);
+}
+
+void write_odometry(const Recording& recording, const StagedFolder& mav0) {
+  if (recording.odometry.empty()) {
+    return;
+  }
+  TableText table("write_track_log, odometry", ',');
+  table.header(
+      "#timestamp [ns],v_x [m s^-1],v_y [m s^-1],v_z [m s^-1],w_x [rad s^-1],w_y [rad s^-1],w_z [rad s^-1]");
+  for (const OdometrySample& sample : recording.odometry) {
+    table.time(sample.t_ns);
+    table.cells(sample.v_body);
+    table.cells(sample.omega_body);
+    table.end_row();
+  }
+  mav0.write("odometry0", "data.csv", table.text());
+  if (const auto& noise = recording.odometry_noise) {
+    mav0.write("odometry0", "sensor.yaml",
+               fmt::format("sigma_v: {}  # [m/s]\nsigma_w: {}  # [rad/s]\n",
+                           list_of(noise->sigma_v.data(), 3), list_of(noise->sigma_omega.data(), 3)));
+  }
+}
+
+void add_pixel(TableText& table, bool is_seen, const Eigen::Vector2d& uv) {
+  is_seen ? table.cells(uv) : table.empty_cells(2);
+}
+
+void write_tracks(const Recording& recording, const StagedFolder& mav0) {
+  TableText table("write_track_log, tracks", ',');
+  table.header("#timestamp [ns],track_id,u0 [px],v0 [px],u1 [px],v1 [px]");
+  for (const StereoFrame& frame : recording.frames) {
+    table.require_later(frame.t_ns);
+    if (frame.observations.empty()) {
+      table.cell(frame.t_ns);
+      table.empty_cells(5);
+      table.end_row();
+    }
+    for (const StereoObservation& point : frame.observations) {
+      table.cell(frame.t_ns);
+      table.cell(point.track_id);
+      add_pixel(table, point.in_cam0, point.uv_cam0);
+      add_pixel(table, point.in_cam1, point.uv_cam1);
+      table.end_row();
+    }
+  }
+  mav0.write("tracks0", "data.csv", table.text());
+  if (const auto& sigma = recording.pixel_noise) {
+    mav0.write("tracks0", "sensor.yaml",
+               fmt::format("sigma_px: {}  # u0, v0, u1, v1\n", list_of(sigma->data(), 4)));
+  }
+}
+
+void write_groundtruth(const Recording& recording, const StagedFolder& mav0) {
+  if (recording.groundtruth.empty()) {
+    return;
+  }
+  const bool biases = recording.groundtruth_has_biases;
+  const bool velocity =
+      recording.groundtruth_has_velocity || biases;  // the format has no column for biases alone
+  std::string header =
+      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []";
+  header += velocity ? ",v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1]" : "";
+  header += biases ? ",b_w_RS_S_x [rad s^-1],b_w_RS_S_y [rad s^-1],b_w_RS_S_z [rad s^-1],b_a_RS_S_x [m s^-2],"
+                     "b_a_RS_S_y [m s^-2],b_a_RS_S_z [m s^-2]"
+                   : "";
+  TableText table("write_track_log, ground truth", ',');
+  table.header(header);
+  for (const GroundTruthState& state : recording.groundtruth) {
+    table.time(state.t_ns);
+    table.cells(state.p_world_body);
+    table.cells(detail::quaternion_wxyz(state.R_world_body));
+    if (velocity) {
+      table.cells(state.v_world_body);
+    }
+    if (biases) {
+      table.cells(state.bias_gyro);
+      table.cells(state.bias_accel);
+    }
+    table.end_row();
+  }
+  mav0.write("state_groundtruth_estimate0", "data.csv", table.text());
+}
+
+void write_landmarks(const Recording& recording, const StagedFolder& mav0) {
+  if (recording.landmarks_true.empty()) {
+    return;
+  }
+  TableText table("write_track_log, landmarks", ',');
+  table.header("#track_id,x [m],y [m],z [m]");
+  for (const auto& [id, p_world_landmark] : recording.landmarks_true) {
+    table.cell(id);
+    table.cells(p_world_landmark);
+    table.end_row();
+  }
+  mav0.write("landmarks0", "data.csv", table.text());
+}
+
+void write_calibration_truth(const Recording& recording, const StagedFolder& mav0) {
+  if (recording.calibration_true.empty()) {
+    return;
+  }
+  TableText table("write_track_log, true calibration", ',');
+  table.header("#timestamp [ns],ax [rad],ay [rad],az [rad],tx [m],ty [m],tz [m]");
+  for (const CalibrationTruth& truth : recording.calibration_true) {
+    table.time(truth.t_ns);
+    table.cells(truth.theta);
+    table.end_row();
+  }
+  mav0.write("calibration_truth0", "data.csv", table.text());
+}
+
+void require(bool condition, const std::string& rule) {
+  if (!condition) {
+    throw std::invalid_argument("write_track_log: " + rule);
+  }
+}
+
+void require_plausible_noise(const Recording& recording) {
+  if (const auto& noise = recording.imu_noise) {
+    const Eigen::Array4d values(noise->gyro_density, noise->gyro_walk, noise->accel_density,
+                                noise->accel_walk);
+    require(values.isFinite().all() && (values >= 0.0).all(), "IMU noise must be finite and not negative");
+  }
+  if (const auto& noise = recording.odometry_noise) {
+    require((noise->sigma_v.array() >= 0.0).all() && (noise->sigma_omega.array() >= 0.0).all(),
+            "odometry noise must not be negative");
+  }
+  if (const auto& sigma = recording.pixel_noise) {
+    require((sigma->array() > 0.0).all(), "pixel noise must be above zero");
+  }
+}
+
+void require_plausible_frame(const StereoFrame& frame) {
+  std::set<std::int64_t> ids;
+  for (const StereoObservation& point : frame.observations) {
+    require(point.in_cam0 || point.in_cam1, "a point must be seen by at least one camera");
+    require(ids.insert(point.track_id).second, "a track_id must not be twice in a frame");
+  }
+}
+
+void require_writable_content(const Recording& recording) {
+  require(!recording.frames.empty(), "the recording has no frames");
+  require(recording.calibration.body != BodyFrame::kMiddleOfBaseline,
+          "T_BS cannot express the body kMiddleOfBaseline, which moves with theta");
+  require_plausible_noise(recording);
+  std::for_each(recording.frames.begin(), recording.frames.end(), require_plausible_frame);
+}
+
+}  // namespace
+
+void write_track_log(const Recording& recording, const fs::path& folder) {
+  require_writable_content(recording);
+  try {
+    fs::create_directories(folder);
+    require_replaceable(folder / "mav0");
+    StagedFolder mav0(folder / "mav0");
+    write_cameras(recording.calibration, mav0);
+    write_imu(recording, mav0);
+    write_odometry(recording, mav0);
+    write_tracks(recording, mav0);
+    write_groundtruth(recording, mav0);
+    write_landmarks(recording, mav0);
+    write_calibration_truth(recording, mav0);
+    mav0.commit();
+  } catch (const fs::filesystem_error& e) {
+    throw DataError(e.path1().string(), 0, "a place where folders and files can be written",
+                    e.code().message());
+  }
+}
+
+}  // namespace limber

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "limber/core/errors.hpp"
+
+namespace limber::testing {
+
+namespace fs = std::filesystem;
+
+/// An empty folder for one test, removed with everything in it at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    static int count = 0;
+    path_ = fs::temp_directory_path() /
+            ("limber-test-" + std::to_string(getpid()) + "-" + std::to_string(count++));
+    fs::create_directories(path_);
+  }
+  ~TemporaryFolder() { fs::remove_all(path_); }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// Writes a file, and makes its folder if needed.
+inline fs::path write_text(const fs::path& path, std::string_view content) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << content;
+  return path;
+}
+
+inline std::string read_text(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// `text` with the first `from` replaced.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t where = text.find(from);
+  if (where == std::string::npos) {
+    throw std::invalid_argument("replaced: no '" + from + "' in the text");
+  }
+  return text.replace(where, from.size(), to);
+}
+
+/// The DataError that `read` throws; the test fails if it throws none.
+inline DataError data_error_of(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const DataError& e) {
+    return e;
+  }
+  ADD_FAILURE() << "no DataError";
+  return {"", 0, "", ""};
+}
+
+/// The start of a PNG file of this size: all that the readers look at.
+inline std::string png_header(int width, int height) {
+  std::string header("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
+  for (const int side : {width, height}) {
+    for (int shift = 24; shift >= 0; shift -= 8) {
+      header += static_cast<char>(side >> shift & 0xff);
+    }
+  }
+  return header;
+}
+
+/// The folder of the real recordings: LIMBER_DATA, else ../shared/data beside the sources; nothing if absent.
+inline std::optional<fs::path> real_data() {
+  const char* const from_environment = std::getenv("LIMBER_DATA");
+  const fs::path path =
+      from_environment ? fs::path(from_environment) : fs::path(LIMBER_SOURCE_DIR) / "../shared/data";
+  return fs::is_directory(path) ? std::optional<fs::path>(path) : std::nullopt;
+}
+
+}  // namespace limber::testing

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <sys/resource.h>
+
+#include <cmath>
+#include <csignal>
+#include <iterator>
+
+#include "files.hpp"
+#include "limber/datasets/atomic_file.hpp"
+#include "limber/datasets/landmarks_ply.hpp"
+#include "limber/datasets/trajectory_files.hpp"
+
+namespace limber {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::data_error_of;
+using testing::read_text;
+using testing::TemporaryFolder;
+using testing::write_text;
+
+std::ptrdiff_t entries(const fs::path& folder) { return std::distance(fs::directory_iterator(folder), {}); }
+
+TEST(AtomicFile, AppearsOnlyWhenCommitted) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "out.csv";
+  AtomicFile file(path);
+  file.write("one\n");
+  file.write(std::string_view("t\0o\n", 4));
+  EXPECT_FALSE(fs::exists(path));
+  file.commit();
+  EXPECT_EQ(read_text(path), std::string("one\nt\0o\n", 8));
+  EXPECT_EQ(entries(folder.path()), 1);
+}
+
+TEST(AtomicFile, LeavesTheOlderFileAndNothingElseWithoutCommit) {
+  const TemporaryFolder folder;
+  const fs::path path = write_text(folder.path() / "out.csv", "old");
+  {
+    AtomicFile file(path);
+    file.write("half of the n");
+  }
+  EXPECT_EQ(read_text(path), "old");
+  EXPECT_EQ(entries(folder.path()), 1);
+  write_file_atomically(path, "new");
+  EXPECT_EQ(read_text(path), "new");
+  EXPECT_EQ(entries(folder.path()), 1);
+}
+
+TEST(AtomicFile, TwoWritersOfOneNameDoNotMix) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "out.csv";
+  AtomicFile first(path), second(path);
+  first.write("first");
+  second.write("second");
+  first.commit();
+  EXPECT_EQ(read_text(path), "first");
+  second.commit();
+  EXPECT_EQ(read_text(path), "second");
+}
+
+TEST(AtomicFile, NamesAPlaceThatCannotBeWritten) {
+  const TemporaryFolder folder;
+  const fs::path nowhere = folder.path() / "nowhere" / "out.csv";
+  const DataError error = data_error_of([&] { write_file_atomically(nowhere, "x"); });
+  EXPECT_EQ(error.file(), nowhere.string());
+  EXPECT_NE(std::string(error.what()).find("No such file or directory"), std::string::npos) << error.what();
+  EXPECT_EQ(data_error_of([&] { write_file_atomically(folder.path(), "x"); }).file(), folder.path().string());
+  EXPECT_EQ(data_error_of([&] { write_tum(nowhere, {}); }).file(), nowhere.string());
+  EXPECT_EQ(data_error_of([&] { write_trajectory_csv(nowhere, {}); }).file(), nowhere.string());
+  EXPECT_EQ(data_error_of([&] { write_landmarks_ply(nowhere, {}); }).file(), nowhere.string());
+  EXPECT_EQ(entries(folder.path()), 0);
+}
+
+// A limit on the size of files stands in for a full disk.
+class SmallDisk {
+ public:
+  SmallDisk() {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{1000, before_.rlim_max};
+    std::signal(SIGXFSZ, SIG_IGN);
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~SmallDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, SIG_DFL);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(AtomicFile, LeavesNothingOnAFullDisk) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "out.csv";
+  {
+    const SmallDisk disk;
+    EXPECT_EQ(data_error_of([&] { write_file_atomically(path, std::string(100'000, 'x')); }).file(),
+              path.string());
+    EXPECT_EQ(data_error_of([&] { write_file_atomically(path, std::string(1'001, 'x')); }).file(),
+              path.string());
+    EXPECT_NO_THROW(write_file_atomically(path, std::string(1'000, 'x')));
+  }
+  EXPECT_EQ(fs::file_size(path), 1'000U);
+  EXPECT_EQ(entries(folder.path()), 1);
+}
+
+TEST(LandmarksPly, HoldsIdAndPositionOfEachPoint) {
+  const TemporaryFolder folder;
+  write_landmarks_ply(folder.path() / "landmarks.ply", {{12, {1.5, -2, 0.1}}, {-7, {1e-9, 0, 3}}});
+  EXPECT_EQ(
+      read_text(folder.path() / "landmarks.ply"),
+      "ply\nformat ascii 1.0\ncomment landmarks in the world frame [m], id = track_id\nelement vertex 2\n"
+      "property float x\nproperty float y\nproperty float z\nproperty int id\nend_header\n"
+      "1e-09 0 3 -7\n1.5 -2 0.1 12\n");
+}
+
+TEST(LandmarksPly, MakesRoomForLongIds) {
+  const TemporaryFolder folder;
+  write_landmarks_ply(folder.path() / "landmarks.ply", {{5'000'000'000, {0, 0, 0}}});
+  const std::string text = read_text(folder.path() / "landmarks.ply");
+  EXPECT_NE(text.find("property double id\nend_header\n0 0 0 5000000000\n"), std::string::npos) << text;
+}
+
+TEST(LandmarksPly, IsNotWrittenWithAPointNowhere) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(write_landmarks_ply(folder.path() / "l.ply", {{1, {0, std::nan(""), 0}}}),
+               std::invalid_argument);
+  EXPECT_THROW(write_landmarks_ply(folder.path() / "l.ply", {{1, {0, 1e300, 0}}}), std::invalid_argument);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+}  // namespace
+}  // namespace limber
