@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: MIT
+#include "limber/simulate/scenario_file.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "../datasets/text_file.hpp"
+#include "field_visitor.hpp"
+
+namespace limber {
+namespace {
+
+using detail::FieldVisitor;
+using detail::Range;
+using detail::Unit;
+
+constexpr double kMaxSamples = 1e7;         // of one sensor in one recording
+constexpr double kMaxRotationError = 1e-6;  // of an entry of R^T R - I
+constexpr double kMinBaseline = 1e-3;       // [m]
+
+const Range kPositive{.min = 0.0, .max = 1e6, .min_excluded = true};
+const Range kNotNegative{.min = 0.0, .max = 1e6};
+const Range kProbability{.min = 0.0, .max = 1.0};
+const Range kAnyNumber{.min = -1e6, .max = 1e6};
+const Range kRate{.min = 0.1, .max = 10000.0};  // Hz
+
+const Unit kNone{"", 1.0};
+const Unit kDegrees{"deg", kDegree};
+const Unit kMetres{"m", 1.0};
+const Unit kMetresPerSecond{"m/s", 1.0};
+const Unit kHertz{"Hz", 1.0};
+const Unit kPixels{"px", 1.0};
+const Unit kSeconds{"s", 1.0};
+
+/// Makes `variant` hold its alternative number `index`, default-constructed unless it does already.
+template <typename... Alternatives>
+void hold_alternative(std::variant<Alternatives...>& variant, std::size_t index) {
+  std::size_t i = 0;
+  (void)((i++ == index &&
+          (std::holds_alternative<Alternatives>(variant) || (variant = Alternatives{}, true))) ||
+         ...);
+}
+
+void check_order(FieldVisitor& io, const std::string& larger_key, double smaller, double larger,
+                 const std::string& smaller_key) {
+  io.check(larger_key, larger >= smaller, "not below " + smaller_key,
+           fmt::format("{:.6g} < {:.6g}", larger, smaller));
+}
+
+// ---- trajectory
+
+void visit_fields(FieldVisitor& io, RandomSplineTrajectory& t) {
+  io.numbers("half_extent", t.half_extent, kNotNegative, kMetres);
+  io.numbers("max_angles", t.max_angles, {.min = 0.0, .max = 180.0}, {"deg: roll, pitch, yaw", kDegree});
+  io.number("knot_spacing", t.knot_spacing, {.min = 0.01, .max = 1e6}, kSeconds);
+  io.number("max_speed", t.max_speed, kNotNegative, kMetresPerSecond);
+  io.number("max_angular_rate", t.max_angular_rate, kNotNegative, {"rad/s"});
+  io.number("rest", t.rest, kNotNegative, kSeconds);
+}
+
+void visit_fields(FieldVisitor& io, FigureEightTrajectory& t) {
+  io.number("half_length", t.half_length, kPositive, kMetres);
+  io.number("height", t.height, kNotNegative, kMetres);
+  io.number("min_speed", t.min_speed, kPositive, kMetresPerSecond);
+  io.number("max_speed", t.max_speed, kPositive, kMetresPerSecond);
+  check_order(io, "max_speed", t.min_speed, t.max_speed, "min_speed");
+  io.number("tilt", t.tilt, {.min = 0.0, .max = 80.0}, kDegrees);
+  io.number("rest", t.rest, kNotNegative, kSeconds);
+}
+
+void visit_fields(FieldVisitor& io, FileTrajectory& t) {
+  io.require("path");
+  io.path("path", t.path);
+  io.check("path", !t.path.empty(), "as the name of a TUM file", "nothing");
+  io.number("start", t.start, kNotNegative, kSeconds);
+  io.number("knot_spacing", t.knot_spacing, {.min = 0.01, .max = 1e6}, kSeconds);
+}
+
+void visit_fields(FieldVisitor& io, TrajectoryScenario& trajectory) {
+  hold_alternative(trajectory,
+                   io.choice("kind", trajectory.index(), {"random_spline", "figure_eight", "file"}));
+  std::visit([&io](auto& kind) { visit_fields(io, kind); }, trajectory);
+}
+
+// ---- world and rig
+
+void visit_fields(FieldVisitor& io, WorldScenario& w) {
+  io.integer("points", w.points, {.min = 0.0, .max = 1e6}, kNone);
+  w.placement = static_cast<PointPlacement>(
+      io.choice("placement", static_cast<std::size_t>(w.placement), {"around", "in_view"}));
+  io.number("min_distance", w.min_distance, kNotNegative, kMetres);
+  io.number("max_distance", w.max_distance, kPositive, kMetres);
+  check_order(io, "max_distance", w.min_distance, w.max_distance, "min_distance");
+  io.number("max_elevation", w.max_elevation, {.min = 0.0, .max = 90.0}, kDegrees);
+  io.number("min_range", w.min_range, kPositive, kMetres);
+  io.number("max_range", w.max_range, kPositive, kMetres);
+  check_order(io, "max_range", w.min_range, w.max_range, "min_range");
+  io.boolean("left_only", w.left_only);
+}
+
+template <typename Model>
+Eigen::Vector4d coefficients(const Model& m) {
+  if constexpr (std::is_same_v<Model, RadialTangential>) {
+    return {m.k1, m.k2, m.p1, m.p2};
+  } else if constexpr (std::is_same_v<Model, Equidistant>) {
+    return {m.k1, m.k2, m.k3, m.k4};
+  } else {
+    return Eigen::Vector4d::Zero();
+  }
+}
+
+void visit_distortion(FieldVisitor& io, Distortion& distortion) {
+  hold_alternative(distortion, io.choice("distortion_model", distortion.index(),
+                                         {"none", "radial-tangential", "equidistant"}));
+  if (std::holds_alternative<NoDistortion>(distortion)) {
+    return;
+  }
+  io.require("distortion_coefficients");
+  Eigen::Vector4d k = std::visit([](const auto& model) { return coefficients(model); }, distortion);
+  io.numbers("distortion_coefficients", k, {.min = -100.0, .max = 100.0}, kNone);
+  if (auto* radial = std::get_if<RadialTangential>(&distortion)) {
+    *radial = {k[0], k[1], k[2], k[3]};
+  } else {
+    distortion = Equidistant{k[0], k[1], k[2], k[3]};
+  }
+}
+
+void visit_fields(FieldVisitor& io, Camera& camera) {
+  Eigen::Vector2d resolution(camera.width, camera.height);
+  io.numbers("resolution", resolution, {.min = 1.0, .max = 1e5}, {"px: width, height"});
+  io.check("resolution", resolution == resolution.array().floor().matrix(), "as whole numbers",
+           fmt::format("{} x {}", resolution.x(), resolution.y()));
+  camera.width = static_cast<int>(resolution.x());
+  camera.height = static_cast<int>(resolution.y());
+
+  Eigen::Vector4d intrinsics(camera.fu, camera.fv, camera.cu, camera.cv);
+  io.numbers("intrinsics", intrinsics, {.min = -1e5, .max = 1e5}, {"px: fu, fv, cu, cv"});
+  io.check("intrinsics", intrinsics[0] > 0.0 && intrinsics[1] > 0.0, "with positive focal lengths",
+           fmt::format("fu = {}, fv = {}", intrinsics[0], intrinsics[1]));
+  camera.fu = intrinsics[0];
+  camera.fv = intrinsics[1];
+  camera.cu = intrinsics[2];
+  camera.cv = intrinsics[3];
+  visit_distortion(io, camera.distortion);
+}
+
+void visit_transform(FieldVisitor& io, const std::string& key, Pose& pose) {
+  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = Eigen::Matrix4d::Identity();
+  T.topLeftCorner<3, 3>() = pose.R;
+  T.topRightCorner<3, 1>() = pose.p;
+  io.numbers(key, Eigen::Map<Eigen::VectorXd>(T.data(), 16), kAnyNumber, {"4x4, row by row, m"});
+  pose.R = T.topLeftCorner<3, 3>();
+  pose.p = T.topRightCorner<3, 1>();
+  const double error = (pose.R.transpose() * pose.R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  io.check(key, error <= kMaxRotationError && pose.R.determinant() > 0.0, "with a rotation matrix",
+           fmt::format("R^T R - I up to {:.2g}, determinant {:.3g}", error, pose.R.determinant()));
+  io.check(key, T.row(3) == Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0), "with 0, 0, 0, 1 as last row",
+           "another one");
+}
+
+void visit_fields(FieldVisitor& io, RigScenario& rig) {
+  const auto body =
+      io.choice("body", static_cast<std::size_t>(rig.body), {"imu", "cam0", "middle_of_baseline"});
+  rig.body = static_cast<BodyFrame>(body);
+  io.rig_parameters("theta", rig.theta, rig.theta.tail<3>().norm(), kAnyNumber);
+  io.check("theta", rig.theta[3] < 0.0 && rig.theta.tail<3>().norm() >= kMinBaseline,
+           "with cam1 to the right of cam0 (tx below zero) by at least 1 mm",
+           fmt::format("tx = {} m", rig.theta[3]));
+  visit_transform(io, "T_imu_cam0", rig.T_imu_cam0);
+  io.check("T_imu_cam0",
+           rig.body == BodyFrame::kImu || (rig.T_imu_cam0.R.isIdentity(0.0) && rig.T_imu_cam0.p.isZero(0.0)),
+           "as the identity (or absent) unless body is imu", "another transform");
+  io.mapping("cam0", [&](FieldVisitor& child) { visit_fields(child, rig.cam0); });
+  if (!io.has("cam1", true)) {
+    rig.cam1 = rig.cam0;
+  }
+  io.mapping("cam1", [&](FieldVisitor& child) { visit_fields(child, rig.cam1); });
+}
+
+// ---- noise and faults
+
+void visit_fields(FieldVisitor& io, NoiseScenario& n) {
+  io.number("pixel", n.pixel, {.min = 0.0, .max = 1000.0}, kPixels);
+  io.number("accel", n.accel, kNotNegative, {"m/s^2 per sample"});
+  io.number("gyro", n.gyro, kNotNegative, {"deg/s per sample", kDegree});
+  io.number("accel_walk", n.accel_walk, kNotNegative, {"m/s^3/sqrt(Hz)"});
+  io.number("gyro_walk", n.gyro_walk, kNotNegative, {"rad/s^2/sqrt(Hz)"});
+}
+
+void visit_fields(FieldVisitor& io, OdometryScenario& o) {
+  io.number("rate", o.rate, kRate, kHertz);
+  io.number("velocity", o.velocity, kNotNegative, {"m/s per sample"});
+  io.number("angular_rate", o.angular_rate, kNotNegative, {"rad/s per sample"});
+}
+
+void visit_fields(FieldVisitor& io, InitialSigmas& s) {
+  io.number("position", s.position, kNotNegative, kMetres);
+  io.number("attitude", s.attitude, kNotNegative, {"rad"});
+  io.number("velocity", s.velocity, kNotNegative, kMetresPerSecond);
+  io.number("bias_accel", s.bias_accel, kNotNegative, {"m/s^2"});
+  io.number("bias_gyro", s.bias_gyro, kNotNegative, {"rad/s"});
+}
+
+void visit_fields(FieldVisitor& io, DropoutScenario& d) {
+  io.number("right_detections", d.right_detections, kProbability, kNone);
+  io.number("frames", d.frames, kProbability, kNone);
+  io.number("imu_samples", d.imu_samples, kProbability, kNone);
+}
+
+// ---- decalibration
+
+void visit_fields(FieldVisitor&, ConstantShape&) {}
+
+void visit_fields(FieldVisitor& io, SinusShape& s) {
+  io.number("angular_frequency", s.angular_frequency, kAnyNumber, {"rad/s"});
+  io.number("phase", s.phase, kAnyNumber, {"rad"});
+}
+
+void visit_fields(FieldVisitor& io, StepsShape& s) {
+  io.list(
+      "steps", s.steps.size(), [&](std::size_t size) { s.steps.assign(size, {}); },
+      [&](std::size_t i, FieldVisitor& entry) {
+        entry.require("at");
+        entry.number("at", s.steps[i].at, kAnyNumber, kSeconds);
+        entry.require("value");
+        entry.number("value", s.steps[i].value, kAnyNumber, kNone);
+        entry.check("at", i == 0 || s.steps[i].at > s.steps[i - 1].at, "later than the step before it",
+                    fmt::format("{} s", s.steps[i].at));
+      });
+}
+
+void visit_fields(FieldVisitor& io, SquareWaveShape& s) {
+  io.number("period", s.period, {.min = 1e-3, .max = 1e6}, kSeconds);
+}
+
+void visit_fields(FieldVisitor& io, RampShape& s) {
+  io.number("start", s.start, kNotNegative, kSeconds);
+  io.require("end");
+  io.number("end", s.end, kPositive, kSeconds);
+  io.check("end", s.end > s.start, "later than start", fmt::format("{} s", s.end));
+}
+
+void visit_fields(FieldVisitor& io, RandomWalkShape& s) {
+  io.number("sigma", s.sigma, kNotNegative, {"1/sqrt(s)"});
+}
+
+void visit_fields(FieldVisitor&, WhiteNoiseShape&) {}
+
+/// A vibration is a sinus whose frequency is given in Hz; written, it is a sinus.
+void visit_vibration(FieldVisitor& io, SinusShape& s) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  io.require("frequency");
+  io.number("frequency", s.angular_frequency, kPositive, {"Hz", kTurn});
+  io.number("phase", s.phase, kAnyNumber, {"rad"});
+}
+
+void visit_fields(FieldVisitor& io, DecalibrationSignal& signal, double baseline) {
+  constexpr std::size_t kVibration = std::variant_size_v<DecalibrationShape>;
+  io.require("shape");
+  const std::size_t shape = io.choice(
+      "shape", signal.shape.index(),
+      {"constant", "sinus", "steps", "square_wave", "ramp", "random_walk", "white_noise", "vibration"});
+  io.require("amplitude");
+  io.rig_parameters("amplitude", signal.amplitude, baseline, kAnyNumber);
+  if (shape == kVibration) {
+    visit_vibration(io, signal.shape.emplace<SinusShape>());
+    return;
+  }
+  hold_alternative(signal.shape, shape);
+  std::visit([&io](auto& s) { visit_fields(io, s); }, signal.shape);
+}
+
+// ---- what estimators assume
+
+void visit_fields(FieldVisitor& io, FilterScenario& f, double baseline) {
+  constexpr double kSquareMillimetre = 1e-6;
+  io.mapping("initial", [&](FieldVisitor& child) { visit_fields(child, f.initial); });
+  io.rig_parameters("theta_sigma", f.theta_sigma, baseline, kNotNegative);
+  io.numbers("theta_walk_rotation", f.theta_walk_variance.head<3>(), kNotNegative,
+             {"rad^2 per theta_walk_step"});
+  io.numbers("theta_walk_translation", f.theta_walk_variance.tail<3>(), kNotNegative,
+             {"mm^2 per theta_walk_step", kSquareMillimetre});
+  io.number("theta_walk_step", f.theta_walk_step, {.min = 1e-6, .max = 1e6}, kSeconds);
+  io.number("acceleration_noise", f.acceleration_noise, kNotNegative, {"m/s^2/sqrt(Hz)"});
+  io.number("angular_noise", f.angular_noise, kNotNegative, {"rad/s^2/sqrt(Hz)"});
+}
+
+void visit_rates(FieldVisitor& io, Scenario& s) {
+  io.number("imu", s.imu_rate, kRate, kHertz);
+  io.number("stereo", s.stereo_rate, kRate, kHertz);
+  for (const auto& [key, rate] : {std::pair{"imu", s.imu_rate}, std::pair{"stereo", s.stereo_rate}}) {
+    io.check(key, rate * s.duration <= kMaxSamples,
+             fmt::format("with at most {:.0e} samples in all", kMaxSamples),
+             fmt::format("{:.3g}", rate * s.duration));
+  }
+}
+
+void visit_fields(FieldVisitor& io, Scenario& s) {
+  io.text("name", s.name);
+  io.number("duration", s.duration, kPositive, kSeconds);
+  io.mapping("rates", [&](FieldVisitor& child) { visit_rates(child, s); });
+  io.boolean("use_imu", s.use_imu);
+  io.boolean("same_world_in_all_runs", s.same_world_in_all_runs);
+  io.number("gravity", s.gravity, kNotNegative, {"m/s^2"});
+  io.mapping("trajectory", [&](FieldVisitor& child) { visit_fields(child, s.trajectory); });
+  io.mapping("world", [&](FieldVisitor& child) { visit_fields(child, s.world); });
+  io.mapping("rig", [&](FieldVisitor& child) { visit_fields(child, s.rig); });
+  io.mapping("noise", [&](FieldVisitor& child) { visit_fields(child, s.noise); });
+  if (io.has("odometry", s.odometry.has_value())) {
+    OdometryScenario odometry = s.odometry.value_or(OdometryScenario{});
+    io.mapping("odometry", [&](FieldVisitor& child) { visit_fields(child, odometry); });
+    s.odometry = odometry;
+  }
+  io.mapping("initial", [&](FieldVisitor& child) { visit_fields(child, s.initial); });
+  io.mapping("dropout", [&](FieldVisitor& child) { visit_fields(child, s.dropout); });
+  const double baseline = s.rig.theta.tail<3>().norm();
+  io.list(
+      "decalibration", s.decalibration.size(), [&](std::size_t size) { s.decalibration.assign(size, {}); },
+      [&](std::size_t i, FieldVisitor& entry) { visit_fields(entry, s.decalibration[i], baseline); });
+}
+
+/// Relative paths start at the folder of the scenario file.
+void resolve_path(Scenario& scenario, const std::filesystem::path& file) {
+  if (auto* trajectory = std::get_if<FileTrajectory>(&scenario.trajectory)) {
+    trajectory->path = (std::filesystem::absolute(file).parent_path() / trajectory->path).lexically_normal();
+  }
+}
+
+}  // namespace
+
+RigParameters FilterScenario::default_theta_sigma(double baseline) {
+  RigParameters sigma;
+  sigma << Eigen::Vector3d::Constant(0.1 * kDegree), Eigen::Vector3d::Constant(0.05 * baseline);
+  return sigma;
+}
+
+Scenario parse_scenario(std::string_view text, const std::filesystem::path& file) {
+  Scenario scenario;
+  scenario.name = file.stem().string();
+  detail::read_fields(std::string(text), file.string(), [&](FieldVisitor& io) {
+    visit_fields(io, scenario);
+    const double baseline = scenario.rig.theta.tail<3>().norm();
+    scenario.filter.initial = scenario.initial;
+    scenario.filter.theta_sigma = FilterScenario::default_theta_sigma(baseline);
+    io.mapping("filter", [&](FieldVisitor& child) { visit_fields(child, scenario.filter, baseline); });
+  });
+  resolve_path(scenario, file);
+  return scenario;
+}
+
+Scenario read_scenario(const std::filesystem::path& path) {
+  return parse_scenario(detail::load_text(path), path);
+}
+
+std::string format_scenario(const Scenario& scenario) {
+  Scenario copy = scenario;
+  return detail::write_fields([&](FieldVisitor& io) {
+    visit_fields(io, copy);
+    io.mapping("filter", [&](FieldVisitor& child) {
+      visit_fields(child, copy.filter, copy.rig.theta.tail<3>().norm());
+    });
+  });
+}
+
+void check_scenario(const Scenario& scenario) { static_cast<void>(format_scenario(scenario)); }
+
+}  // namespace limber
