@@ -27,6 +27,10 @@ void check(const Covariance& P, const LinearMeasurement& z) {
       throw std::invalid_argument("measurement: block of H at (" + std::to_string(block.row) + ", " +
                                   std::to_string(block.col) + ") lies outside: " + shapes());
     }
+    if (!block.value.allFinite()) {
+      throw std::invalid_argument("measurement: block of H at (" + std::to_string(block.row) + ", " +
+                                  std::to_string(block.col) + ") is not finite");
+    }
   }
   if (!z.residual.allFinite() || !(z.sigma.array() > 0.0).all() || !z.sigma.allFinite() || !z.D.allFinite()) {
     throw std::invalid_argument("measurement: expected finite r and D and positive sigma");

@@ -33,6 +33,11 @@ void add_white_covariance(Innovation& innovation, const ParameterTreatment& trea
   }
 }
 
+/// Eigen calls a factor with NaN on its diagonal a success.
+bool is_positive_definite(const Eigen::LLT<MatrixXd>& llt) {
+  return llt.info() == Eigen::Success && llt.matrixLLT().diagonal().allFinite();
+}
+
 UpdateReport untouched(UpdateStatus status, Index n) {
   UpdateReport report;
   report.status = status;
@@ -70,7 +75,7 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
   }
 
   const Eigen::LLT<MatrixXd> llt(innovation.S.topLeftCorner(dof, dof));
-  if (llt.info() != Eigen::Success) {
+  if (!is_positive_definite(llt)) {
     return untouched(UpdateStatus::kSingularInnovation, P.size());
   }
   // With S = L Lᵀ: W = P Hᵀ L⁻ᵀ, dx = W L⁻¹ r, P -= W Wᵀ.
@@ -97,7 +102,7 @@ UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measuremen
   }
   add_white_covariance(innovation, treatment);
   const Eigen::LLT<MatrixXd> S(innovation.S);
-  if (S.info() != Eigen::Success) {
+  if (!is_positive_definite(S)) {
     return untouched(UpdateStatus::kSingularInnovation, n);
   }
   const MatrixXd K = S.solve(innovation.PHt.transpose()).transpose();  // P Hᵀ S⁻¹
