@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+/// One function per subcommand. Each adds its options and a callback that does the work.
+///
+/// The callback throws to fail: main() turns any std::exception into a message and exit code 1. A command
+/// with further exit codes throws CLI::RuntimeError(code) after it has printed its result. What only the user
+/// can get wrong (an option's value) is a CLI validator's business and ends with exit code 2; a file that is
+/// missing or broken is not, so no CLI::ExistingFile.
+namespace limber::app {
+
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitFailed = 1;
+inline constexpr int kExitUsage = 2;
+
+void add_evaluate_command(CLI::App& app);
+
+}  // namespace limber::app

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// limber evaluate: a trajectory against the truth.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "commands.hpp"
+#include "evaluation_report.hpp"
+#include "limber/datasets/atomic_file.hpp"
+#include "trajectory_input.hpp"
+#include "validators.hpp"
+
+namespace limber::app {
+namespace {
+
+struct EvaluateOptions {
+  std::filesystem::path estimate, truth, out;
+  double max_time_difference = kMaxTimeDifference;
+  RelativeErrorSettings settings;
+  bool json = false;
+};
+
+// NEES needs a covariance with every pose that enters.
+std::optional<ConsistencyReport> consistency_of(const TrajectoryInput& estimate,
+                                                const std::vector<MatchedPose>& matched) {
+  if (estimate.covariances.empty()) {
+    return std::nullopt;
+  }
+  std::vector<MatchedPose> known;
+  for (const MatchedPose& pose : matched) {
+    if (!estimate.covariances[pose.index].hasNaN()) {
+      known.push_back(pose);
+    }
+  }
+  const std::int64_t start_ns = estimate.poses.front().t_ns;
+  return ConsistencyReport{
+      average_nees(known, estimate.covariances, align(matched, AlignmentKind::kNone), start_ns),
+      average_nees(known, estimate.covariances, align(matched, AlignmentKind::kFirstPose), start_ns)};
+}
+
+void evaluate(const EvaluateOptions& options) {
+  const TrajectoryInput estimate = load_trajectory(options.estimate);
+  const TrajectoryInput truth = load_trajectory(options.truth);
+  const Match matched = match(estimate, truth, options.max_time_difference);
+
+  EvaluationReport report;
+  report.estimate = estimate.path.string();
+  report.truth = truth.path.string();
+  report.estimated_poses = estimate.poses.size();
+  report.matched_by_time = matched.by_time;
+  report.max_time_difference = options.max_time_difference;
+  report.settings = options.settings;
+  report.evaluation = evaluate_trajectory(matched.poses, options.settings);
+  report.consistency = consistency_of(estimate, matched.poses);
+
+  const std::string json = to_json(report).dump(2) + "\n";
+  if (!options.out.empty()) {
+    write_file_atomically(options.out, json);
+  }
+  fmt::print("{}", options.json ? json : to_text(report));
+}
+
+}  // namespace
+
+void add_evaluate_command(CLI::App& app) {
+  auto options = std::make_shared<EvaluateOptions>();
+  CLI::App* command =
+      app.add_subcommand("evaluate", "Compare a trajectory with the truth: ATE, RPE, attitude, NEES");
+  command
+      ->add_option("ESTIMATE", options->estimate,
+                   "Trajectory file, or the folder of a run (its trajectory.csv)")
+      ->required();
+  command->add_option("GROUNDTRUTH", options->truth, "Trajectory file, or the folder of a recording")
+      ->required();
+  command
+      ->add_option("--max-time-difference", options->max_time_difference,
+                   "How far ground truth may be from a pose [s]")
+      ->check(not_negative())
+      ->capture_default_str();
+  command->add_option("--rpe-distance", options->settings.distance, "Distance of the relative error [m]")
+      ->check(positive())
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Print JSON instead of tables");
+  command->add_option("--out", options->out, "Write the JSON to this file too");
+  command->footer(
+      "\nTrajectory files: TUM (t x y z qx qy qz qw), KITTI poses (12 numbers), EuRoC ground truth, "
+      "limber's\n"
+      "trajectory.csv; the content tells which. Poses are matched in time, with the ground truth "
+      "interpolated, or\n"
+      "line by line if a file has no times (KITTI). Absolute and relative errors are those of the tool evo: "
+      "the\n"
+      "alignments are fitted over all poses, the scale multiplies the estimate, the relative error over a "
+      "distance\n"
+      "takes all pairs that far apart along the estimated path (within 10 %). 'first pose' aligns position "
+      "and yaw\n"
+      "of the first pose only. NEES needs a trajectory.csv with covariance; frames later than 1 s enter.\n"
+      "Example:\n"
+      "  limber evaluate runs/v101 data/v101 --out evaluation.json");
+  command->callback([options] { evaluate(*options); });
+}
+
+}  // namespace limber::app

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "limber/evaluate/consistency.hpp"
+#include "limber/evaluate/evaluation.hpp"
+#include "limber/evaluate/statistics.hpp"
+
+/// An evaluation as JSON and as text. What is not known is null, or a dash.
+namespace limber::app {
+
+/// Keeps the order in which keys are added.
+using Json = nlohmann::ordered_json;
+
+/// Consistency of an estimate as it is, and aligned at its first pose by position and yaw.
+struct ConsistencyReport {
+  Consistency none;
+  Consistency first_pose;
+};
+
+/// Everything that `limber evaluate` says.
+struct EvaluationReport {
+  std::string estimate, truth;  ///< paths
+  std::size_t estimated_poses = 0;
+  bool matched_by_time = true;
+  double max_time_difference = 0.0;  ///< [s]
+  RelativeErrorSettings settings;
+  TrajectoryEvaluation evaluation;
+  std::optional<ConsistencyReport> consistency;  ///< nothing without covariances
+};
+
+/// {rmse, mean, median, std, min, max, sse, count}
+[[nodiscard]] Json to_json(const Statistics& statistics);
+
+/// {none, se3, sim3, scale}: rmse [m] after each alignment, and the scale of the last; the ate_m of
+/// summary.json.
+[[nodiscard]] Json ate_json(const TrajectoryEvaluation& evaluation);
+
+/// {pose, position, attitude: average NEES per d.o.f., frames, frames_refused, share_within_95}
+[[nodiscard]] Json to_json(const Consistency& consistency);
+
+[[nodiscard]] Json to_json(const EvaluationReport& report);
+
+/// Aligned tables, to be read in a terminal at least 110 characters wide.
+[[nodiscard]] std::string to_text(const EvaluationReport& report);
+
+}  // namespace limber::app

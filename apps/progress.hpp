@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace limber::app {
+
+/// A progress bar in one line that goes away when the work ends. Nothing at all is written unless the stream
+/// is a terminal that can redraw a line.
+class Progress {
+ public:
+  /// @param total what done() counts up to; 0 draws no bar
+  Progress(std::string label, std::size_t total, std::FILE* stream = stderr)
+      : label_(std::move(label)), total_(total), stream_(stream), draws_(total > 0 && can_redraw(stream)) {}
+
+  ~Progress() {
+    if (drawn_) {
+      fmt::print(stream_, "\r\x1b[K");
+      std::fflush(stream_);
+    }
+  }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// So much is done. Cheap: draws at most ten times a second.
+  void done(std::size_t count) {
+    const auto now = Clock::now();
+    if (!draws_ || (drawn_ && now - last_drawn_ < std::chrono::milliseconds(100))) {
+      return;
+    }
+    last_drawn_ = now;
+    drawn_ = true;
+    const double share = std::min(1.0, static_cast<double>(count) / static_cast<double>(total_));
+    const auto filled = static_cast<std::size_t>(share * kWidth);
+    fmt::print(stream_, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", label_, "", filled, "", kWidth - filled,
+               100.0 * share, remaining(share, now));
+    std::fflush(stream_);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::size_t kWidth = 30;
+
+  static bool can_redraw(std::FILE* stream) {
+    const char* terminal = std::getenv("TERM");
+    return isatty(fileno(stream)) == 1 && (terminal == nullptr || std::string_view(terminal) != "dumb");
+  }
+
+  // Time to go at the pace so far; nothing in the first second, when the pace is a guess.
+  [[nodiscard]] std::string remaining(double share, Clock::time_point now) const {
+    const double elapsed = std::chrono::duration<double>(now - started_).count();
+    return elapsed < 1.0 || share <= 0.0 ? ""
+                                         : fmt::format(", {:.0f} s to go", elapsed * (1.0 - share) / share);
+  }
+
+  std::string label_;
+  std::size_t total_;
+  std::FILE* stream_;
+  bool draws_;
+  bool drawn_ = false;
+  Clock::time_point started_ = Clock::now();
+  Clock::time_point last_drawn_;
+};
+
+}  // namespace limber::app

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "limber/core/pose.hpp"
+#include "limber/evaluate/association.hpp"
+#include "limber/evaluate/consistency.hpp"
+
+namespace limber::app {
+
+/// A trajectory that the user named, whatever it came from.
+struct TrajectoryInput {
+  std::filesystem::path path;               ///< of the file, or of the folder of a recording
+  bool has_time = true;                     ///< false: t_ns counts poses
+  std::vector<StampedPose> poses;           ///< at least one
+  std::vector<PoseCovariance> covariances;  ///< as many as poses, or empty. A row without one holds NaN.
+};
+
+/// @brief Reads a trajectory file of any format, the trajectory.csv of a run's folder, or a recording's
+/// ground truth.
+/// @throws DataError if there is none, or it cannot be used
+[[nodiscard]] TrajectoryInput load_trajectory(const std::filesystem::path& path);
+
+/// How poses of two trajectories found each other.
+struct Match {
+  std::vector<MatchedPose> poses;  ///< at least one
+  bool by_time = true;
+};
+
+/// @brief Matches by time where both inputs have times, else by index.
+/// @throws std::runtime_error if nothing matches; says what both cover and what to try
+[[nodiscard]] Match match(const TrajectoryInput& estimate, const TrajectoryInput& truth,
+                          double max_time_difference);
+
+}  // namespace limber::app

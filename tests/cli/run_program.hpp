@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/files.hpp"
+
+namespace limber::testing {
+
+/// What a run of the program left behind.
+struct ProgramResult {
+  int exit_code = 0;  ///< minus the signal's number if one ended it
+  std::string out, err;
+};
+
+inline std::string shell_quoted(const std::string& argument) {
+  std::string quoted = "'";
+  for (const char c : argument) {
+    quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  }
+  return quoted + "'";
+}
+
+/// Runs `limber` with these arguments, neither stdout nor stderr a terminal. `redirect` may send stdout
+/// elsewhere.
+inline ProgramResult run_limber(const std::vector<std::string>& arguments, const std::string& redirect = "") {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out", err = folder.path() / "err";
+  std::string command = shell_quoted(LIMBER_PROGRAM);
+  for (const std::string& argument : arguments) {
+    command += " " + shell_quoted(argument);
+  }
+  command += " >" + shell_quoted(out.string()) + " 2>" + shell_quoted(err.string()) + " " + redirect;
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), read_text(out), read_text(err)};
+}
+
+/// Names of all files below a folder, sorted by the file system's whim: for "nothing was left behind".
+inline std::vector<std::string> files_below(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    names.push_back(fs::relative(entry.path(), folder).string());
+  }
+  return names;
+}
+
+}  // namespace limber::testing
