@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "limber/simulate/random.hpp"
@@ -14,9 +13,9 @@ namespace {
 constexpr std::int64_t kWalkStepNs = 10'000'000;
 constexpr double kShortestPeriod = 1e-3;  // [s]
 constexpr double kLongest = 1e9;          // [s]: thirty years, and still exact in nanoseconds
-constexpr double kDegree = std::numbers::pi / 180.0;
 
-std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
+std::int64_t nanoseconds(double time) { return std::llround(time * 1e9); }
+double seconds(std::int64_t t_ns) { return static_cast<double>(t_ns) / 1e9; }
 
 void require(bool condition, const char* message) {
   if (!condition) {
@@ -59,7 +58,7 @@ RigParameters normal6(const RandomStream& stream, std::uint64_t i) {
 std::vector<RigParameters> draw_walk(const RandomWalkShape& shape, double duration,
                                      const RandomStream& stream) {
   const auto steps = static_cast<std::size_t>(nanoseconds(duration) / kWalkStepNs) + 1;
-  const double sigma = shape.sigma * std::sqrt(static_cast<double>(kWalkStepNs) * 1e-9);
+  const double sigma = shape.sigma * std::sqrt(seconds(kWalkStepNs));
   std::vector<RigParameters> walk = {RigParameters::Zero()};
   for (std::size_t k = 0; k < steps; ++k) {
     walk.push_back(walk.back() + sigma * normal6(stream, k));
@@ -84,7 +83,7 @@ struct ScalarValue {
 
   double operator()(const ConstantShape&) const { return 1.0; }
   double operator()(const SinusShape& s) const {
-    return std::sin(s.angular_frequency * static_cast<double>(t_ns) * 1e-9 + s.phase);
+    return std::sin(s.angular_frequency * seconds(t_ns) + s.phase);
   }
   double operator()(const StepsShape& s) const {
     double value = 0.0;
@@ -98,7 +97,7 @@ struct ScalarValue {
     return t_ns % period < period / 2 ? 1.0 : -1.0;
   }
   double operator()(const RampShape& s) const {
-    return std::clamp((static_cast<double>(t_ns) * 1e-9 - s.start) / (s.end - s.start), 0.0, 1.0);
+    return std::clamp((seconds(t_ns) - s.start) / (s.end - s.start), 0.0, 1.0);
   }
   double operator()(const RandomWalkShape&) const { return 0.0; }
   double operator()(const WhiteNoiseShape&) const { return 0.0; }
@@ -132,7 +131,7 @@ struct CollectJumps {
 
 RigParameters paper_decalibration() {
   RigParameters delta;
-  delta << 0.01 * kDegree, -0.05 * kDegree, 0.1 * kDegree, 0.1, -0.01, 0.005;
+  delta << 0.01 * detail::kDegree, -0.05 * detail::kDegree, 0.1 * detail::kDegree, 0.1, -0.01, 0.005;
   return delta;
 }
 

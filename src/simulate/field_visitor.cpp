@@ -6,13 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string_view>
 
 #include "../datasets/numbers.hpp"
 #include "limber/core/errors.hpp"
-#include "limber/simulate/scenario.hpp"
+#include "limber/simulate/decalibration.hpp"
 
 namespace limber::detail {
 namespace {
@@ -62,11 +61,6 @@ class Reader final : public FieldVisitor {
  public:
   Reader(std::string file, const YAML::Node& mapping, std::string key_path)
       : file_(std::move(file)), mapping_(mapping), key_path_(std::move(key_path)) {
-    if (!mapping_.IsMap()) {
-      fail(mapping_,
-           key_path_.empty() ? "a YAML mapping (key: value)" : key_path_ + " as a mapping (key: value)",
-           in_words(mapping_));
-    }
     refuse_repeated_keys();
   }
 
@@ -129,9 +123,7 @@ class Reader final : public FieldVisitor {
 
   void mapping(const std::string& key, const Visit& visit) override {
     if (const YAML::Node node = find(key)) {
-      Reader child(file_, node, name_of(key));
-      visit(child);
-      child.finish();
+      visit_child(node, name_of(key), visit);
     }
   }
 
@@ -146,9 +138,8 @@ class Reader final : public FieldVisitor {
     }
     resize(node.size());
     for (std::size_t i = 0; i < node.size(); ++i) {
-      Reader child(file_, node[i], fmt::format("{}[{}]", name_of(key), i));
-      visit(i, child);
-      child.finish();
+      visit_child(node[i], fmt::format("{}[{}]", name_of(key), i),
+                  [&](FieldVisitor& child) { visit(i, child); });
     }
   }
 
@@ -182,6 +173,15 @@ class Reader final : public FieldVisitor {
   }
 
  private:
+  void visit_child(const YAML::Node& node, const std::string& name, const Visit& visit) const {
+    if (!node.IsMap()) {
+      fail(node, name + " as a mapping (key: value)", in_words(node));
+    }
+    Reader child(file_, node, name);
+    visit(child);
+    child.finish();
+  }
+
   void refuse_repeated_keys() const {
     std::vector<std::string> keys;
     for (const auto& entry : mapping_) {
@@ -201,6 +201,7 @@ class Reader final : public FieldVisitor {
     }
     for (const auto& entry : mapping_) {
       if (entry.first.Scalar() == key) {
+        line_of_key_ = line_of(entry.first.Mark());
         return entry.second;
       }
     }
@@ -245,13 +246,15 @@ class Reader final : public FieldVisitor {
 
   [[noreturn]] void fail(const YAML::Node& node, const std::string& expected,
                          const std::string& found) const {
-    throw DataError(file_, line_of(node.Mark()), expected, found);
+    // yaml-cpp finds an absent value on the line below.
+    throw DataError(file_, node.IsNull() ? line_of_key_ : line_of(node.Mark()), expected, found);
   }
 
   std::string file_;
   YAML::Node mapping_;
   std::string key_path_;
   std::vector<std::string> visited_;
+  std::size_t line_of_key_ = 0;  // the key that find() found last
 };
 
 class Writer final : public FieldVisitor {
@@ -382,6 +385,10 @@ void read_fields(const std::string& text, const std::string& file, const FieldVi
   }
   if (documents.size() != 1) {
     throw DataError(file, 0, "one YAML document", fmt::format("{}", documents.size()));
+  }
+  if (!documents.front().IsMap()) {
+    throw DataError(file, line_of(documents.front().Mark()), "a YAML mapping (key: value)",
+                    in_words(documents.front()));
   }
   Reader reader(file, documents.front(), "");
   visit(reader);

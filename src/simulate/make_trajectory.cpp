@@ -118,7 +118,7 @@ SplineTrajectory make(const FigureEightTrajectory& t, const Recipe& recipe) {
 SplineTrajectory make(const FileTrajectory& t, const Recipe& recipe) {
   const std::vector<StampedPose> file = read_tum(t.path);
   const std::int64_t start_ns = file.front().t_ns;
-  const double available = static_cast<double>(file.back().t_ns - start_ns) * 1e-9;
+  const double available = static_cast<double>(file.back().t_ns - start_ns) / 1e9;
   if (t.start + recipe.duration > available) {
     throw DataError(t.path.string(), 0, fmt::format("poses over {:.9g} s", t.start + recipe.duration),
                     fmt::format("{:.9g} s", available));

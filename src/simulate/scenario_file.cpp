@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -15,6 +16,7 @@ namespace limber {
 namespace {
 
 using detail::FieldVisitor;
+using detail::kDegree;
 using detail::Range;
 using detail::Unit;
 
@@ -289,20 +291,20 @@ void visit_fields(FieldVisitor& io, FilterScenario& f, double baseline) {
   io.number("angular_noise", f.angular_noise, kNotNegative, {"rad/s^2/sqrt(Hz)"});
 }
 
-void visit_rates(FieldVisitor& io, Scenario& s) {
-  io.number("imu", s.imu_rate, kRate, kHertz);
-  io.number("stereo", s.stereo_rate, kRate, kHertz);
-  for (const auto& [key, rate] : {std::pair{"imu", s.imu_rate}, std::pair{"stereo", s.stereo_rate}}) {
-    io.check(key, rate * s.duration <= kMaxSamples,
-             fmt::format("with at most {:.0e} samples in all", kMaxSamples),
-             fmt::format("{:.3g}", rate * s.duration));
-  }
+void check_sample_counts(FieldVisitor& io, const Scenario& s) {
+  const double fastest = std::max({s.imu_rate, s.stereo_rate, s.odometry ? s.odometry->rate : 0.0});
+  io.check("duration", s.duration * fastest <= kMaxSamples,
+           fmt::format("with at most {:.0e} samples of each sensor", kMaxSamples),
+           fmt::format("{:.6g} s at {:.6g} Hz", s.duration, fastest));
 }
 
 void visit_fields(FieldVisitor& io, Scenario& s) {
   io.text("name", s.name);
-  io.number("duration", s.duration, kPositive, kSeconds);
-  io.mapping("rates", [&](FieldVisitor& child) { visit_rates(child, s); });
+  io.number("duration", s.duration, {.min = 0.0, .max = 1e4, .min_excluded = true}, kSeconds);
+  io.mapping("rates", [&](FieldVisitor& child) {
+    child.number("imu", s.imu_rate, kRate, kHertz);
+    child.number("stereo", s.stereo_rate, kRate, kHertz);
+  });
   io.boolean("use_imu", s.use_imu);
   io.boolean("same_world_in_all_runs", s.same_world_in_all_runs);
   io.number("gravity", s.gravity, kNotNegative, {"m/s^2"});
@@ -315,6 +317,7 @@ void visit_fields(FieldVisitor& io, Scenario& s) {
     io.mapping("odometry", [&](FieldVisitor& child) { visit_fields(child, odometry); });
     s.odometry = odometry;
   }
+  check_sample_counts(io, s);
   io.mapping("initial", [&](FieldVisitor& child) { visit_fields(child, s.initial); });
   io.mapping("dropout", [&](FieldVisitor& child) { visit_fields(child, s.dropout); });
   const double baseline = s.rig.theta.tail<3>().norm();

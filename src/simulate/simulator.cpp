@@ -26,7 +26,7 @@ struct Run {
 
   [[nodiscard]] RandomStream stream(std::string_view name) const { return {seed, run, name}; }
   [[nodiscard]] Kinematics at(std::int64_t t_ns) const {
-    return trajectory.at(static_cast<double>(t_ns) * 1e-9);
+    return trajectory.at(static_cast<double>(t_ns) / 1e9);
   }
 };
 

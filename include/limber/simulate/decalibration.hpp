@@ -2,11 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "limber/sensors/calibration.hpp"
+
+namespace limber::detail {
+
+inline constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
+
+}  // namespace limber::detail
 
 /// How a rig departs from its nominal calibration: theta_true(t) = theta_nominal + delta(t), delta(t) the sum
 /// of signals, each an amplitude times a shape. Times are seconds since the start of the recording.

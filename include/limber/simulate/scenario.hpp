@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <filesystem>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <variant>
@@ -18,29 +17,27 @@
 /// see scenario_file.hpp).
 namespace limber {
 
-inline constexpr double kDegree = std::numbers::pi / 180.0;  ///< [rad]
-
 /// Cubic spline in all six dimensions through random control poses. The vehicle frame is x forward, y left, z
 /// up.
 struct RandomSplineTrajectory {
   Eigen::Vector3d half_extent{12.0, 12.0, 3.0};  ///< control points lie in this box around the origin [m]
   /// Largest roll, pitch and yaw of a control pose, in R = Rz(yaw) Ry(pitch) Rx(roll) [rad].
-  Eigen::Vector3d max_angles{10.0 * kDegree, 10.0 * kDegree, 180.0 * kDegree};
+  Eigen::Vector3d max_angles{10.0 * detail::kDegree, 10.0 * detail::kDegree, 180.0 * detail::kDegree};
   double knot_spacing = 4.0;      ///< [s]
   double max_speed = 3.0;         ///< never exceeded [m/s]
   double max_angular_rate = 0.5;  ///< never exceeded [rad/s]
   double rest = 0.0;              ///< the vehicle stands still that long before it sets off [s]
 };
 
-/// Horizontal figure-eight (lemniscate of Gerono, the crossing at the origin, twice as long as wide), the
-/// vehicle looking along the path.
+/// Figure-eight (lemniscate of Bernoulli, the crossing at the origin, 2.8 times as long as wide), the vehicle
+/// looking along the path; it sets off anywhere on it.
 struct FigureEightTrajectory {
-  double half_length = 6.0;     ///< [m]
-  double height = 0.5;          ///< amplitude of the vertical motion, once a lap [m]
-  double min_speed = 2.0;       ///< horizontal speed swings between the two [m/s]
-  double max_speed = 3.0;       ///< [m/s]
-  double tilt = 5.0 * kDegree;  ///< amplitude of roll and pitch [rad]
-  double rest = 0.0;            ///< stands still that long, then gathers speed within 2 s [s]
+  double half_length = 6.0;             ///< [m]
+  double height = 0.5;                  ///< amplitude of the vertical motion, once a lap [m]
+  double min_speed = 2.0;               ///< horizontal speed swings between the two [m/s]
+  double max_speed = 3.0;               ///< [m/s]
+  double tilt = 5.0 * detail::kDegree;  ///< amplitude of roll and pitch [rad]
+  double rest = 0.0;                    ///< stands still that long, then gathers speed within 2 s [s]
 };
 
 /// Poses of the body in a z-up world, from a TUM file; between them a cubic spline that uses them as control
@@ -62,11 +59,11 @@ enum class PointPlacement {
 struct WorldScenario {
   int points = 380;
   PointPlacement placement = PointPlacement::kAround;
-  double min_distance = 4.0;              ///< from the body, or depth, at the drawn instant [m]
-  double max_distance = 80.0;             ///< [m]
-  double max_elevation = 60.0 * kDegree;  ///< kAround: of the direction, up or down [rad]
-  double min_range = 0.5;                 ///< a camera sees points at depths (z) between the two [m]
-  double max_range = 100.0;               ///< [m]
+  double min_distance = 4.0;                      ///< from the body, or depth, at the drawn instant [m]
+  double max_distance = 80.0;                     ///< [m]
+  double max_elevation = 60.0 * detail::kDegree;  ///< kAround: of the direction, up or down [rad]
+  double min_range = 0.5;                         ///< a camera sees points at depths (z) between the two [m]
+  double max_range = 100.0;                       ///< [m]
   bool left_only = false;  ///< also report points that the left camera alone sees; else both must see a point
 };
 
@@ -82,11 +79,11 @@ struct RigScenario {
 /// Noise of the sensors. IMU noise is per sample, as the paper has it at 100 Hz; the continuous density is
 /// the per-sample value divided by the square root of the rate.
 struct NoiseScenario {
-  double pixel = 0.5;           ///< sigma of each of u0, v0, u1, v1 [px]
-  double accel = 0.1;           ///< sigma of each accelerometer sample [m/s^2]
-  double gyro = 0.5 * kDegree;  ///< sigma of each gyro sample [rad/s]
-  double accel_walk = 0.0;      ///< of the accelerometer bias [m/s^3/sqrt(Hz)]
-  double gyro_walk = 0.0;       ///< of the gyro bias [rad/s^2/sqrt(Hz)]
+  double pixel = 0.5;                   ///< sigma of each of u0, v0, u1, v1 [px]
+  double accel = 0.1;                   ///< sigma of each accelerometer sample [m/s^2]
+  double gyro = 0.5 * detail::kDegree;  ///< sigma of each gyro sample [rad/s]
+  double accel_walk = 0.0;              ///< of the accelerometer bias [m/s^3/sqrt(Hz)]
+  double gyro_walk = 0.0;               ///< of the gyro bias [rad/s^2/sqrt(Hz)]
 };
 
 /// Wheels, or any odometer: velocity and rate in the body frame.
