@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "limber/core/chi_square.hpp"
 #include "limber/update/constraint.hpp"
@@ -39,11 +40,13 @@ Distance mahalanobis(const VectorXd& e, const MatrixXd& B, double scale) {
   return out;
 }
 
-/// S⁻¹ of the rows still in play, applied to A (the constrained directions) and to r.
+/// Judges the groups still in play with S⁻¹ and the directions DC that the gain must not see; rows that were
+/// dropped are zero in both.
 class Judge {
  public:
-  Judge(const Innovation& innovation, const MatrixXd& S, const MatrixXd& A, double probability)
-      : r_(innovation.r), S_(S), A_(A), probability_(probability), llt_(S) {
+  Judge(const Innovation& innovation, const MatrixXd& S, MatrixXd DC, double probability)
+      : r_(innovation.r), S_(S), DC_(std::move(DC)), probability_(probability), llt_(S) {
+    A_ = strong_directions(DC_);
     SinvA_ = llt_.solve(A_);
     Sinvr_ = llt_.solve(r_);
   }
@@ -52,10 +55,13 @@ class Judge {
 
   /// Judges the accepted groups; returns the one that exceeds its threshold most, or -1.
   Index worst(const std::vector<RowGroup>& groups, GateReport& report) {
-    const MatrixXd M = A_.transpose() * SinvA_;
-    const Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition(M);
-    const VectorXd delta = decomposition.solve(A_.transpose() * Sinvr_);
-    const MatrixXd Minv = decomposition.pseudoInverse();
+    VectorXd delta(A_.cols());
+    MatrixXd Minv(A_.cols(), A_.cols());
+    if (A_.cols() > 0) {
+      const Eigen::CompleteOrthogonalDecomposition<MatrixXd> M(A_.transpose() * SinvA_);
+      delta = M.solve(A_.transpose() * Sinvr_);
+      Minv = M.pseudoInverse();
+    }
     Index worst = -1;
     double worst_ratio = 1.0;
     for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -77,7 +83,7 @@ class Judge {
     return worst;
   }
 
-  /// Takes the rows of a group out: block elimination in S⁻¹.
+  /// Takes the rows of a group out: block elimination in S⁻¹. What is left of D C may have fewer directions.
   void drop(const RowGroup& group) {
     if (Sinv_.size() == 0) {
       Sinv_ = llt_.solve(MatrixXd::Identity(S_.rows(), S_.cols()));
@@ -85,9 +91,11 @@ class Judge {
     const MatrixXd column = Sinv_.middleCols(group.row, group.rows);
     const MatrixXd pivot = Sinv_.block(group.row, group.row, group.rows, group.rows);
     const MatrixXd scaled = pivot.llt().solve(column.transpose());  // V_ii⁻¹ V_i:
-    SinvA_ -= scaled.transpose() * SinvA_.middleRows(group.row, group.rows).eval();
     Sinvr_ -= scaled.transpose() * Sinvr_.segment(group.row, group.rows).eval();
     Sinv_.noalias() -= column * scaled;
+    DC_.middleRows(group.row, group.rows).setZero();
+    A_ = strong_directions(DC_);
+    SinvA_.noalias() = Sinv_ * A_;
   }
 
  private:
@@ -104,9 +112,10 @@ class Judge {
 
   const VectorXd& r_;
   const MatrixXd& S_;
-  const MatrixXd& A_;
+  MatrixXd DC_;
   double probability_;
   Eigen::LLT<MatrixXd> llt_;
+  MatrixXd A_;  // basis of the columns of DC_ without the weak directions
   MatrixXd SinvA_, Sinv_;
   VectorXd Sinvr_;
   std::map<Index, double> quantiles_;
@@ -136,10 +145,10 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   if (treatment.white_covariance.size() > 0) {
     S.noalias() += innovation.D * (treatment.white_covariance * innovation.D.transpose()).eval();
   }
-  const MatrixXd A = treatment.constrained.cols() > 0
-                         ? strong_directions(innovation.D * treatment.constrained)
-                         : MatrixXd(S.rows(), 0);
-  Judge judge(innovation, S, A, probability);
+  Judge judge(innovation, S,
+              treatment.constrained.cols() > 0 ? MatrixXd(innovation.D * treatment.constrained)
+                                               : MatrixXd(S.rows(), 0),
+              probability);
   if (!judge.valid()) {
     return report;  // the update will say that S is singular
   }

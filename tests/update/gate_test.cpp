@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT
+#include "limber/update/gate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <set>
+
+#include "limber/core/chi_square.hpp"
+#include "limber/update/constraint.hpp"
+#include "stereo_problem.hpp"
+
+namespace limber {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using testing::Generator;
+using testing::StereoProblem;
+
+constexpr double kProbability = 0.999;
+
+GateReport gated(const StereoProblem& problem, const ParameterTreatment& treatment,
+                 double probability = kProbability) {
+  return gate(form_innovation(problem.P, problem.z), problem.z.groups, treatment, probability);
+}
+
+std::set<std::size_t> refused(const GateReport& report) {
+  std::set<std::size_t> out;
+  for (std::size_t g = 0; g < report.accepted.size(); ++g) {
+    if (!report.accepted[g]) {
+      out.insert(g);
+    }
+  }
+  return out;
+}
+
+/// A frame with points of 2 and of 4 rows whose residual is drawn from what the filter believes.
+StereoProblem random_frame(Generator& generator, int count = 20) {
+  std::vector<testing::SeenPoint> points = testing::random_points(generator, count, 2.0, 20.0);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    points[k].in_cam1 = k % 4 != 1;
+    points[k].in_cam0 = k % 7 != 2 || !points[k].in_cam1;
+  }
+  return testing::make_problem(generator, "", testing::stereo_rig(0.5), points);
+}
+
+void draw_residual(Generator& generator, StereoProblem& problem) {
+  const MatrixXd H = problem.H();
+  const MatrixXd root = problem.P.dense().llt().matrixL();
+  problem.z.residual = H * root * testing::random_normal(generator, root.rows()) +
+                       problem.z.sigma.cwiseProduct(testing::random_normal(generator, H.rows()));
+}
+
+/// Two degrees and 20 % of the baseline in every parameter.
+VectorXd huge_error(const StereoProblem& problem) {
+  const VectorXd signs = (VectorXd(6) << 1.0, -1.0, 1.0, 1.0, -1.0, 1.0).finished();
+  const VectorXd times = (VectorXd(6) << 20.0, 20.0, 20.0, 4.0, 4.0, 4.0).finished();
+  return problem.C * signs.cwiseProduct(times);
+}
+
+/// The slow and obvious gate: after each drop everything anew, dense, on the projected residual itself.
+GateReport obvious_gate(const StereoProblem& problem, const ParameterTreatment& treatment) {
+  GateReport report{std::vector<bool>(problem.z.groups.size(), true),
+                    std::vector<double>(problem.z.groups.size(), 0.0),
+                    std::vector<double>(problem.z.groups.size(), 0.0)};
+  const MatrixXd P = problem.P.dense();
+  while (true) {
+    const LinearMeasurement z = problem.z.subset(report.accepted);
+    const MatrixXd W = z.sigma.cwiseInverse().asDiagonal();
+    const MatrixXd H = W * z.H.dense(z.rows(), P.rows());
+    MatrixXd S = H * P * H.transpose() + MatrixXd::Identity(z.rows(), z.rows());
+    if (treatment.white_covariance.size() > 0) {
+      S += W * z.D * treatment.white_covariance * z.D.transpose() * W;
+    }
+    // r − D dtheta_hat and its covariance, by the oblique projector onto what D C cannot explain.
+    MatrixXd M = MatrixXd::Identity(z.rows(), z.rows());
+    if (treatment.constrained.cols() > 0) {
+      const MatrixXd A = strong_directions(W * z.D * treatment.constrained);
+      const MatrixXd SinvA = S.llt().solve(A);
+      M -= A * MatrixXd(A.transpose() * SinvA).llt().solve(SinvA.transpose());
+    }
+    const VectorXd e = M * (W * z.residual);
+    const MatrixXd B = M * S * M.transpose();
+    double worst_ratio = 1.0;
+    std::size_t worst = problem.z.groups.size();
+    std::size_t kept = 0;
+    for (std::size_t g = 0; g < report.accepted.size(); ++g) {
+      if (!report.accepted[g]) {
+        continue;
+      }
+      const auto [row, rows] = z.groups[kept++];
+      Eigen::CompleteOrthogonalDecomposition<MatrixXd> block;
+      block.setThreshold(1e-8);
+      block.compute(B.block(row, row, rows, rows));
+      report.distance[g] = e.segment(row, rows).dot(block.solve(e.segment(row, rows)));
+      report.threshold[g] = chi_square_quantile(kProbability, static_cast<double>(block.rank()));
+      if (report.distance[g] > worst_ratio * report.threshold[g]) {
+        worst_ratio = report.distance[g] / report.threshold[g];
+        worst = g;
+      }
+    }
+    if (worst == report.accepted.size()) {
+      return report;
+    }
+    report.accepted[worst] = false;
+  }
+}
+
+TEST(Gate, RefusesNoPointForAPureCalibrationError) {
+  Generator generator(1);
+  for (int k = 0; k < 20; ++k) {
+    StereoProblem problem = random_frame(generator);
+    problem.z.residual =
+        problem.z.D * huge_error(problem) +
+        0.3 * problem.z.sigma.cwiseProduct(testing::random_normal(generator, problem.z.rows()));
+    EXPECT_TRUE(gated(problem, problem.constrained()).all_accepted());
+    EXPECT_FALSE(gated(problem, {}).all_accepted()) << "the error is too small to test anything";
+  }
+}
+
+TEST(Gate, DropsExactlyThePlantedOutliersUnderAHugeCalibrationError) {
+  Generator generator(2);
+  for (int k = 0; k < 20; ++k) {
+    StereoProblem problem = random_frame(generator, 30);
+    problem.z.residual =
+        problem.z.D * huge_error(problem) +
+        0.3 * problem.z.sigma.cwiseProduct(testing::random_normal(generator, problem.z.rows()));
+    const std::set<std::size_t> planted = {3, 8, static_cast<std::size_t>(10 + k % 5)};
+    for (const std::size_t g : planted) {
+      const RowGroup& group = problem.z.groups[g];
+      problem.z.residual.segment(group.row, group.rows) +=
+          300.0 * testing::random_direction(generator).x() * VectorXd::Ones(group.rows) +
+          VectorXd::Constant(group.rows, 500.0);
+    }
+    EXPECT_EQ(refused(gated(problem, problem.constrained())), planted);
+  }
+}
+
+TEST(Gate, AgreesWithTheSlowObviousOne) {
+  Generator generator(3);
+  int dropped = 0;
+  for (int k = 0; k < 120; ++k) {
+    StereoProblem problem = random_frame(generator, 2 + k % 20);
+    draw_residual(generator, problem);
+    problem.z.residual += problem.z.D * huge_error(problem);
+    for (int outlier = 0; outlier < k % 5 && 7 * outlier < problem.z.rows(); ++outlier) {
+      problem.z.residual(7 * outlier) += 40.0;
+    }
+    ParameterTreatment treatment;
+    if (k % 3 != 0) {
+      treatment.constrained = k % 3 == 1 ? problem.C : MatrixXd(problem.C.leftCols<3>());
+    }
+    if (k % 2 == 0) {
+      treatment.white_covariance = problem.C * problem.C.transpose();
+    }
+    const GateReport found = gated(problem, treatment);
+    const GateReport expected = obvious_gate(problem, treatment);
+    EXPECT_EQ(found.accepted, expected.accepted) << k;
+    for (std::size_t g = 0; g < found.accepted.size(); ++g) {
+      EXPECT_NEAR(found.distance[g], expected.distance[g], 1e-6 * (1.0 + expected.distance[g])) << k;
+      EXPECT_NEAR(found.threshold[g], expected.threshold[g], 1e-9) << k;
+    }
+    dropped += static_cast<int>(refused(found).size());
+  }
+  EXPECT_GE(dropped, 60);
+}
+
+TEST(Gate, AfterItTheRestIsJudgedAsIfTheDroppedHadNeverBeenThere) {
+  Generator generator(4);
+  StereoProblem problem = random_frame(generator);
+  draw_residual(generator, problem);
+  problem.z.residual.segment<2>(problem.z.groups[5].row).setConstant(1000.0);
+  const GateReport first = gated(problem, problem.constrained());
+  ASSERT_TRUE(refused(first).contains(5));
+  StereoProblem rest = problem;
+  rest.z = problem.z.subset(first.accepted);
+  const GateReport second = gated(rest, problem.constrained());
+  EXPECT_TRUE(second.all_accepted());
+  std::size_t kept = 0;
+  for (std::size_t g = 0; g < first.accepted.size(); ++g) {
+    if (first.accepted[g]) {
+      EXPECT_NEAR(first.distance[g], second.distance[kept++], 1e-6) << g;
+    }
+  }
+}
+
+TEST(Gate, WithoutConstraintJudgesEachGroupByItsOwnBlock) {
+  Generator generator(5);
+  StereoProblem problem = random_frame(generator);
+  draw_residual(generator, problem);
+  const GateReport report = gated(problem, {});
+  const MatrixXd S = problem.H() * problem.P.dense() * problem.H().transpose() + problem.R();
+  for (std::size_t g = 0; g < problem.z.groups.size(); ++g) {
+    const auto [row, rows] = problem.z.groups[g];
+    const VectorXd r = problem.z.residual.segment(row, rows);
+    const double expected = r.dot(S.block(row, row, rows, rows).llt().solve(r));
+    EXPECT_NEAR(report.distance[g], expected, 1e-9 * (1.0 + expected));
+    EXPECT_NEAR(report.threshold[g], chi_square_quantile(kProbability, static_cast<double>(rows)), 1e-12);
+  }
+}
+
+TEST(Gate, RefusesNothingOfAGroupThatTheConstraintsUseUp) {
+  Generator generator(6);
+  // One point: its right rows are explained by the constraints, whatever they say; its left rows are judged.
+  StereoProblem problem = testing::make_problem(generator, "", testing::stereo_rig(0.5),
+                                                testing::random_points(generator, 1, 5.0, 5.0));
+  problem.z.residual << 0.1, 0.2, 1e4, -1e4;
+  const GateReport right = gated(problem, problem.constrained());
+  EXPECT_TRUE(right.all_accepted());
+  EXPECT_NEAR(right.threshold[0], chi_square_quantile(kProbability, 2.0), 1e-12);
+  problem.z.residual << 1e4, -1e4, 0.1, 0.2;
+  EXPECT_FALSE(gated(problem, problem.constrained()).accepted[0]);
+}
+
+TEST(Gate, TellsThatNothingIsThereToJudge) {
+  Innovation innovation;
+  innovation.r.resize(0);
+  innovation.D.resize(0, 6);
+  innovation.PHt.resize(15, 0);
+  innovation.S.resize(0, 0);
+  const GateReport report = gate(innovation, {}, {}, kProbability);
+  EXPECT_TRUE(report.all_accepted());
+  EXPECT_TRUE(report.distance.empty());
+}
+
+/// Each good group is refused with probability 1 − p at least in the first judgement. Runs are independent,
+/// groups within a run are not: the bound is on the number of runs in which one fixed group is refused, five
+/// standard deviations of the binomial (one in a million), and on the expected direction: no more than that.
+TEST(Gate, RefusesGoodPointsAsOftenAsItIsTold) {
+  constexpr int kRuns = 4000;
+  constexpr double kPass = 0.95;
+  Generator generator(7);
+  StereoProblem problem = random_frame(generator, 10);
+  for (const bool constrained : {false, true}) {
+    const ParameterTreatment treatment = constrained ? problem.constrained() : ParameterTreatment{};
+    std::vector<int> exceeded(problem.z.groups.size(), 0);
+    for (int run = 0; run < kRuns; ++run) {
+      draw_residual(generator, problem);
+      if (constrained) {
+        problem.z.residual += problem.z.D * huge_error(problem);
+      }
+      // A gate that drops nothing tells the distances of the first judgement.
+      const GateReport report = gated(problem, treatment, 1.0 - 1e-15);
+      for (std::size_t g = 0; g < exceeded.size(); ++g) {
+        const auto dof = static_cast<double>(problem.z.groups[g].rows);
+        exceeded[g] += report.distance[g] > chi_square_quantile(kPass, dof) ? 1 : 0;
+      }
+    }
+    const double mean = (1.0 - kPass) * kRuns;
+    const double band = 5.0 * std::sqrt(kPass * mean);
+    for (std::size_t g = 0; g < exceeded.size(); ++g) {
+      EXPECT_NEAR(exceeded[g], mean, band) << "group " << g << (constrained ? ", constrained" : ", plain");
+    }
+  }
+}
+
+TEST(Subset, IsTheInnovationOfTheRowsKept) {
+  Generator generator(8);
+  const StereoProblem problem = random_frame(generator, 9);
+  const std::vector<bool> kept = {true, false, true, true, false, false, true, true, false};
+  const Innovation part = subset(form_innovation(problem.P, problem.z), problem.z.groups, kept);
+  const Innovation expected = form_innovation(problem.P, problem.z.subset(kept));
+  EXPECT_LE((part.r - expected.r).norm(), 1e-15);
+  EXPECT_LE((part.D - expected.D).norm(), 1e-15);
+  EXPECT_LE((part.PHt - expected.PHt).norm(), 1e-12 * expected.PHt.norm());
+  EXPECT_LE((part.S - expected.S).norm(), 1e-12 * expected.S.norm());
+}
+
+}  // namespace
+}  // namespace limber
