@@ -13,7 +13,7 @@
 namespace limber::detail {
 namespace {
 
-using std::string_view_literals::operator""sv;
+using namespace std::string_view_literals;
 
 // The next `count` bytes as a big-endian integer; nothing at the end of the file.
 std::optional<std::uint32_t> big_endian(std::istream& stream, int count) {

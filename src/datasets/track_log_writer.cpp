@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
 #include <fstream>
 #include <set>
 #include <stdexcept>
@@ -37,7 +40,13 @@ class StagedFolder {
   /// Writes a file in a subfolder, which is made if needed.
   void write(const char* subfolder, const char* name, std::string_view content) const {
     fs::create_directories(staging_ / subfolder);
-    write_file_atomically(staging_ / subfolder / name, content);
+    std::ofstream stream(staging_ / subfolder / name, std::ios::binary);
+    stream.write(content.data(), static_cast<std::streamsize>(content.size()));
+    stream.close();
+    if (!stream) {
+      throw DataError((final_name_ / subfolder / name).string(), 0, "room to write the file",
+                      std::strerror(errno));
+    }
   }
 
   /// Takes the place of an older folder of the final name.
@@ -321,7 +330,7 @@ void write_track_log(const Recording& recording, const fs::path& folder) {
     write_calibration_truth(recording, mav0);
     mav0.commit();
   } catch (const fs::filesystem_error& e) {
-    throw DataError(e.path1().string(), 0, "a place where folders and files can be written",
+    throw DataError((folder / "mav0").string(), 0, "a place where folders and files can be written",
                     e.code().message());
   }
 }

@@ -10,7 +10,9 @@
 #include "files.hpp"
 #include "limber/datasets/atomic_file.hpp"
 #include "limber/datasets/landmarks_ply.hpp"
+#include "limber/datasets/track_log.hpp"
 #include "limber/datasets/trajectory_files.hpp"
+#include "small_recording.hpp"
 
 namespace limber {
 namespace {
@@ -108,6 +110,20 @@ TEST(AtomicFile, LeavesNothingOnAFullDisk) {
   }
   EXPECT_EQ(fs::file_size(path), 1'000U);
   EXPECT_EQ(entries(folder.path()), 1);
+}
+
+TEST(TrackLogWriter, LeavesNothingOnAFullDisk) {
+  const TemporaryFolder folder;
+  Recording recording = testing::small_recording();
+  for (std::int64_t k = 0; k < 100; ++k) {
+    recording.frames.back().observations.push_back({1000 + k, {1, 2}, {3, 4}, true, true});
+  }
+  {
+    const SmallDisk disk;
+    EXPECT_EQ(data_error_of([&] { write_track_log(recording, folder.path()); }).file(),
+              (folder.path() / "mav0/tracks0/data.csv").string());
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(LandmarksPly, HoldsIdAndPositionOfEachPoint) {
