@@ -43,9 +43,9 @@ std::string joined_path(const std::string& parent, const std::string& key) {
 /// The shortest decimal that a reader turns into exactly `value` when it multiplies by `scale`.
 std::string decimal(double value, double scale) {
   for (int digits = 1; digits <= 17; ++digits) {
-    std::string text = fmt::format("{:.{}g}", value / scale, digits);
-    if (*parse_number(text) * scale == value) {
-      return text;
+    const double rounded = *parse_number(fmt::format("{:.{}g}", value / scale, digits));
+    if (rounded * scale == value) {
+      return fmt::format("{}", rounded);
     }
   }
   for (const double neighbour : {-HUGE_VAL, HUGE_VAL}) {

@@ -279,14 +279,14 @@ void visit_fields(FieldVisitor& io, DecalibrationSignal& signal, double baseline
 // ---- what estimators assume
 
 void visit_fields(FieldVisitor& io, FilterScenario& f, double baseline) {
+  constexpr double kStepsPerSecond = 100.0;  // of the paper
   constexpr double kSquareMillimetre = 1e-6;
   io.mapping("initial", [&](FieldVisitor& child) { visit_fields(child, f.initial); });
   io.rig_parameters("theta_sigma", f.theta_sigma, baseline, kNotNegative);
-  io.numbers("theta_walk_rotation", f.theta_walk_variance.head<3>(), kNotNegative,
-             {"rad^2 per theta_walk_step"});
-  io.numbers("theta_walk_translation", f.theta_walk_variance.tail<3>(), kNotNegative,
-             {"mm^2 per theta_walk_step", kSquareMillimetre});
-  io.number("theta_walk_step", f.theta_walk_step, {.min = 1e-6, .max = 1e6}, kSeconds);
+  io.numbers("theta_walk_rotation", f.theta_walk.head<3>(), kNotNegative,
+             {"rad^2 per 10 ms", kStepsPerSecond});
+  io.numbers("theta_walk_translation", f.theta_walk.tail<3>(), kNotNegative,
+             {"mm^2 per 10 ms", kSquareMillimetre * kStepsPerSecond});
   io.number("acceleration_noise", f.acceleration_noise, kNotNegative, {"m/s^2/sqrt(Hz)"});
   io.number("angular_noise", f.angular_noise, kNotNegative, {"rad/s^2/sqrt(Hz)"});
 }
@@ -335,12 +335,6 @@ void resolve_path(Scenario& scenario, const std::filesystem::path& file) {
 
 }  // namespace
 
-RigParameters FilterScenario::default_theta_sigma(double baseline) {
-  RigParameters sigma;
-  sigma << Eigen::Vector3d::Constant(0.1 * kDegree), Eigen::Vector3d::Constant(0.05 * baseline);
-  return sigma;
-}
-
 Scenario parse_scenario(std::string_view text, const std::filesystem::path& file) {
   Scenario scenario;
   scenario.name = file.stem().string();
@@ -348,7 +342,7 @@ Scenario parse_scenario(std::string_view text, const std::filesystem::path& file
     visit_fields(io, scenario);
     const double baseline = scenario.rig.theta.tail<3>().norm();
     scenario.filter.initial = scenario.initial;
-    scenario.filter.theta_sigma = FilterScenario::default_theta_sigma(baseline);
+    scenario.filter.theta_sigma = plausible_error(baseline);
     io.mapping("filter", [&](FieldVisitor& child) { visit_fields(child, scenario.filter, baseline); });
   });
   resolve_path(scenario, file);

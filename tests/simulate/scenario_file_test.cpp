@@ -59,8 +59,8 @@ TEST(ParseScenario, HasThePapersNumbersAsDefaults) {
   EXPECT_EQ(s.initial.bias_gyro, 1e-3);
   EXPECT_NEAR(s.filter.theta_sigma[0], 0.1 * kDegree, 1e-18);
   EXPECT_NEAR(s.filter.theta_sigma[3], 0.1, 1e-16);
-  EXPECT_EQ(s.filter.theta_walk_variance, RigParameters::Constant(1e-6));  // rad^2, and 1 mm^2 in m^2
-  EXPECT_EQ(s.filter.theta_walk_step, 0.01);
+  EXPECT_TRUE(s.filter.theta_walk.isApprox(RigParameters::Constant(1e-4),
+                                           1e-15));  // 100 times a second 1e-6 rad^2 and 1 mm^2
   EXPECT_EQ(s.filter.acceleration_noise, 0.5);
   EXPECT_EQ(s.filter.angular_noise, 0.2);
   EXPECT_FALSE(s.odometry.has_value());
@@ -169,7 +169,7 @@ TEST(FormatScenario, WritesWhatParsesBackToTheSameBits) {
     EXPECT_EQ(second.rig.T_imu_cam0.R, first.rig.T_imu_cam0.R);
     EXPECT_EQ(second.noise.gyro, first.noise.gyro);
     EXPECT_EQ(second.filter.theta_sigma, first.filter.theta_sigma);
-    EXPECT_EQ(second.filter.theta_walk_variance, first.filter.theta_walk_variance);
+    EXPECT_EQ(second.filter.theta_walk, first.filter.theta_walk);
     EXPECT_EQ(second.trajectory.index(), first.trajectory.index());
     EXPECT_EQ(second.odometry.has_value(), first.odometry.has_value());
     ASSERT_EQ(second.decalibration.size(), first.decalibration.size());
@@ -181,10 +181,11 @@ TEST(FormatScenario, WritesWhatParsesBackToTheSameBits) {
 
 TEST(FormatScenario, ShowsEveryKeyWithItsUnit) {
   const std::string text = format_scenario(Scenario{});
-  for (const char* line : {"duration: 35  # s", "gyro: 0.5  # deg/s per sample", "pixel: 0.5  # px",
-                           "amplitude", "theta_walk_translation: [1, 1, 1]  # mm^2 per theta_walk_step"}) {
-    const bool expected = std::string(line) != "amplitude";  // there is no signal in the default
-    EXPECT_EQ(text.find(line) != std::string::npos, expected) << line << "\n" << text;
+  for (const char* line : {"duration: 35  # s\n", "max_angles: [10, 10, 180]  # deg: roll, pitch, yaw\n",
+                           "gyro: 0.5  # deg/s per sample\n", "pixel: 0.5  # px\n",
+                           "intrinsics: [300, 300, 240, 320]  # px: fu, fv, cu, cv\n",
+                           "theta_walk_translation: [1, 1, 1]  # mm^2 per 10 ms\n"}) {
+    EXPECT_NE(text.find(line), std::string::npos) << line << "\n" << text;
   }
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "limber/core/pose.hpp"
+#include "limber/method.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/simulate/decalibration.hpp"
 
@@ -112,17 +113,12 @@ struct DropoutScenario {
 /// What estimators should assume in this scenario.
 struct FilterScenario {
   InitialSigmas initial;
-  /// ekf-full, soft, consider: initial sigma of theta [rad, m].
-  RigParameters theta_sigma = default_theta_sigma(2.0);
-  /// ekf-full: variance of theta's random walk added per `theta_walk_step` [rad^2, m^2]. Table 1, 'well
-  /// estimated'.
-  RigParameters theta_walk_variance = RigParameters::Constant(1e-6);
-  double theta_walk_step = 0.01;    ///< [s]: one prediction step of the paper
+  RigParameters theta_sigma = plausible_error(2.0);  ///< ekf-full, soft, consider: initial sigma [rad, m]
+  /// ekf-full: random walk of theta, variance per second [rad^2/s, m^2/s]. Table 1, 'well estimated': 1e-6
+  /// rad^2 and 1 mm^2 in every prediction step of 10 ms.
+  RigParameters theta_walk = RigParameters::Constant(1e-6 * 100.0);
   double acceleration_noise = 0.5;  ///< of the constant-velocity model [m/s^2/sqrt(Hz)]
   double angular_noise = 0.2;       ///< of the constant-velocity model [rad/s^2/sqrt(Hz)]
-
-  /// 0.1 deg and 5 % of the baseline [m].
-  [[nodiscard]] static RigParameters default_theta_sigma(double baseline);
 };
 
 /// Everything that a simulated recording follows from, but for seed and run.
