@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "check_covariance.hpp"
 #include "limber/core/covariance.hpp"
 #include "limber/core/linear_measurement.hpp"
 #include "limber/measure/point_rows.hpp"
@@ -15,11 +16,6 @@
 
 /// Update problems from random stereo geometry: a covariance, a stacked frame, and the constraints.
 namespace limber::testing {
-
-inline Eigen::VectorXd random_normal(Generator& generator, Eigen::Index n) {
-  std::normal_distribution<double> draw;
-  return Eigen::VectorXd::NullaryExpr(n, [&] { return draw(generator); });
-}
 
 /// A point of the frame, in the left camera, and who sees it.
 struct SeenPoint {
