@@ -273,6 +273,8 @@ FrameReport Navigator::process(const StereoFrame& raw) {
   report.observed = frame.observations.size();
 
   predict_to(frame.t_ns);
+  report.removed = forget_uncertain_returns(estimate_, frame, last_frame_ns_, rig_[0], options_.upkeep);
+  last_frame_ns_ = frame.t_ns;
   const bool bear_before = options_.birth.mode == BirthMode::kDiffuse;
   Newborn newborn = bear_before ? bear(frame) : Newborn{};
   update_with(frame, newborn, report);
@@ -280,7 +282,7 @@ FrameReport Navigator::process(const StereoFrame& raw) {
     newborn = bear(frame);
   }
   report.born = newborn.size();
-  report.removed = keep_up(estimate_, frame.t_ns, options_.upkeep);
+  report.removed += keep_up(estimate_, frame.t_ns, options_.upkeep);
   return report;
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <unordered_map>
 #include <vector>
 
@@ -109,6 +110,7 @@ class Navigator {
   MountedRig rig_;
   Estimate estimate_;
   InputBuffer inputs_;
+  std::int64_t last_frame_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 
 }  // namespace limber

@@ -58,6 +58,22 @@ void Covariance::subtract_outer(const Eigen::Ref<const MatrixXd>& W) {
   P.selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
 }
 
+void Covariance::add_symmetric_product(const Eigen::Ref<const MatrixXd>& U, const Eigen::Ref<const MatrixXd>& V) {
+  // 2 (U Vᵀ + V Uᵀ) = (U + V)(U + V)ᵀ − (U − V)(U − V)ᵀ: two symmetric updates, each on half of P.
+  auto P = data_.topLeftCorner(size_, size_).selfadjointView<Eigen::Lower>();
+  P.rankUpdate((U + V).eval(), 0.5);
+  P.rankUpdate((U - V).eval(), -0.5);
+}
+
+void Covariance::transform_triplet(Index start, const Eigen::Matrix3d& M) {
+  const Index below = size_ - start - kTriplet;
+  auto row = data_.block(start, 0, kTriplet, start);
+  auto column = data_.block(start + kTriplet, start, below, kTriplet);
+  row = (M * row).eval();
+  column = (column * M.transpose()).eval();
+  set_diagonal_block(start, M * diagonal_block<kTriplet>(start) * M.transpose());
+}
+
 void Covariance::propagate_leading(const Eigen::Ref<const MatrixXd>& Phi,
                                    const Eigen::Ref<const MatrixXd>& Q) {
   const Index k = Phi.rows();

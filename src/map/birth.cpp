@@ -2,6 +2,7 @@
 #include "limber/map/birth.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 

@@ -2,6 +2,7 @@
 #include "limber/map/estimate.hpp"
 
 #include <array>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 
@@ -58,6 +59,7 @@ const Anchor* Estimate::anchor_of(const Landmark& landmark) const {
 }
 
 void Estimate::retract(const Eigen::VectorXd& dx) {
+  if (!getenv("NOTRANSPORT")) transport(dx);
   retract_pose(nav.T_world_body, dx.segment<3>(L::kPosition), dx.segment<3>(L::kAttitude));
   if (layout_.motion != MotionModel::kOdometry) {
     nav.v_world_body += dx.segment<3>(L::kVelocity);
@@ -80,6 +82,37 @@ void Estimate::retract(const Eigen::VectorXd& dx) {
   for (Landmark& landmark : landmarks_) {
     landmark.value += dx.segment<3>(landmark.at);
   }
+}
+
+void Estimate::transport(const Eigen::VectorXd& dx) {
+  const Index attitude = L::kAttitude;
+  const Matrix3d turned_back = so3_exp(-dx.segment<3>(attitude));
+  // Rows of the world vectors: error − [dx]_x R dtheta.
+  MatrixXd U = MatrixXd::Zero(size(), kTriplet);
+  const auto couple = [&](Index at) {
+    U.middleRows<kTriplet>(at) = -skew(dx.segment<3>(at)) * nav.T_world_body.R;
+  };
+  couple(L::kPosition);
+  if (layout_.motion != MotionModel::kOdometry) {
+    couple(L::kVelocity);
+  }
+  for (const Anchor& anchor : anchors_) {
+    if (anchor.users > 0) {
+      couple(anchor.position_at);
+      P.transform_triplet(anchor.attitude_at, so3_exp(-dx.segment<3>(anchor.attitude_at)));
+    }
+  }
+  for (const Landmark& landmark : landmarks_) {
+    if (landmark.kind == LandmarkKind::kCartesian) {
+      couple(landmark.at);
+    }
+  }
+  U.middleRows<kTriplet>(attitude) = turned_back - Matrix3d::Identity();
+  // (I + U Eᵀ) P (I + U Eᵀ)ᵀ, E: the columns of the body's attitude.
+  MatrixXd G;
+  P.gather(std::array<Index, 1>{attitude}, G);
+  G += 0.5 * U * G.middleRows<kTriplet>(attitude).eval();
+  P.add_symmetric_product(U, G);
 }
 
 Index Estimate::append_triplet(Tenant tenant) {

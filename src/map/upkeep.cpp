@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace limber {
@@ -56,6 +58,54 @@ double linearity_index(const Estimate& estimate, const Landmark& landmark) {
   const double distance = from_here.norm();
   const double cos_alpha = from_anchor.dot(from_here) / (from_anchor.norm() * distance);
   return 4.0 * sigma_rho / (rho * rho) / distance * std::abs(cos_alpha);
+}
+
+double projection_curvature(const Estimate& estimate, const Landmark& landmark, const MountedCamera& cam0) {
+  const Anchor* anchor = estimate.anchor_of(landmark);
+  const BodyPoint point = body_point(estimate.nav.T_world_body, landmark, anchor);
+  const Eigen::RowVector3d axis = cam0.T_cam_body.R.row(2);
+  const double depth = axis * point.Y + point.w * cam0.T_cam_body.p.z();
+  const std::optional<PointProjection> projection = project_point(cam0, point);
+  if (!projection || !(depth > 0.0)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  // Rows: u, v, homogeneous depth.
+  std::vector<std::pair<Eigen::Index, Eigen::Matrix3d>> J(3);
+  J[0].first = StateLayout::kPosition;
+  J[0].second << projection->J_position, axis * point.J_Y_position;
+  J[1].first = StateLayout::kAttitude;
+  J[1].second << projection->J_attitude, axis * point.J_Y_attitude;
+  J[2].first = landmark.at;
+  J[2].second << projection->J_landmark, axis * point.J_Y_landmark + cam0.T_cam_body.p.z() * point.J_w_landmark;
+  if (anchor != nullptr) {
+    J.resize(5);
+    J[3].first = anchor->position_at;
+    J[3].second << projection->J_anchor_position, axis * point.J_Y_anchor_position;
+    J[4].first = anchor->attitude_at;
+    J[4].second << projection->J_anchor_attitude, axis * point.J_Y_anchor_attitude;
+  }
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const auto& [row, J_row] : J) {
+    for (const auto& [col, J_col] : J) {
+      covariance += J_row * estimate.P.block(row, col, kTriplet, kTriplet) * J_col.transpose();
+    }
+  }
+  const double pixel = std::sqrt(std::max(covariance(0, 0) + covariance(1, 1), 0.0));
+  return pixel * std::sqrt(std::max(covariance(2, 2), 0.0)) / depth;
+}
+
+std::size_t forget_uncertain_returns(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
+                                     const MountedCamera& cam0, const UpkeepOptions& options) {
+  std::size_t forgotten = 0;
+  for (const StereoObservation& observation : frame.observations) {
+    const Landmark* landmark = estimate.find(observation.track_id);
+    if (landmark != nullptr && landmark->last_seen_ns < previous_ns &&
+        projection_curvature(estimate, *landmark, cam0) > options.max_curvature_px) {
+      estimate.remove_landmark(observation.track_id);
+      ++forgotten;
+    }
+  }
+  return forgotten;
 }
 
 std::size_t keep_up(Estimate& estimate, std::int64_t t_ns, const UpkeepOptions& options) {

@@ -44,6 +44,12 @@ class Covariance {
   /// P -= W Wᵀ, W: n×k.
   void subtract_outer(const Eigen::Ref<const Eigen::MatrixXd>& W);
 
+  /// P += U Vᵀ + V Uᵀ, U and V: n×k.
+  void add_symmetric_product(const Eigen::Ref<const Eigen::MatrixXd>& U, const Eigen::Ref<const Eigen::MatrixXd>& V);
+
+  /// Applies x' = M x to the triplet at `start`, M: 3×3.
+  void transform_triplet(Eigen::Index start, const Eigen::Matrix3d& M);
+
   /// Applies x' = Phi x + w to the leading block: P_aa = Phi P_aa Phiᵀ + Q, P_ba = P_ba Phiᵀ. Phi, Q: k×k, k
   /// <= n.
   void propagate_leading(const Eigen::Ref<const Eigen::MatrixXd>& Phi,

@@ -68,6 +68,8 @@ class Estimate {
     std::size_t index;
   };
 
+  /// Carries the covariance along with the correction dx: see retract.
+  void transport(const Eigen::VectorXd& dx);
   Eigen::Index append_triplet(Tenant tenant);
   void remove_triplet(Eigen::Index at);
   void remove_anchor(int anchor);

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "limber/map/estimate.hpp"
+#include "limber/measure/rig.hpp"
 #include "limber/sensors/samples.hpp"
 
 namespace limber {
@@ -16,11 +17,26 @@ struct UpkeepOptions {
   int max_refusals = 3;         ///< refused by the gate in this many frames in a row: gone
   /// Inverse-depth landmarks become Cartesian when the linearity index of [Civera2008], Eq. (30) falls below.
   double linearity_index = 0.1;
+  /// A point that comes back into view after an absence is taken for a new one if its projection bends by more than
+  /// this over one standard deviation [px]: a linear update would put it in a wrong place with great confidence.
+  double max_curvature_px = 0.25;
 };
 
 /// Linearity index of an inverse-depth landmark seen from the current pose: 4 sigma_d / d |cos(alpha)| [-],
 /// with sigma_d the depth's standard deviation from the anchor, d the distance now, alpha the parallax.
 [[nodiscard]] double linearity_index(const Estimate& estimate, const Landmark& landmark);
+
+/// @brief How far the projection of a landmark departs from its linearisation over one standard deviation [px]:
+/// standard deviation of the predicted left pixel times that of the relative depth, to second order. Counts everything
+/// that pose, anchor and landmark share; infinite where the landmark does not project.
+[[nodiscard]] double projection_curvature(const Estimate& estimate, const Landmark& landmark,
+                                          const MountedCamera& cam0);
+
+/// @brief Forgets observed landmarks that were absent for a while and whose place has become too uncertain.
+/// @param previous_ns  time of the frame before: landmarks seen then are not absent
+/// @return number of removed landmarks
+std::size_t forget_uncertain_returns(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
+                                     const MountedCamera& cam0, const UpkeepOptions& options);
 
 /// @brief Converts landmarks that became linear enough and removes those that broke a rule.
 /// Only landmarks seen in `t_ns` are looked at for conversion.

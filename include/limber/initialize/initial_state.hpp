@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+
+#include "limber/navigator.hpp"
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/samples.hpp"
+
+namespace limber {
+
+/// Standard deviations, per axis, of an initial state.
+struct InitialSigma {
+  double position = 1e-3;    ///< [m]
+  double attitude = 1e-4;    ///< [rad]
+  double velocity = 0.01;    ///< [m/s]
+  double bias_accel = 0.01;  ///< [m/s^2]
+  double bias_gyro = 1e-3;   ///< [rad/s]
+  double rate = 0.05;        ///< [rad/s], constant velocity only
+};
+
+/// An initial state with uncorrelated, isotropic uncertainty.
+[[nodiscard]] InitialState make_initial_state(const NavigationState& nav, MotionModel motion,
+                                              const InitialSigma& sigma);
+
+/// What the first moments of a recording offer to start from. All from the first frame on.
+struct StartWindow {
+  std::span<const StereoFrame> frames;       ///< a second or so; at least one
+  std::span<const ImuSample> imu;            ///< covers the frames; empty if there is no IMU
+  std::span<const OdometrySample> odometry;  ///< covers the first frame; empty if there is none
+};
+
+/// @brief A start from sensors alone, at the first frame: the world's origin is the body, yaw is zero.
+///
+/// With IMU: gravity and velocity from the stereo motion of the window and the inertial samples between
+/// (linear least squares), or, where the rig stands still, from the mean specific force and zero. Without:
+/// the camera is taken to look horizontally, the velocity comes from the stereo motion. A velocity from
+/// stereo motion inherits the assumed calibration's error, so that its uncertainty grows with the speed. Too
+/// few common points: velocity zero, with an uncertainty that says so.
+/// @param gravity  [m/s^2]
+/// @throws std::invalid_argument if the window has no frame
+[[nodiscard]] InitialState initialize(const StartWindow& window, const StereoCalibration& calibration,
+                                      MotionModel motion, double gravity);
+
+}  // namespace limber
