@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace limber {
+
+/// A grey image that someone else owns: 8 bit, row by row. Pixel (u, v), u to the right, v down, is
+/// data[v * stride + u]; its centre has the coordinates (u, v).
+struct GreyImage {
+  int width = 0, height = 0;  ///< [px]
+  std::ptrdiff_t stride = 0;  ///< bytes from one row to the next, at least width
+  const std::uint8_t* data = nullptr;
+};
+
+}  // namespace limber

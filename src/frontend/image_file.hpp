@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+#include "limber/sensors/camera.hpp"
+
+namespace limber::frontend {
+
+/// "752 x 480 px"
+[[nodiscard]] std::string size_text(int width, int height);
+
+/// @brief Reads an image of any format OpenCV knows as 8 bit grey.
+/// @throws DataError if it cannot be read or decoded, or has not the camera's resolution
+[[nodiscard]] cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera);
+
+}  // namespace limber::frontend

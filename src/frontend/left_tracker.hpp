@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "frontend/patch.hpp"
+#include "frontend/pyramid.hpp"
+#include "limber/frontend/stereo_tracker.hpp"
+
+namespace limber::frontend {
+
+/// A point that is followed through the images of the left camera.
+struct LeftTrack {
+  std::int64_t id = 0;
+  std::vector<Eigen::Vector2d> path;                    ///< [px] in the latest frames, this one last
+  Patch reference;                                      ///< what it looks like; renewed only when it must be
+  Eigen::Matrix2d shape = Eigen::Matrix2d::Identity();  ///< of the reference in this frame
+
+  [[nodiscard]] const Eigen::Vector2d& uv() const { return path.back(); }
+};
+
+/// @brief Follows corners through the images of one camera. Knows nothing of the other one.
+/// Pyramidal KLT there and back [Lucas1981, Bouguet2001], then alignment of a reference patch; what
+/// disagrees with the motion that most tracks show, from frame to frame or over several, is dropped.
+class LeftTracker {
+ public:
+  LeftTracker(const Camera& camera, const TrackerOptions& options) : camera_(camera), options_(options) {}
+
+  /// Takes the next image, whose pixels must stay as they are.
+  void follow(const Pyramid& image);
+
+  [[nodiscard]] const std::vector<LeftTrack>& tracks() const { return tracks_; }  ///< by rising id
+
+ private:
+  [[nodiscard]] Eigen::Vector2d expected_flow(const LeftTrack& track) const;
+  [[nodiscard]] std::vector<std::optional<Eigen::Vector2d>> optical_flow(const Pyramid& next) const;
+  [[nodiscard]] bool advance(LeftTrack& track, const Eigen::Vector2d& start, const Pyramid& next) const;
+  void drop_contradicted(std::size_t lag);
+  void drop_crowded();
+  void add_corners();
+
+  Camera camera_;
+  TrackerOptions options_;
+  Pyramid image_;  ///< where the tracks are now
+  std::vector<LeftTrack> tracks_;
+  std::int64_t next_id_ = 0;
+};
+
+}  // namespace limber::frontend

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "limber/frontend/grey_image.hpp"
+
+namespace limber::frontend {
+
+/// Where a patch was found: its point x [px from its centre] is at uv + A x.
+struct PatchFit {
+  Eigen::Vector2d uv;
+  Eigen::Matrix2d A = Eigen::Matrix2d::Identity();
+  double ncc = 0.0;  ///< normalised cross-correlation there, in [-1, 1]
+};
+
+/// What may happen to a patch from one image to the other.
+enum class PatchMotion { kShift, kAffine };
+
+/// @brief A square of grey values around a sub-pixel point, to be found again in another image.
+/// The alignment is blind to gain and offset of the brightness: exposures of two cameras differ. Inverse
+/// compositional [Baker2004], with gain and offset projected out of the steepest-descent images.
+class Patch {
+ public:
+  static constexpr int kRadius = 7;  ///< [px]; the square is 2 kRadius + 1 wide
+
+  /// @return nothing if the square leaves the image, or has too little texture to fix two coordinates.
+  [[nodiscard]] static std::optional<Patch> cut(const GreyImage& image, const Eigen::Vector2d& uv);
+
+  /// @brief Sub-pixel place of the patch near `start`, whose A is kept unless the motion is affine.
+  /// @return nothing if it runs away by more than `max_shift_px`, is torn out of shape, leaves the image, or
+  ///         does not settle.
+  [[nodiscard]] std::optional<PatchFit> find(const GreyImage& image, const PatchFit& start,
+                                             PatchMotion motion, double max_shift_px) const;
+
+ private:
+  static constexpr int kWidth = 2 * kRadius + 1;
+  static constexpr int kArea = kWidth * kWidth;
+  using Values = Eigen::Matrix<float, kArea, 1>;
+
+  static bool sample(const GreyImage& image, const Eigen::Vector2d& uv, Values& values);
+  static bool sample(const GreyImage& image, const Eigen::Vector2d& uv, const Eigen::Matrix2d& A,
+                     Values& values);
+
+  Values value_;                            ///< grey values without their mean, scaled to unit length
+  Eigen::Matrix<float, kArea, 6> descent_;  ///< derivative of value_: shift u, v; A - I by columns, at
+                                            ///< the edge of the square; orthogonal to value_ and to 1
+  Eigen::Matrix2f H_shift_inverse_;         ///< inverse Gauss-Newton matrices
+  Eigen::Matrix<float, 6, 6> H_affine_inverse_;
+};
+
+}  // namespace limber::frontend

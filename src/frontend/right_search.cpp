@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "frontend/right_search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "frontend/patch.hpp"
+
+namespace limber::frontend {
+namespace {
+
+constexpr std::size_t kCoarseLevel = 2;  ///< pyramid level of the search over the window
+constexpr int kTemplateRadius = 5;       ///< [px] of that level
+constexpr int kPeaks = 3;                ///< best places of the coarse search that are looked at closely
+constexpr int kPeakRadius = 2;           ///< [px] of that level, around a peak that belong to it
+constexpr double kMinCoarseNcc = 0.5;    ///< of such a place
+constexpr double kMaxShiftPx = 4.0;      ///< on each level of the pyramid
+constexpr double kSamePlacePx = 3.0;     ///< peaks closer than this are one place
+constexpr double kAmbiguousNcc = 0.03;   ///< two places whose correlation differs less cannot be told apart
+
+/// What a point looks like on the levels of the pyramid; nothing where it is too near the edge, or plain.
+using Patches = std::array<std::optional<Patch>, kCoarseLevel + 1>;
+
+Patches patches_at(const Pyramid& image, const Eigen::Vector2d& uv) {
+  Patches patches;
+  for (std::size_t level = 0; level < patches.size(); ++level) {
+    patches[level] = Patch::cut(view_of(image[level]), uv / (1 << level));
+  }
+  return patches;
+}
+
+/// The patches found near `start`, from coarse to fine.
+std::optional<PatchFit> align(const Patches& patches, const Pyramid& image, const Eigen::Vector2d& start) {
+  if (!patches[0]) return std::nullopt;
+  PatchFit fit{start};
+  for (std::size_t level = kCoarseLevel; level > 0; --level) {
+    if (!patches[level]) continue;
+    const double scale = 1.0 / (1 << level);
+    const auto found =
+        patches[level]->find(view_of(image[level]), {fit.uv * scale}, PatchMotion::kShift, kMaxShiftPx);
+    if (found) fit.uv = found->uv / scale;  // where it is not found when coarse, it may be when fine
+  }
+  const GreyImage full = view_of(image[0]);
+  const auto shifted = patches[0]->find(full, fit, PatchMotion::kShift, kMaxShiftPx);
+  const auto shaped = patches[0]->find(full, shifted.value_or(fit), PatchMotion::kAffine, kMaxShiftPx);
+  return shaped ? shaped : shifted;
+}
+
+/// Maxima of a correlation map, best first. The map is spoilt.
+std::vector<cv::Point> best_peaks(cv::Mat& map) {
+  std::vector<cv::Point> peaks;
+  for (int k = 0; k < kPeaks; ++k) {
+    double best = 0.0;
+    cv::Point at;
+    cv::minMaxLoc(map, nullptr, &best, nullptr, &at);
+    if (best < kMinCoarseNcc) break;
+    peaks.push_back(at);
+    const cv::Rect around(at.x - kPeakRadius, at.y - kPeakRadius, 2 * kPeakRadius + 1, 2 * kPeakRadius + 1);
+    map(around & cv::Rect({}, map.size())).setTo(-1.0);
+  }
+  return peaks;
+}
+
+}  // namespace
+
+RightSearch::RightSearch(const StereoCalibration& assumed, const TrackerOptions& options)
+    : assumed_(assumed), options_(options) {}
+
+/// Where in the right image uv0 may be, if the assumed calibration is roughly right.
+std::optional<cv::Rect2d> RightSearch::window(const Eigen::Vector2d& uv0) const {
+  const auto bearing = unproject(assumed_.cam0, uv0);
+  if (!bearing) return std::nullopt;
+  const Pose T_cam1_cam0 = pose_from_rig(assumed_.theta);
+  const double nearest = options_.nearest_baselines * assumed_.baseline();
+  const auto far = project(assumed_.cam1, T_cam1_cam0.R * *bearing);
+  const auto near = project(assumed_.cam1, T_cam1_cam0 * (nearest * *bearing));
+  if (!far || !near) return std::nullopt;
+  const double margin = options_.search_margin * assumed_.cam1.height;
+  const Eigen::Vector2d low = far->uv.cwiseMin(near->uv).array() - margin;
+  const Eigen::Vector2d size = (far->uv - near->uv).cwiseAbs().array() + 2.0 * margin;
+  return cv::Rect2d(low.x(), low.y(), size.x(), size.y());
+}
+
+/// The places of the window that look most like uv0 when coarse.
+std::vector<Eigen::Vector2d> RightSearch::candidates(const Pyramid& left, const Pyramid& right,
+                                                     const Eigen::Vector2d& uv0) const {
+  const auto where = window(uv0);
+  if (!where) return {};
+  const cv::Mat& from = left[kCoarseLevel];
+  const cv::Mat& to = right[kCoarseLevel];
+  constexpr int kScale = 1 << kCoarseLevel;
+  const cv::Point radius(kTemplateRadius, kTemplateRadius), one(1, 1);
+  const cv::Point centre = cv::Point2d(uv0.x(), uv0.y()) / kScale;  // rounds
+  const cv::Rect square(centre - radius, centre + radius + one);
+  // The templates that are compared have their centres in the window.
+  const cv::Rect area =
+      cv::Rect(cv::Point(where->tl() / kScale) - radius, cv::Point(where->br() / kScale) + radius + one) &
+      cv::Rect({}, to.size());
+  if ((square & cv::Rect({}, from.size())) != square || area.width < square.width ||
+      area.height < square.height) {
+    return {};
+  }
+  cv::Mat map;
+  cv::matchTemplate(to(area), from(square), map, cv::TM_CCOEFF_NORMED);
+  std::vector<Eigen::Vector2d> places;
+  for (const cv::Point& peak : best_peaks(map)) {
+    const cv::Point moved = (peak + area.tl() - square.tl()) * kScale;
+    places.push_back(uv0 + Eigen::Vector2d(moved.x, moved.y));
+  }
+  return places;
+}
+
+std::optional<Eigen::Vector2d> RightSearch::find(const Pyramid& left, const Pyramid& right,
+                                                 const Eigen::Vector2d& uv0,
+                                                 const std::optional<Eigen::Vector2d>& guess) const {
+  const Patches patches = patches_at(left, uv0);
+  // Alike, and the way back ends where it began.
+  const auto verified = [&](const Eigen::Vector2d& start) -> std::optional<PatchFit> {
+    const auto there = align(patches, right, start);
+    if (!there || there->ncc < options_.min_ncc) return std::nullopt;
+    const auto back = align(patches_at(right, there->uv), left, uv0);
+    if (!back || (back->uv - uv0).norm() > options_.max_forward_backward_px) return std::nullopt;
+    return there;
+  };
+  if (guess) {
+    if (const auto fit = verified(*guess)) return fit->uv;
+  }
+  std::optional<PatchFit> best, rival;
+  for (const Eigen::Vector2d& start : candidates(left, right, uv0)) {
+    std::optional<PatchFit> fit = verified(start);
+    if (!fit || (best && (fit->uv - best->uv).norm() < kSamePlacePx)) continue;
+    if (!best || fit->ncc > best->ncc) std::swap(best, fit);
+    if (fit && (!rival || fit->ncc > rival->ncc)) rival = fit;
+  }
+  if (!best || (rival && rival->ncc > best->ncc - kAmbiguousNcc)) return std::nullopt;
+  return best->uv;
+}
+
+}  // namespace limber::frontend

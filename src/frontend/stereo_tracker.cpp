@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include "limber/frontend/stereo_tracker.hpp"
+
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "frontend/epipolar.hpp"
+#include "frontend/image_file.hpp"
+#include "frontend/left_tracker.hpp"
+#include "frontend/pyramid.hpp"
+#include "frontend/right_search.hpp"
+
+namespace limber {
+namespace {
+
+using frontend::size_text;
+
+constexpr int kMinSidePx = 64;  ///< below it the coarse levels of the pyramid hold nothing
+
+void require_resolution(const GreyImage& image, const Camera& camera, const std::string& name) {
+  if (image.width != camera.width || image.height != camera.height) {
+    throw std::invalid_argument(name + ": expected an image of " + size_text(camera.width, camera.height) +
+                                " (the calibration's resolution), got " +
+                                size_text(image.width, image.height));
+  }
+  if (image.data == nullptr || image.stride < image.width) {
+    throw std::invalid_argument(name + ": expected pixels, in rows at least as far apart as they are long");
+  }
+}
+
+void require_usable(const Camera& camera, const std::string& name) {
+  if (camera.width < kMinSidePx || camera.height < kMinSidePx || !(camera.fu > 0.0) || !(camera.fv > 0.0)) {
+    throw std::invalid_argument(
+        "StereoTracker: expected " + name + " with positive focal lengths and at least " +
+        size_text(kMinSidePx, kMinSidePx) + ", got " + size_text(camera.width, camera.height));
+  }
+}
+
+void require_sensible(const TrackerOptions& options) {
+  const auto require = [](bool holds, const std::string& what) {
+    if (!holds) throw std::invalid_argument("StereoTracker: expected " + what);
+  };
+  require(options.max_tracks > 0, "max_tracks > 0");
+  require(options.min_distance_px > 0.0, "min_distance_px > 0");
+  require(options.min_corner_strength > 0.0, "min_corner_strength > 0");
+  require(options.min_ncc > 0.0 && options.min_ncc < 1.0, "0 < min_ncc < 1");
+  require(options.max_forward_backward_px > 0.0, "max_forward_backward_px > 0");
+  require(options.max_epipolar_px > 0.0, "max_epipolar_px > 0");
+  require(options.nearest_baselines > 0.0, "nearest_baselines > 0");
+  require(options.search_margin >= 0.0, "search_margin >= 0");
+}
+
+}  // namespace
+
+class StereoTracker::Impl {
+ public:
+  Impl(const StereoCalibration& assumed, const TrackerOptions& options)
+      : assumed_(assumed),
+        left_(assumed.cam0, options),
+        search_(assumed, options),
+        consensus_(options.max_epipolar_px / assumed.cam1.fu) {}
+
+  [[nodiscard]] const StereoCalibration& assumed() const { return assumed_; }
+  void require_later(std::int64_t t_ns) const;
+  StereoFrame process(std::int64_t t_ns, const cv::Mat& image0, const cv::Mat& image1);
+
+ private:
+  void match_right(const frontend::Pyramid& image0, const frontend::Pyramid& image1, StereoFrame& frame);
+
+  StereoCalibration assumed_;
+  frontend::LeftTracker left_;
+  frontend::RightSearch search_;
+  frontend::LeftRightConsensus consensus_;
+  std::map<std::int64_t, Eigen::Vector2d> offsets_;  ///< track_id -> uv_cam1 - uv_cam0 when last known [px]
+  std::optional<std::int64_t> t_ns_;
+};
+
+void StereoTracker::Impl::require_later(std::int64_t t_ns) const {
+  if (t_ns_ && t_ns <= *t_ns_) {
+    throw std::invalid_argument("StereoTracker: expected a time after " + std::to_string(*t_ns_) +
+                                " ns, got " + std::to_string(t_ns) + " ns");
+  }
+}
+
+StereoFrame StereoTracker::Impl::process(std::int64_t t_ns, const cv::Mat& image0, const cv::Mat& image1) {
+  const frontend::Pyramid pyramid0 = frontend::pyramid_of(image0), pyramid1 = frontend::pyramid_of(image1);
+  t_ns_ = t_ns;
+  left_.follow(pyramid0);
+  StereoFrame frame{t_ns, {}};
+  for (const frontend::LeftTrack& track : left_.tracks()) {
+    StereoObservation& observation = frame.observations.emplace_back();
+    observation.track_id = track.id;
+    observation.uv_cam0 = track.uv();
+    observation.in_cam1 = false;
+  }
+  match_right(pyramid0, pyramid1, frame);
+  return frame;
+}
+
+/// Sets uv_cam1 of the points whose right match can be trusted.
+void StereoTracker::Impl::match_right(const frontend::Pyramid& image0, const frontend::Pyramid& image1,
+                                      StereoFrame& frame) {
+  std::vector<frontend::BearingPair> pairs;
+  std::vector<StereoObservation*> owners;
+  std::map<std::int64_t, Eigen::Vector2d> offsets;  // of the tracks that still live
+  for (StereoObservation& point : frame.observations) {
+    std::optional<Eigen::Vector2d> guess;
+    if (const auto known = offsets_.find(point.track_id); known != offsets_.end()) {
+      offsets.insert(*known);
+      guess = point.uv_cam0 + known->second;
+    }
+    const auto uv1 = search_.find(image0, image1, point.uv_cam0, guess);
+    if (!uv1) continue;
+    const auto bearing0 = unproject(assumed_.cam0, point.uv_cam0), bearing1 = unproject(assumed_.cam1, *uv1);
+    if (!bearing0 || !bearing1) continue;
+    point.uv_cam1 = *uv1;
+    pairs.push_back({*bearing0, *bearing1});
+    owners.push_back(&point);
+  }
+  const std::vector<bool> agrees = consensus_.judge(pairs);
+  for (std::size_t k = 0; k < owners.size(); ++k) {
+    StereoObservation& point = *owners[k];
+    point.in_cam1 = agrees[k];
+    if (point.in_cam1) {
+      offsets[point.track_id] = point.uv_cam1 - point.uv_cam0;
+    } else {
+      point.uv_cam1.setZero();
+      offsets.erase(point.track_id);  // it led astray: search afresh
+    }
+  }
+  offsets_ = std::move(offsets);
+}
+
+StereoTracker::StereoTracker(const StereoCalibration& assumed, const TrackerOptions& options) {
+  require_usable(assumed.cam0, "cam0");
+  require_usable(assumed.cam1, "cam1");
+  require_sensible(options);
+  impl_ = std::make_unique<Impl>(assumed, options);
+}
+StereoTracker::~StereoTracker() = default;
+StereoTracker::StereoTracker(StereoTracker&&) noexcept = default;
+StereoTracker& StereoTracker::operator=(StereoTracker&&) noexcept = default;
+
+StereoFrame StereoTracker::process(std::int64_t t_ns, const std::filesystem::path& image0,
+                                   const std::filesystem::path& image1) {
+  impl_->require_later(t_ns);
+  const cv::Mat left = frontend::read_grey(image0, impl_->assumed().cam0);
+  const cv::Mat right = frontend::read_grey(image1, impl_->assumed().cam1);
+  return impl_->process(t_ns, left, right);
+}
+
+StereoFrame StereoTracker::process(std::int64_t t_ns, const GreyImage& image0, const GreyImage& image1) {
+  impl_->require_later(t_ns);
+  require_resolution(image0, impl_->assumed().cam0, "left image");
+  require_resolution(image1, impl_->assumed().cam1, "right image");
+  const auto borrowed = [](const GreyImage& image) {
+    return cv::Mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
+                   static_cast<std::size_t>(image.stride));
+  };
+  // The left image is needed again for the next pair, when the caller's may be gone.
+  return impl_->process(t_ns, borrowed(image0).clone(), borrowed(image1));
+}
+
+}  // namespace limber
