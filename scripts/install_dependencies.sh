@@ -8,7 +8,7 @@ packages=(
   libeigen3-dev                   # the filter
   libyaml-cpp-dev libfmt-dev nlohmann-json3-dev libcli11-dev  # datasets, simulator, program
   libopencv-dev                   # image front end
-  libgtest-dev libbenchmark-dev   # tests and benchmarks
+  libgtest-dev libgmock-dev libbenchmark-dev  # tests and benchmarks
   clang-format python3            # scripts/
 )
 
