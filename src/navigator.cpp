@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "limber/map/operating_point.hpp"
 #include "limber/update/gate.hpp"
 
 namespace limber {
@@ -276,6 +277,11 @@ FrameReport Navigator::process(const StereoFrame& raw) {
   report.removed = forget_uncertain_returns(estimate_, frame, last_frame_ns_, rig_[0], options_.upkeep);
   last_frame_ns_ = frame.t_ns;
   const bool bear_before = options_.birth.mode == BirthMode::kDiffuse;
+  if (bear_before) {
+    StereoCalibration here = calibration_;
+    here.theta = operating_point(estimate_, frame, calibration_, options_.sigma_px);
+    rig_ = mount(here);
+  }
   Newborn newborn = bear_before ? bear(frame) : Newborn{};
   update_with(frame, newborn, report);
   if (!bear_before) {

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+#include "limber/run/run_options.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+namespace limber {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kPaperBaseline = 2.0;             // [m]
+constexpr double kPaperWalk = 1e-6;                // [rad^2], [m^2] per prediction step, Table 1
+constexpr double kPaperStepsPerSecond = 100.0;
+constexpr double kSmallestBaseline = 1e-4;         // [m]
+// Hand-held and driven recordings, where the recording says nothing.
+constexpr double kDefaultSigmaPx = 0.5;
+
+MotionModel choose_motion(const Recording& recording, RunSetup& setup) {
+  if (!recording.imu.empty()) {
+    return MotionModel::kImu;
+  }
+  if (!recording.odometry.empty()) {
+    return MotionModel::kOdometry;
+  }
+  setup.notes.emplace_back("neither IMU nor odometry: constant-velocity model");
+  return MotionModel::kConstantVelocity;
+}
+
+ConstraintSet choose_constraints(const RunOptions& options, MotionModel motion, RunSetup& setup) {
+  if (options.constraints) {
+    return *options.constraints;
+  }
+  if (motion == MotionModel::kConstantVelocity) {
+    setup.notes.emplace_back(
+        "constraints rotation+direction: nothing but the baseline's length fixes the scale, so it is trusted");
+    return {ConstraintSet::Kind::kRotationDirection, {}};
+  }
+  setup.notes.push_back(fmt::format("constraints full: the scale comes from the {}",
+                                    motion == MotionModel::kImu ? "IMU" : "odometry"));
+  return {ConstraintSet::Kind::kFull, {}};
+}
+
+RigParameters default_walk(double baseline) {
+  const double share = baseline / kPaperBaseline;
+  RigParameters walk = RigParameters::Constant(kPaperWalk * kPaperStepsPerSecond);
+  walk.tail<3>() *= share * share;
+  return walk;
+}
+
+template <typename T>
+void take(const std::optional<T>& given, T& value, const std::string& note, RunSetup& setup) {
+  if (given) {
+    value = *given;
+  } else {
+    setup.notes.push_back(note);
+  }
+}
+
+void choose_noise(const Recording& recording, const RunOptions& options, RunSetup& setup) {
+  NavigatorOptions& navigator = setup.navigator;
+  if (navigator.motion == MotionModel::kImu) {
+    take(recording.imu_noise, navigator.imu_noise, "IMU noise not given: that of a small MEMS IMU (ADIS16448)", setup);
+  }
+  if (navigator.motion == MotionModel::kOdometry) {
+    take(recording.odometry_noise, navigator.odometry_noise,
+         fmt::format("odometry noise not given: {} m/s and {} rad/s per sample", navigator.odometry_noise.sigma_v.x(),
+                     navigator.odometry_noise.sigma_omega.x()),
+         setup);
+  }
+  if (options.sigma_px) {
+    navigator.sigma_px.setConstant(*options.sigma_px);
+  } else {
+    navigator.sigma_px.setConstant(kDefaultSigmaPx);
+    take(recording.pixel_noise, navigator.sigma_px, fmt::format("pixel noise not given: {} px", kDefaultSigmaPx),
+         setup);
+  }
+}
+
+void check(const Recording& recording, const RunOptions& options) {
+  if (options.start == StartMode::kGroundTruth && recording.groundtruth.empty()) {
+    throw std::invalid_argument("--init groundtruth: " + recording.name + " has no ground truth; use --init auto");
+  }
+  if (options.method == Method::kOracle && recording.calibration_true.empty()) {
+    throw std::invalid_argument("oracle: " + recording.name +
+                                " does not say what the true calibration is (mav0/calibration_truth0); only simulated "
+                                "recordings do");
+  }
+}
+
+}  // namespace
+
+RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
+  check(recording, options);
+  RunSetup setup;
+  setup.notes = recording.notes;
+  setup.calibration = recording.calibration;
+  setup.calibration.theta += options.assume_error;
+  if (!(setup.calibration.baseline() > kSmallestBaseline)) {
+    throw std::invalid_argument(fmt::format("the assumed baseline with its error is {} m, expected a positive one",
+                                            setup.calibration.baseline()));
+  }
+  NavigatorOptions& navigator = setup.navigator;
+  navigator.method = options.method;
+  navigator.motion = choose_motion(recording, setup);
+  if (options.method == Method::kLcekf) {
+    navigator.constraints = choose_constraints(options, navigator.motion, setup);
+  }
+  choose_noise(recording, options, setup);
+  navigator.gravity = setup.gravity;
+  navigator.theta_sigma = options.theta_sigma.value_or(plausible_error(setup.calibration.baseline()));
+  navigator.theta_walk = options.theta_walk.value_or(default_walk(setup.calibration.baseline()));
+  navigator.landmarks = options.landmarks;
+  navigator.gate = options.gate;
+  navigator.upkeep.max_landmarks = options.max_landmarks;
+  if (!recording.images.empty()) {
+    navigator.upkeep.forget_after_s = 0.0;  // a track that the front end has lost never comes back
+  }
+  return setup;
+}
+
+RigParameters parse_rig_error(const std::string& text, double baseline) {
+  const auto fail = [&] {
+    throw std::invalid_argument("expected six numbers ax,ay,az,tx,ty,tz (degrees and metres, or % of the baseline), "
+                                "found '" + text + "'");
+  };
+  RigParameters out;
+  std::istringstream stream(text);
+  std::string item;
+  Eigen::Index k = 0;
+  for (; std::getline(stream, item, ','); ++k) {
+    const bool percent = !item.empty() && item.back() == '%';
+    if (percent) {
+      item.pop_back();
+    }
+    std::size_t used = 0;
+    double value = 0.0;
+    try {
+      value = std::stod(item, &used);
+    } catch (const std::exception&) {
+      fail();
+    }
+    if (k >= 6 || used != item.size() || !std::isfinite(value) || (percent && k < 3)) {
+      fail();
+    }
+    out(k) = k < 3 ? value * kDegree : (percent ? 0.01 * value * baseline : value);
+  }
+  if (k != 6) {
+    fail();
+  }
+  return out;
+}
+
+}  // namespace limber
