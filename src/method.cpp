@@ -24,10 +24,12 @@ constexpr std::array<const char*, 6> kParameterNames = {"ax", "ay", "az", "tx", 
 }
 
 ConstraintSet listed_set(const std::string& text) {
+  if (text.empty() || text.back() == ',') {
+    unknown_set(text);
+  }
   ConstraintSet set{ConstraintSet::Kind::kListed, {}};
   std::istringstream stream(text);
   std::string name;
-  bool any = false;
   while (std::getline(stream, name, ',')) {
     bool known = false;
     for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
@@ -38,10 +40,6 @@ ConstraintSet listed_set(const std::string& text) {
     if (!known) {
       unknown_set(text);
     }
-    any = true;
-  }
-  if (!any) {
-    unknown_set(text);
   }
   return set;
 }

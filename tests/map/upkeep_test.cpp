@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+#include "limber/map/upkeep.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "small_map.hpp"
+
+namespace limber {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using testing::Generator;
+
+constexpr std::int64_t kSecond = 1000000000;
+constexpr std::int64_t kNow = 100 * kSecond;
+
+/// Options under which nothing happens.
+UpkeepOptions idle() {
+  UpkeepOptions options;
+  options.max_landmarks = 1000;
+  options.linearity_index = 0.0;
+  return options;
+}
+
+/// An estimate at the origin that looks along z, with an inverse-depth landmark `depth` before it.
+Estimate before_a_point(double depth, double sigma_rho) {
+  Estimate estimate({MotionModel::kOdometry, false}, {}, 1e-6 * Eigen::MatrixXd::Identity(6, 6),
+                    RigParameters::Zero(), Eigen::Matrix<double, 6, 6>::Identity());
+  Landmark landmark;
+  landmark.track_id = 1;
+  landmark.anchor = estimate.add_anchor({});
+  landmark.value << 0.0, 0.0, 1.0 / depth;
+  landmark.last_seen_ns = kNow;
+  Matrix3d P = 1e-6 * Matrix3d::Identity();
+  P(2, 2) = sigma_rho * sigma_rho;
+  estimate.add_landmark(landmark, P);
+  return estimate;
+}
+
+TEST(LinearityIndex, IsFourSigmasOfDepthOverTheDistanceTimesTheParallax) {
+  Estimate estimate = before_a_point(5.0, 0.01);
+  // sigma_d = sigma_rho d² = 0.25 m; from the anchor: 4 · 0.25 / 5.
+  EXPECT_NEAR(linearity_index(estimate, *estimate.find(1)), 0.2, 1e-12);
+  // From the side, 5 m away at a right angle to the ray: no depth error is seen as such.
+  estimate.nav.T_world_body.p << 5.0, 0.0, 5.0;
+  EXPECT_NEAR(linearity_index(estimate, *estimate.find(1)), 0.0, 1e-12);
+  // At 60 degrees.
+  estimate.nav.T_world_body.p = Vector3d(0.0, 0.0, 5.0) - 2.0 * Vector3d(std::sqrt(0.75), 0.0, 0.5);
+  EXPECT_NEAR(linearity_index(estimate, *estimate.find(1)), 4.0 * 0.25 / 2.0 * 0.5, 1e-12);
+}
+
+TEST(LinearityIndex, IsInfiniteBeyondInfinityAndZeroForACartesianPoint) {
+  Estimate estimate = before_a_point(5.0, 0.01);
+  estimate.find(1)->value.z() = -0.01;
+  EXPECT_EQ(linearity_index(estimate, *estimate.find(1)), std::numeric_limits<double>::infinity());
+  estimate.find(1)->value.z() = 0.2;
+  estimate.convert_to_cartesian(*estimate.find(1));
+  EXPECT_EQ(linearity_index(estimate, *estimate.find(1)), 0.0);
+}
+
+TEST(KeepUp, ConvertsALandmarkThatIsLinearEnoughAndJustSeen) {
+  UpkeepOptions options = idle();
+  options.linearity_index = 0.1;
+  const auto kind_after = [&](double sigma_rho, std::int64_t last_seen_ns) {
+    Estimate estimate = before_a_point(5.0, sigma_rho);
+    estimate.find(1)->last_seen_ns = last_seen_ns;
+    EXPECT_EQ(keep_up(estimate, kNow, options), 0U);
+    return estimate.find(1)->kind;
+  };
+  EXPECT_EQ(kind_after(0.004, kNow), LandmarkKind::kCartesian);
+  EXPECT_EQ(kind_after(0.006, kNow), LandmarkKind::kInverseDepth);
+  EXPECT_EQ(kind_after(0.004, kNow - kSecond), LandmarkKind::kInverseDepth);
+}
+
+std::vector<std::int64_t> ids(const Estimate& estimate) { return testing::snapshot(estimate).track_ids; }
+
+/// Landmarks 0 to 9; the k-th was last seen 10 − k seconds ago, but 8 and 9 just now.
+Estimate aging_map(Generator& generator) {
+  Estimate estimate = testing::random_map(generator, 10);
+  for (Landmark& landmark : estimate.landmarks()) {
+    const std::int64_t age = landmark.track_id >= 8 ? 0 : 10 - landmark.track_id;
+    landmark.last_seen_ns = kNow - age * kSecond;
+  }
+  return estimate;
+}
+
+TEST(KeepUp, RemovesNothingWithoutReason) {
+  Generator generator(1);
+  Estimate estimate = aging_map(generator);
+  const testing::Snapshot before = testing::snapshot(estimate);
+  EXPECT_EQ(keep_up(estimate, kNow, idle()), 0U);
+  EXPECT_EQ(testing::snapshot(estimate), before);
+}
+
+TEST(KeepUp, BeyondTheMostLandmarksThoseUnseenForLongestGo) {
+  Generator generator(2);
+  Estimate estimate = aging_map(generator);
+  UpkeepOptions options = idle();
+  options.max_landmarks = 6;
+  EXPECT_EQ(keep_up(estimate, kNow, options), 4U);
+  EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{4, 5, 6, 7, 8, 9}));
+}
+
+TEST(KeepUp, NeverRemovesForRoomWhatIsInView) {
+  Generator generator(3);
+  Estimate estimate = aging_map(generator);
+  UpkeepOptions options = idle();
+  options.max_landmarks = 1;
+  EXPECT_EQ(keep_up(estimate, kNow, options), 8U);
+  EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{8, 9}));
+}
+
+TEST(KeepUp, OfThoseUnseenForEquallyLongTheOlderTrackGoes) {
+  Generator generator(4);
+  Estimate estimate = aging_map(generator);
+  for (Landmark& landmark : estimate.landmarks()) {
+    landmark.last_seen_ns = kNow - kSecond;
+  }
+  UpkeepOptions options = idle();
+  options.max_landmarks = 7;
+  EXPECT_EQ(keep_up(estimate, kNow, options), 3U);
+  EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{3, 4, 5, 6, 7, 8, 9}));
+}
+
+TEST(KeepUp, ForgetsWhatWasUnseenForTooLong) {
+  Generator generator(5);
+  Estimate estimate = aging_map(generator);
+  UpkeepOptions options = idle();
+  options.forget_after_s = 6.5;
+  EXPECT_EQ(keep_up(estimate, kNow, options), 4U);
+  EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{4, 5, 6, 7, 8, 9}));
+}
+
+TEST(KeepUp, RemovesWhatWasRefusedTooOften) {
+  Generator generator(6);
+  Estimate estimate = aging_map(generator);
+  estimate.find(3)->refusals = 2;
+  estimate.find(5)->refusals = 3;
+  estimate.find(9)->refusals = 7;
+  EXPECT_EQ(keep_up(estimate, kNow, idle()), 2U);
+  EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{0, 1, 2, 3, 4, 6, 7, 8}));
+}
+
+TEST(KeepUp, WhatOneRuleRemovesMakesRoomForTheOther) {
+  Generator generator(7);
+  Estimate estimate = aging_map(generator);
+  estimate.find(9)->refusals = 3;
+  UpkeepOptions options = idle();
+  options.max_landmarks = 9;
+  EXPECT_EQ(keep_up(estimate, kNow, options), 1U);
+}
+
+}  // namespace
+}  // namespace limber
