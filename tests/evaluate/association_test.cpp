@@ -20,13 +20,15 @@ StampedPose at(std::int64_t t_ms, double x, double yaw_deg = 0.0) {
 double yaw_deg(const Pose& pose) { return std::atan2(pose.R(1, 0), pose.R(0, 0)) / testing::kDegree; }
 
 TEST(MatchByTime, InterpolatesTheTruthBetweenItsSamples) {
-  const auto poses =
-      match_by_time(std::vector{at(1004, 7.0)}, std::vector{at(1000, 1.0, 10.0), at(1016, 5.0, 50.0)});
-  ASSERT_EQ(poses.size(), 1u);
+  const std::vector truth{at(984, 100.0), at(1000, 1.0, 10.0), at(1016, 5.0, 50.0), at(1032, -100.0)};
+  const auto poses = match_by_time(std::vector{at(1004, 7.0), at(1012, 8.0)}, truth);
+  ASSERT_EQ(poses.size(), 2u);
   EXPECT_EQ(poses[0].t_ns, 1004 * kMillisecond);
   EXPECT_EQ(poses[0].estimate.p.x(), 7.0);
   EXPECT_NEAR(poses[0].truth.p.x(), 2.0, 1e-12);
   EXPECT_NEAR(yaw_deg(poses[0].truth), 20.0, 1e-10);
+  EXPECT_NEAR(poses[1].truth.p.x(), 4.0, 1e-12);
+  EXPECT_NEAR(yaw_deg(poses[1].truth), 40.0, 1e-10);
 }
 
 TEST(MatchByTime, TurnsTheShortWay) {
