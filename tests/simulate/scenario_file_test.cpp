@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <ostream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -216,6 +217,8 @@ struct BadScenario {
   std::size_t line;
   const char* says;
 };
+
+void PrintTo(const BadScenario& bad, std::ostream* out) { *out << bad.name; }
 
 class BadScenarios : public ::testing::TestWithParam<BadScenario> {};
 

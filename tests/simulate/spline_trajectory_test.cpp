@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ostream>
 #include <stdexcept>
 
 #include "limber/core/so3.hpp"
@@ -125,12 +126,19 @@ double integrated_position_error(const SplineTrajectory& trajectory, double end,
   return (state.T_world_body.p - trajectory.at(end).T_world_body.p).norm();
 }
 
-class EveryKindOfTrajectory : public ::testing::TestWithParam<TrajectoryScenario> {
+struct NamedTrajectory {
+  const char* name;
+  TrajectoryScenario trajectory;
+};
+
+void PrintTo(const NamedTrajectory& named, std::ostream* out) { *out << named.name; }
+
+class EveryKindOfTrajectory : public ::testing::TestWithParam<NamedTrajectory> {
  protected:
   [[nodiscard]] static Scenario scenario() {
     Scenario s;
     s.duration = 20.0;
-    s.trajectory = GetParam();
+    s.trajectory = GetParam().trajectory;
     return s;
   }
 };
@@ -155,9 +163,12 @@ TEST_P(EveryKindOfTrajectory, LastsAsLongAsTheScenario) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenarios, EveryKindOfTrajectory,
-                         ::testing::Values(RandomSplineTrajectory{}, FigureEightTrajectory{},
-                                           FileTrajectory{LIMBER_SOURCE_DIR "/scenarios/walk.tum", 0.5,
-                                                          0.1}));
+                         ::testing::Values(NamedTrajectory{"RandomSpline", RandomSplineTrajectory{}},
+                                           NamedTrajectory{"FigureEight", FigureEightTrajectory{}},
+                                           NamedTrajectory{
+                                               "File", FileTrajectory{LIMBER_SOURCE_DIR "/scenarios/walk.tum",
+                                                                      0.5, 0.1}}),
+                         [](const auto& kind) { return kind.param.name; });
 
 TEST(RandomSplineTrajectory, NeverExceedsItsSpeedAndRateAndStaysInItsBox) {
   Scenario s;
