@@ -15,6 +15,8 @@ inline constexpr int kExitDone = 0;
 inline constexpr int kExitFailed = 1;
 inline constexpr int kExitUsage = 2;
 
+void add_run_command(CLI::App& app);
+void add_simulate_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 
 }  // namespace limber::app

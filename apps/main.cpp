@@ -58,6 +58,8 @@ int main(int argc, char** argv) {
   app.footer(
       "\nExit codes: 0 done, 1 failed, 2 wrong usage. Messages go to stderr, results to stdout.\n"
       "Example:\n  limber evaluate runs/v101/trajectory.csv data/v101");
+  limber::app::add_run_command(app);
+  limber::app::add_simulate_command(app);
   limber::app::add_evaluate_command(app);
   return run(app, argc, argv);
 }

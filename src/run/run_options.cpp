@@ -12,10 +12,10 @@ namespace limber {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kPaperBaseline = 2.0;             // [m]
-constexpr double kPaperWalk = 1e-6;                // [rad^2], [m^2] per prediction step, Table 1
+constexpr double kPaperBaseline = 2.0;  // [m]
+constexpr double kPaperWalk = 1e-6;     // [rad^2], [m^2] per prediction step, Table 1
 constexpr double kPaperStepsPerSecond = 100.0;
-constexpr double kSmallestBaseline = 1e-4;         // [m]
+constexpr double kSmallestBaseline = 1e-4;  // [m]
 // Hand-held and driven recordings, where the recording says nothing.
 constexpr double kDefaultSigmaPx = 0.5;
 
@@ -36,7 +36,8 @@ ConstraintSet choose_constraints(const RunOptions& options, MotionModel motion, 
   }
   if (motion == MotionModel::kConstantVelocity) {
     setup.notes.emplace_back(
-        "constraints rotation+direction: nothing but the baseline's length fixes the scale, so it is trusted");
+        "constraints rotation+direction: nothing but the baseline's length fixes the scale, so it is "
+        "trusted");
     return {ConstraintSet::Kind::kRotationDirection, {}};
   }
   setup.notes.push_back(fmt::format("constraints full: the scale comes from the {}",
@@ -63,31 +64,34 @@ void take(const std::optional<T>& given, T& value, const std::string& note, RunS
 void choose_noise(const Recording& recording, const RunOptions& options, RunSetup& setup) {
   NavigatorOptions& navigator = setup.navigator;
   if (navigator.motion == MotionModel::kImu) {
-    take(recording.imu_noise, navigator.imu_noise, "IMU noise not given: that of a small MEMS IMU (ADIS16448)", setup);
+    take(recording.imu_noise, navigator.imu_noise,
+         "IMU noise not given: that of a small MEMS IMU (ADIS16448)", setup);
   }
   if (navigator.motion == MotionModel::kOdometry) {
     take(recording.odometry_noise, navigator.odometry_noise,
-         fmt::format("odometry noise not given: {} m/s and {} rad/s per sample", navigator.odometry_noise.sigma_v.x(),
-                     navigator.odometry_noise.sigma_omega.x()),
+         fmt::format("odometry noise not given: {} m/s and {} rad/s per sample",
+                     navigator.odometry_noise.sigma_v.x(), navigator.odometry_noise.sigma_omega.x()),
          setup);
   }
   if (options.sigma_px) {
     navigator.sigma_px.setConstant(*options.sigma_px);
   } else {
     navigator.sigma_px.setConstant(kDefaultSigmaPx);
-    take(recording.pixel_noise, navigator.sigma_px, fmt::format("pixel noise not given: {} px", kDefaultSigmaPx),
-         setup);
+    take(recording.pixel_noise, navigator.sigma_px,
+         fmt::format("pixel noise not given: {} px", kDefaultSigmaPx), setup);
   }
 }
 
 void check(const Recording& recording, const RunOptions& options) {
   if (options.start == StartMode::kGroundTruth && recording.groundtruth.empty()) {
-    throw std::invalid_argument("--init groundtruth: " + recording.name + " has no ground truth; use --init auto");
+    throw std::invalid_argument("--init groundtruth: " + recording.name +
+                                " has no ground truth; use --init auto");
   }
   if (options.method == Method::kOracle && recording.calibration_true.empty()) {
-    throw std::invalid_argument("oracle: " + recording.name +
-                                " does not say what the true calibration is (mav0/calibration_truth0); only simulated "
-                                "recordings do");
+    throw std::invalid_argument(
+        "oracle: " + recording.name +
+        " does not say what the true calibration is (mav0/calibration_truth0); only simulated "
+        "recordings do");
   }
 }
 
@@ -100,8 +104,9 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   setup.calibration = recording.calibration;
   setup.calibration.theta += options.assume_error;
   if (!(setup.calibration.baseline() > kSmallestBaseline)) {
-    throw std::invalid_argument(fmt::format("the assumed baseline with its error is {} m, expected a positive one",
-                                            setup.calibration.baseline()));
+    throw std::invalid_argument(
+        fmt::format("the assumed baseline with its error is {} m, expected a positive one",
+                    setup.calibration.baseline()));
   }
   NavigatorOptions& navigator = setup.navigator;
   navigator.method = options.method;
@@ -124,8 +129,10 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
 
 RigParameters parse_rig_error(const std::string& text, double baseline) {
   const auto fail = [&] {
-    throw std::invalid_argument("expected six numbers ax,ay,az,tx,ty,tz (degrees and metres, or % of the baseline), "
-                                "found '" + text + "'");
+    throw std::invalid_argument(
+        "expected six numbers ax,ay,az,tx,ty,tz (degrees and metres, or % of the baseline), "
+        "found '" +
+        text + "'");
   };
   RigParameters out;
   std::istringstream stream(text);

@@ -38,13 +38,15 @@ std::int64_t frame_time(const Recording& recording, std::size_t n) {
 std::size_t first_frame(const Recording& recording, const RunOptions& options, MotionModel motion) {
   for (std::size_t n = 0; n < frame_count(recording); ++n) {
     const std::int64_t t = frame_time(recording, n);
-    const bool driven = motion == MotionModel::kConstantVelocity ||
-                        (motion == MotionModel::kImu ? recording.imu.front().t_ns : recording.odometry.front().t_ns) <= t;
+    const bool driven =
+        motion == MotionModel::kConstantVelocity ||
+        (motion == MotionModel::kImu ? recording.imu.front().t_ns : recording.odometry.front().t_ns) <= t;
     if (driven && (options.start == StartMode::kAuto || groundtruth_at(recording.groundtruth, t))) {
       return n;
     }
   }
-  throw std::invalid_argument(recording.name + ": no frame lies within the time of the inputs and of the truth");
+  throw std::invalid_argument(recording.name +
+                              ": no frame lies within the time of the inputs and of the truth");
 }
 
 template <typename Sample>
@@ -67,7 +69,8 @@ Eigen::Vector3d differenced_velocity(const Recording& recording, std::int64_t t_
   const GroundTruthState& a = truth[k > 0 ? k - 1 : 0];
   const GroundTruthState& b = truth[std::min(k + 1, truth.size() - 1)];
   return a.t_ns == b.t_ns ? Eigen::Vector3d::Zero()
-                          : Eigen::Vector3d((b.p_world_body - a.p_world_body) / (1e-9 * static_cast<double>(b.t_ns - a.t_ns)));
+                          : Eigen::Vector3d((b.p_world_body - a.p_world_body) /
+                                            (1e-9 * static_cast<double>(b.t_ns - a.t_ns)));
 }
 
 InitialState start_from_truth(const Recording& recording, const RunOptions& options, const RunSetup& setup,
@@ -101,7 +104,8 @@ struct Lookahead {
   std::vector<double> ms;
 };
 
-Lookahead look_ahead(const Recording& recording, const FrameSource& source, std::size_t first, bool whole_window) {
+Lookahead look_ahead(const Recording& recording, const FrameSource& source, std::size_t first,
+                     bool whole_window) {
   Lookahead out;
   const std::int64_t end = frame_time(recording, first) + (whole_window ? kWindowNs : 0);
   for (std::size_t n = first; n < frame_count(recording) && frame_time(recording, n) <= end; ++n) {

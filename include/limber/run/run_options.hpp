@@ -21,21 +21,24 @@ enum class StartMode : std::uint8_t {
 /// What a user chooses for a run; everything else follows from the recording.
 struct RunOptions {
   Method method = Method::kLcekf;
-  std::optional<ConstraintSet> constraints;              ///< lcekf; nothing: the default for the recording's sensors
-  RigParameters assume_error = RigParameters::Zero();    ///< added to the assumed theta [rad, m]
-  std::optional<double> sigma_px;                        ///< nothing: the recording's, or the default
+  std::optional<ConstraintSet> constraints;  ///< lcekf; nothing: the default for the recording's sensors
+  RigParameters assume_error = RigParameters::Zero();  ///< added to the assumed theta [rad, m]
+  std::optional<double> sigma_px;                      ///< nothing: the recording's, or the default
   StartMode start = StartMode::kAuto;
-  InitialSigma initial;                                  ///< kGroundTruth: what the start error is drawn from
+  InitialSigma initial;  ///< kGroundTruth: what the start error is drawn from
   LandmarkKind landmarks = LandmarkKind::kInverseDepth;
   bool gate = true;
   std::size_t max_landmarks = 300;
-  std::optional<RigParameters> theta_sigma;  ///< ekf-full, soft, consider; nothing: 0.1 deg and 5 % of the baseline
-  std::optional<RigParameters> theta_walk;   ///< ekf-full, variance per second; nothing: Table 1, see run_setup
+  std::optional<RigParameters>
+      theta_sigma;  ///< ekf-full, soft, consider; nothing: 0.1 deg and 5 % of the baseline
+  std::optional<RigParameters>
+      theta_walk;  ///< ekf-full, variance per second; nothing: Table 1, see run_setup
   std::uint64_t seed = 0;
-  std::uint64_t run = 0;                     ///< which draw of the start error
+  std::uint64_t run = 0;  ///< which draw of the start error
 };
 
-/// A navigator's options for a recording, and every choice that was made on the user's behalf, in plain words.
+/// A navigator's options for a recording, and every choice that was made on the user's behalf, in plain
+/// words.
 struct RunSetup {
   NavigatorOptions navigator;
   StereoCalibration calibration;  ///< with assume_error
@@ -44,10 +47,11 @@ struct RunSetup {
 };
 
 /// @brief Chooses motion model, noise and constraint set for a recording.
-/// IMU before odometry before constant velocity. Constraints of lcekf: `full` where IMU or odometry fix the scale,
-/// else `rotation+direction`. theta_walk defaults to the paper's 1e-6 rad² and 1 mm² per 10 ms, the translation in
-/// proportion to the baseline (the paper's is 2 m).
-/// @throws std::invalid_argument for ground truth start or oracle without the truth they need, or a baseline that
+/// IMU before odometry before constant velocity. Constraints of lcekf: `full` where IMU or odometry fix the
+/// scale, else `rotation+direction`. theta_walk defaults to the paper's 1e-6 rad² and 1 mm² per 10 ms, the
+/// translation in proportion to the baseline (the paper's is 2 m).
+/// @throws std::invalid_argument for ground truth start or oracle without the truth they need, or a baseline
+/// that
 ///         assume_error makes vanish
 [[nodiscard]] RunSetup set_up_run(const Recording& recording, const RunOptions& options);
 

@@ -22,13 +22,13 @@ using FrameSource = std::function<StereoFrame(std::size_t)>;
 
 /// What a run leaves behind.
 struct RunRecord {
-  std::vector<TrajectoryRow> trajectory;        ///< after each frame
-  std::vector<FrameReport> frames;              ///< one per row of the trajectory
-  std::vector<double> frame_ms;                 ///< filter time per frame [ms], without the frame source
-  std::vector<double> source_ms;                ///< time in the frame source per frame [ms]
+  std::vector<TrajectoryRow> trajectory;  ///< after each frame
+  std::vector<FrameReport> frames;        ///< one per row of the trajectory
+  std::vector<double> frame_ms;           ///< filter time per frame [ms], without the frame source
+  std::vector<double> source_ms;          ///< time in the frame source per frame [ms]
   std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< the final map, p_world_landmark [m]
-  RigParameters theta = RigParameters::Zero();  ///< what the filter takes for the rig at the end
-  std::vector<std::string> notes;               ///< choices made on the user's behalf, in plain words
+  RigParameters theta = RigParameters::Zero();        ///< what the filter takes for the rig at the end
+  std::vector<std::string> notes;                     ///< choices made on the user's behalf, in plain words
   MotionModel motion = MotionModel::kImu;
 };
 
@@ -36,7 +36,8 @@ struct RunRecord {
 /// StartMode::kGroundTruth and for Method::kOracle only.
 /// Frames before the first IMU or odometry sample are skipped, and said so.
 /// @param progress  told the number of frames done; may be empty
-/// @throws std::invalid_argument if the recording cannot be run like that (no usable frame, no truth to start from)
+/// @throws std::invalid_argument if the recording cannot be run like that (no usable frame, no truth to start
+/// from)
 [[nodiscard]] RunRecord run_recording(const Recording& recording, const RunOptions& options,
                                       const FrameSource& frames,
                                       const std::function<void(std::size_t)>& progress = {});

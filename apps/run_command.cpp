@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+// limber run: navigate through a recording.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "commands.hpp"
+#include "limber/datasets/read_recording.hpp"
+#include "limber/run/run_output.hpp"
+#include "messages.hpp"
+#include "output_folder.hpp"
+#include "progress.hpp"
+#include "validators.hpp"
+#ifdef LIMBER_WITH_FRONTEND
+#include "limber/frontend/stereo_tracker.hpp"
+#endif
+
+namespace limber::app {
+namespace {
+
+struct RunArguments {
+  std::filesystem::path dataset, out;
+  std::string method = "lcekf", constraints, assume_error, start = "auto", landmarks = "inverse-depth",
+              gate = "on";
+  std::optional<double> sigma_px;
+  std::size_t max_landmarks = 300;
+  std::uint64_t seed = 0;
+};
+
+/// A CLI validator from a parser that throws std::invalid_argument.
+template <typename Parse>
+CLI::Validator parsed_by(Parse parse) {
+  return {[parse](std::string& text) {
+            try {
+              (void)parse(text);
+              return std::string();
+            } catch (const std::invalid_argument& error) {
+              return std::string(error.what());
+            }
+          },
+          ""};
+}
+
+RunOptions to_options(const RunArguments& arguments, const Recording& recording) {
+  RunOptions options;
+  options.method = method_from_string(arguments.method);
+  if (!arguments.constraints.empty()) {
+    options.constraints = constraint_set_from_string(arguments.constraints);
+  }
+  if (!arguments.assume_error.empty()) {
+    options.assume_error = parse_rig_error(arguments.assume_error, recording.calibration.baseline());
+  }
+  options.sigma_px = arguments.sigma_px;
+  options.start = arguments.start == "groundtruth" ? StartMode::kGroundTruth : StartMode::kAuto;
+  options.landmarks =
+      arguments.landmarks == "cartesian" ? LandmarkKind::kCartesian : LandmarkKind::kInverseDepth;
+  options.gate = arguments.gate == "on";
+  options.max_landmarks = arguments.max_landmarks;
+  options.seed = arguments.seed;
+  return options;
+}
+
+FrameSource frame_source(const Recording& recording) {
+  if (recording.images.empty()) {
+    return matched_frames(recording);
+  }
+#ifdef LIMBER_WITH_FRONTEND
+  auto tracker = std::make_shared<StereoTracker>(recording.calibration);
+  return [tracker, &recording](std::size_t n) {
+    const ImagePair& pair = recording.images[n];
+    return tracker->process(pair.t_ns, pair.cam0, pair.cam1);
+  };
+#else
+  throw std::runtime_error(recording.name +
+                           " holds images, but this program was built without the image front end");
+#endif
+}
+
+std::string text_of(const std::optional<double>& value, const char* unit, int digits = 4) {
+  return value ? fmt::format("{:.{}f}{}", *value, digits, unit) : std::string("unknown");
+}
+
+void print_summary(const RunSummary& s, const std::filesystem::path& folder) {
+  fmt::print("{} on {}\n", s.method, s.dataset);
+  fmt::print("  frames          {} in {:.1f} s, {:.1f} points a frame, {} refused in all\n", s.frames,
+             s.duration_s, s.points_per_frame, s.points_refused);
+  fmt::print("  path            {:.2f} m\n", s.path_length_m);
+  fmt::print("  ATE             SE(3) {}, Sim(3) {}, scale {}\n", text_of(s.ate_se3_m, " m"),
+             text_of(s.ate_sim3_m, " m"), text_of(s.scale, ""));
+  fmt::print("  RMSE            position {}, attitude {}\n", text_of(s.position_rmse_m, " m"),
+             text_of(s.attitude_rmse_deg, " deg"));
+  fmt::print("  consistency     ANEES {} (1 = consistent), NIS per d.o.f. {}\n", text_of(s.anees, "", 2),
+             text_of(s.nis_per_dof, "", 2));
+  fmt::print("  time            p50 {:.2f} ms, p99 {:.2f} ms a frame, {:.1f} times real time\n",
+             s.ms_per_frame_p50, s.ms_per_frame_p99, s.realtime_factor);
+  fmt::print("  results in      {}\n", folder.string());
+}
+
+void run(const RunArguments& arguments) {
+  const Recording recording = read_recording(arguments.dataset);
+  const RunOptions options = to_options(arguments, recording);
+  const OutputFolder folder(arguments.out);
+  RunRecord record;
+  {
+    const std::size_t total = recording.images.empty() ? recording.frames.size() : recording.images.size();
+    Progress progress(arguments.method, total);
+    record =
+        run_recording(recording, options, frame_source(recording), [&](std::size_t n) { progress.done(n); });
+  }
+  const RunSummary summary = summarize(recording, options, record);
+  write_run_output(folder.path(), options, record, summary);
+  for (const std::string& note : record.notes) {
+    print_note(note);
+  }
+  print_summary(summary, folder.path());
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command = app.add_subcommand("run", "Navigate through a recording with one method");
+  command->add_option("DATASET", arguments->dataset, "Track log, EuRoC folder or KITTI odometry folder")
+      ->required();
+  command
+      ->add_option("--method", arguments->method, "ekf, ekf-full, lcekf, soft, consider, mono-left or oracle")
+      ->check(parsed_by(method_from_string))
+      ->capture_default_str();
+  command->add_option("--out", arguments->out, "Folder for the results")->required();
+  command
+      ->add_option("--constraints", arguments->constraints,
+                   "lcekf: full, none, rotation, rotation+direction or a list of ax,ay,az,tx,ty,tz; default: "
+                   "full where "
+                   "IMU or odometry fix the scale, else rotation+direction")
+      ->check(parsed_by(constraint_set_from_string));
+  command
+      ->add_option(
+          "--assume-error", arguments->assume_error,
+          "ax,ay,az,tx,ty,tz added to the assumed calibration: degrees and metres, 5% is of the baseline")
+      ->check(parsed_by([](const std::string& text) { return parse_rig_error(text, 1.0); }));
+  command
+      ->add_option("--sigma-px", arguments->sigma_px, "Pixel noise [px]; default: the recording's, else 0.5")
+      ->check(positive());
+  command->add_option("--seed", arguments->seed, "Of the start error with --init groundtruth")
+      ->capture_default_str();
+  command
+      ->add_option("--init", arguments->start,
+                   "auto: from sensors; groundtruth: from the truth plus a drawn error")
+      ->check(CLI::IsMember({"auto", "groundtruth"}))
+      ->capture_default_str();
+  command->add_option("--landmarks", arguments->landmarks, "inverse-depth, or cartesian as in the paper")
+      ->check(CLI::IsMember({"inverse-depth", "cartesian"}))
+      ->capture_default_str();
+  command->add_option("--gate", arguments->gate, "Refuse points whose projected residual is too large")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  command
+      ->add_option("--max-landmarks", arguments->max_landmarks,
+                   "Size of the map; those unseen for longest go")
+      ->check(CLI::Range(std::size_t{1}, std::size_t{100000}))
+      ->capture_default_str();
+  command->footer(
+      "\nWrites trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, refusals.csv and summary.json.\n"
+      "Example:\n  limber run data/v101 --method lcekf --assume-error 0,0.5,0,5%,0,0 --out runs/v101");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace limber::app

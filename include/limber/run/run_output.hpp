@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "limber/datasets/recording.hpp"
+#include "limber/run/run_recording.hpp"
+
+namespace limber {
+
+/// Figures of merit of a run; what is not known is empty. Definitions: docs/formats.md.
+struct RunSummary {
+  std::string method, dataset;
+  std::size_t frames = 0;
+  double duration_s = 0.0;
+  double path_length_m = 0.0;  ///< of the truth if known, else of the estimate
+  std::optional<double> ate_none_m, ate_se3_m, ate_sim3_m, scale;
+  std::optional<double> position_rmse_m, attitude_rmse_deg;
+  std::optional<double> anees, anees_position, anees_attitude;
+  std::optional<double> nis_per_dof;
+  double ms_per_frame_p50 = 0.0, ms_per_frame_p99 = 0.0;  ///< filter alone
+  double realtime_factor = 0.0;                           ///< duration over time spent, front end included
+  double peak_rss_mb = 0.0;
+  std::size_t points_refused = 0;
+  double points_per_frame = 0.0;
+};
+
+/// @brief Judges a run against the recording's ground truth, where it has one.
+/// position_rmse, attitude_rmse and anees are unaligned for a ground truth start; else the estimate is first
+/// aligned at the first pose: by position and yaw where an IMU shows what is down, by the whole pose where
+/// nothing does.
+[[nodiscard]] RunSummary summarize(const Recording& recording, const RunOptions& options,
+                                   const RunRecord& record);
+
+/// @brief Writes trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, refusals.csv and summary.json, in
+/// this order, each whole or not at all. `folder` is made if needed.
+/// @throws DataError if the folder cannot be written
+void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
+                      const RunSummary& summary);
+
+}  // namespace limber

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: MIT
+#include "limber/run/run_output.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <system_error>
+
+#include "limber/core/errors.hpp"
+#include "limber/core/so3.hpp"
+#include "limber/datasets/atomic_file.hpp"
+#include "limber/datasets/landmarks_ply.hpp"
+#include "limber/evaluate/consistency.hpp"
+#include "limber/evaluate/evaluation.hpp"
+
+namespace limber {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) {
+    return 0.0;
+  }
+  const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + k, values.end());
+  return values[static_cast<std::size_t>(k)];
+}
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;  // Linux: KiB
+}
+
+/// Takes the whole first pose out: the world of a run without gravity is its first camera.
+Alignment first_whole_pose(const std::vector<MatchedPose>& poses) {
+  Alignment out;
+  out.T_true_est = poses.front().truth * poses.front().estimate.inverse();
+  return out;
+}
+
+Alignment start_alignment(const std::vector<MatchedPose>& poses, const RunOptions& options,
+                          MotionModel motion) {
+  if (options.start == StartMode::kGroundTruth) {
+    return {};
+  }
+  return motion == MotionModel::kImu ? align(poses, AlignmentKind::kFirstPose) : first_whole_pose(poses);
+}
+
+void judge(const Recording& recording, const RunOptions& options, const RunRecord& record, RunSummary& out) {
+  std::vector<StampedPose> estimate, truth;
+  std::vector<PoseCovariance> covariances;
+  for (const TrajectoryRow& row : record.trajectory) {
+    estimate.push_back({row.t_ns, row.T_world_body});
+    covariances.push_back(*row.covariance);
+  }
+  for (const GroundTruthState& state : recording.groundtruth) {
+    truth.push_back({state.t_ns, {state.R_world_body, state.p_world_body}});
+  }
+  const std::vector<MatchedPose> poses = match_by_time(estimate, truth);
+  if (poses.empty()) {
+    return;
+  }
+  const TrajectoryEvaluation evaluation = evaluate_trajectory(poses);
+  const auto rmse = [](const AlignedErrors& errors) {
+    return errors.errors ? std::optional(errors.errors->position_m.rmse) : std::nullopt;
+  };
+  out.path_length_m = evaluation.path_length;
+  out.ate_none_m = rmse(evaluation.none);
+  out.ate_se3_m = rmse(evaluation.se3);
+  out.ate_sim3_m = rmse(evaluation.sim3);
+  if (evaluation.sim3.errors) {
+    out.scale = evaluation.sim3.alignment.scale;
+  }
+  const Alignment start = start_alignment(poses, options, record.motion);
+  const PoseErrorStatistics errors = absolute_errors(poses, start);
+  out.position_rmse_m = errors.position_m.rmse;
+  out.attitude_rmse_deg = errors.attitude_deg.rmse;
+  const Consistency consistency = average_nees(poses, covariances, start, estimate.front().t_ns);
+  if (consistency.anees) {
+    out.anees = consistency.anees->pose;
+    out.anees_position = consistency.anees->position;
+    out.anees_attitude = consistency.anees->attitude;
+  }
+}
+
+double estimated_length(const RunRecord& record) {
+  double length = 0.0;
+  for (std::size_t k = 1; k < record.trajectory.size(); ++k) {
+    length += (record.trajectory[k].T_world_body.p - record.trajectory[k - 1].T_world_body.p).norm();
+  }
+  return length;
+}
+
+template <typename T>
+Json or_null(const std::optional<T>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+Json to_json(const RunOptions& options, const RunRecord& record, const RunSummary& s) {
+  Json json;
+  json["method"] = s.method;
+  json["dataset"] = s.dataset;
+  json["frames"] = s.frames;
+  json["duration_s"] = s.duration_s;
+  json["path_length_m"] = s.path_length_m;
+  json["ate_m"] = {{"none", or_null(s.ate_none_m)},
+                   {"se3", or_null(s.ate_se3_m)},
+                   {"sim3", or_null(s.ate_sim3_m)},
+                   {"scale", or_null(s.scale)}};
+  json["position_rmse_m"] = or_null(s.position_rmse_m);
+  json["attitude_rmse_deg"] = or_null(s.attitude_rmse_deg);
+  json["anees"] = or_null(s.anees);
+  json["anees_position"] = or_null(s.anees_position);
+  json["anees_attitude"] = or_null(s.anees_attitude);
+  json["nis_per_dof"] = or_null(s.nis_per_dof);
+  json["ms_per_frame"] = {{"p50", s.ms_per_frame_p50}, {"p99", s.ms_per_frame_p99}};
+  json["realtime_factor"] = s.realtime_factor;
+  json["peak_rss_mb"] = s.peak_rss_mb;
+  json["points_per_frame"] = s.points_per_frame;
+  json["points_refused"] = s.points_refused;
+  json["health"] = nullptr;
+  json["seed"] = options.seed;
+  json["theta"] = std::vector<double>(record.theta.data(), record.theta.data() + 6);
+  json["notes"] = record.notes;
+  return json;
+}
+
+std::string frames_csv(const RunRecord& record) {
+  std::string text =
+      "#t_ns,observed,used,born,removed,refused,nis [-],dof,constrained_rank,filter_ms,source_ms\n";
+  auto out = std::back_inserter(text);
+  for (std::size_t k = 0; k < record.frames.size(); ++k) {
+    const FrameReport& f = record.frames[k];
+    fmt::format_to(out, "{},{},{},{},{},{},{},{},{},{:.3f},{:.3f}\n", f.t_ns, f.observed, f.used, f.born,
+                   f.removed, f.refused.size(), f.nis, f.dof, f.rank, record.frame_ms[k],
+                   record.source_ms[k]);
+  }
+  return text;
+}
+
+std::string refusals_csv(const RunRecord& record) {
+  std::string text = "#t_ns,track_id,reason,squared_distance [-],threshold [-]\n";
+  auto out = std::back_inserter(text);
+  for (const FrameReport& f : record.frames) {
+    for (const Refusal& r : f.refused) {
+      fmt::format_to(out, "{},{},{},{},{}\n", f.t_ns, r.track_id,
+                     r.reason == RefusalReason::kGate ? "gate" : "not-projectable", r.distance, r.threshold);
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+RunSummary summarize(const Recording& recording, const RunOptions& options, const RunRecord& record) {
+  RunSummary out;
+  out.method = to_string(options.method);
+  out.dataset = recording.name;
+  out.frames = record.trajectory.size();
+  out.duration_s = 1e-9 * static_cast<double>(record.trajectory.back().t_ns - record.trajectory.front().t_ns);
+  out.path_length_m = estimated_length(record);
+  if (!recording.groundtruth.empty()) {
+    judge(recording, options, record, out);
+  }
+  double nis = 0.0, dof = 0.0, used = 0.0;
+  for (const FrameReport& frame : record.frames) {
+    nis += frame.nis;
+    dof += static_cast<double>(frame.dof);
+    used += static_cast<double>(frame.used);
+    out.points_refused += frame.refused.size();
+  }
+  if (dof > 0.0) {
+    out.nis_per_dof = nis / dof;
+  }
+  out.points_per_frame = used / static_cast<double>(out.frames);
+  out.ms_per_frame_p50 = quantile(record.frame_ms, 0.5);
+  out.ms_per_frame_p99 = quantile(record.frame_ms, 0.99);
+  const double spent_ms = std::accumulate(record.frame_ms.begin(), record.frame_ms.end(), 0.0) +
+                          std::accumulate(record.source_ms.begin(), record.source_ms.end(), 0.0);
+  out.realtime_factor = spent_ms > 0.0 ? 1e3 * out.duration_s / spent_ms : 0.0;
+  out.peak_rss_mb = peak_rss_mb();
+  return out;
+}
+
+void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
+                      const RunSummary& summary) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder)) {
+    throw DataError(folder.string(), 0, "a folder that can be made and written",
+                    error ? error.message() : "something else");
+  }
+  std::vector<StampedPose> poses;
+  for (const TrajectoryRow& row : record.trajectory) {
+    poses.push_back({row.t_ns, row.T_world_body});
+  }
+  write_tum(folder / "trajectory.tum", poses);
+  write_trajectory_csv(folder / "trajectory.csv", record.trajectory);
+  write_landmarks_ply(folder / "landmarks.ply", record.landmarks);
+  write_file_atomically(folder / "frames.csv", frames_csv(record));
+  write_file_atomically(folder / "refusals.csv", refusals_csv(record));
+  write_file_atomically(folder / "summary.json", to_json(options, record, summary).dump(2) + "\n");
+}
+
+}  // namespace limber
