@@ -41,6 +41,10 @@ NavigatorOptions completed(NavigatorOptions options) {
 
 Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration& calibration,
                        const InitialState& initial) {
+  if (!(calibration.baseline() > 0.0)) {
+    throw std::invalid_argument("navigator: the baseline is " + std::to_string(calibration.baseline()) +
+                                " m, expected a positive one");
+  }
   const RigParameters sigma = theta_sigma(options, calibration);
   return {StateLayout{options.motion, has_theta(options.method)}, initial.nav, initial.body_covariance,
           calibration.theta, sigma.cwiseAbs2().asDiagonal()};

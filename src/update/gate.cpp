@@ -18,21 +18,26 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Eigenvalues below this share of the largest count as zero: the constraint has used up that residual.
-constexpr double kRankTolerance = 1e-9;
+/// A residual whose variance the constraint cuts to less than this share is used up: it says nothing any
+/// more.
+constexpr double kUsedUp = 1e-9;
 
 struct Distance {
   double squared = 0.0;
   Index dof = 0;
 };
 
-/// eᵀ B⁺ e. `scale` says how large B would be without the constraint.
-Distance mahalanobis(const VectorXd& e, const MatrixXd& B, double scale) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(B);
+/// eᵀ B⁺ e, where B is what the constraint leaves of S. In units of S, so that a huge variance in one
+/// direction (a newborn's depth) does not hide what the others say.
+Distance mahalanobis(const VectorXd& e, const MatrixXd& B, const MatrixXd& S) {
+  const Eigen::LLT<MatrixXd> root(S);
+  const VectorXd white_e = root.matrixL().solve(e);
+  const MatrixXd half = root.matrixL().solve(B);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(root.matrixL().solve(half.transpose()));
   Distance out;
   for (Index k = 0; k < e.size(); ++k) {
-    if (eigen.eigenvalues()(k) > kRankTolerance * scale) {
-      const double component = eigen.eigenvectors().col(k).dot(e);
+    if (eigen.eigenvalues()(k) > kUsedUp) {
+      const double component = eigen.eigenvectors().col(k).dot(white_e);
       out.squared += component * component / eigen.eigenvalues()(k);
       ++out.dof;
     }
@@ -71,8 +76,7 @@ class Judge {
       const auto [row, rows] = groups[g];
       const MatrixXd A = A_.middleRows(row, rows);
       const MatrixXd S = S_.block(row, row, rows, rows);
-      const Distance d =
-          mahalanobis(r_.segment(row, rows) - A * delta, S - A * Minv * A.transpose(), S.trace());
+      const Distance d = mahalanobis(r_.segment(row, rows) - A * delta, S - A * Minv * A.transpose(), S);
       report.distance[g] = d.squared;
       report.threshold[g] = quantile(d.dof);
       if (d.dof > 0 && d.squared > worst_ratio * report.threshold[g]) {
