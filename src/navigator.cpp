@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/navigator.hpp"
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -19,8 +20,14 @@ namespace {
 
 bool has_theta(Method method) { return method == Method::kEkfFull || method == Method::kConsider; }
 
-BirthMode birth_mode(Method method) {
-  return method == Method::kLcekf || method == Method::kSoft ? BirthMode::kDiffuse : BirthMode::kClassical;
+bool constrains(const NavigatorOptions& options) {
+  return options.method == Method::kLcekf && (options.constraints.kind != ConstraintSet::Kind::kListed ||
+                                              options.constraints.listed != std::array<bool, 6>{});
+}
+
+/// Where theta is trusted a newborn may believe all its pixels at once: lcekf without constraints is the ekf.
+BirthMode birth_mode(const NavigatorOptions& options) {
+  return constrains(options) || options.method == Method::kSoft ? BirthMode::kDiffuse : BirthMode::kClassical;
 }
 
 RigParameters theta_sigma(const NavigatorOptions& options, const StereoCalibration& calibration) {
@@ -28,7 +35,7 @@ RigParameters theta_sigma(const NavigatorOptions& options, const StereoCalibrati
 }
 
 NavigatorOptions completed(NavigatorOptions options) {
-  options.birth.mode = birth_mode(options.method);
+  options.birth.mode = birth_mode(options);
   options.birth.kind = options.landmarks;
   if (!(options.sigma_px.array() > 0.0).all()) {
     throw std::invalid_argument("navigator: sigma_px must be positive");
