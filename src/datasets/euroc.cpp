@@ -135,8 +135,10 @@ void read_calibration_truth(const fs::path& folder, Recording& recording) {
                                                     "tx [m]", "ty [m]", "tz [m]"},
                                           .counts = {7}});
   while (table.next()) {
-    CalibrationTruth truth{table.increasing_time(), {}};
-    truth.theta << table.vector3(1), table.vector3(4);
+    CalibrationTruth truth;
+    truth.t_ns = table.increasing_time();
+    truth.theta.head<3>() = table.vector3(1);
+    truth.theta.tail<3>() = table.vector3(4);
     recording.calibration_true.push_back(truth);
   }
   table.require_a_row("sample of the true calibration");
