@@ -143,7 +143,8 @@ void add_run_command(CLI::App& app) {
           "ax,ay,az,tx,ty,tz added to the assumed calibration: degrees and metres, 5% is of the baseline")
       ->check(parsed_by([](const std::string& text) { return parse_rig_error(text, 1.0); }));
   command
-      ->add_option("--sigma-px", arguments->sigma_px, "Pixel noise [px]; default: the recording's, else 0.5")
+      ->add_option("--sigma-px", arguments->sigma_px,
+                   "Pixel noise [px]; default: the recording's, else 0.5 for images and 1 for tracks")
       ->check(positive());
   command->add_option("--seed", arguments->seed, "Of the start error with --init groundtruth")
       ->capture_default_str();

@@ -243,6 +243,7 @@ void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, Fr
     if (options_.gate) {
       const GateReport gated = gate(innovation, stacked.measurement.groups, how, options_.gate_probability);
       accepted = gated.accepted;
+      report.gate_overruled = gated.overruled;
       for (std::size_t g = 0; g < accepted.size(); ++g) {
         if (!accepted[g]) {
           report.refused.push_back(

@@ -63,6 +63,7 @@ struct FrameReport {
   std::size_t used = 0;
   std::size_t born = 0;
   std::size_t removed = 0;
+  bool gate_overruled = false;  ///< the gate would have refused most points, so it refused none
   std::vector<Refusal> refused;
 };
 

@@ -24,7 +24,8 @@ constexpr double kPriorErrors = 10.0;  // plausible errors, one standard deviati
 constexpr double kHuber = 2.5;         // standard deviations
 constexpr int kReweightings = 3;
 
-/// Right pixel of a known landmark: residual, Jacobian of theta, and the inverse of the residual's covariance.
+/// Right pixel of a known landmark: residual, Jacobian of theta, and the inverse of the residual's
+/// covariance.
 struct Clue {
   Vector2d r;
   Matrix26 D;

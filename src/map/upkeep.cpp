@@ -76,7 +76,8 @@ double projection_curvature(const Estimate& estimate, const Landmark& landmark, 
   J[1].first = StateLayout::kAttitude;
   J[1].second << projection->J_attitude, axis * point.J_Y_attitude;
   J[2].first = landmark.at;
-  J[2].second << projection->J_landmark, axis * point.J_Y_landmark + cam0.T_cam_body.p.z() * point.J_w_landmark;
+  J[2].second << projection->J_landmark,
+      axis * point.J_Y_landmark + cam0.T_cam_body.p.z() * point.J_w_landmark;
   if (anchor != nullptr) {
     J.resize(5);
     J[3].first = anchor->position_at;

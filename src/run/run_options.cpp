@@ -16,8 +16,9 @@ constexpr double kPaperBaseline = 2.0;  // [m]
 constexpr double kPaperWalk = 1e-6;     // [rad^2], [m^2] per prediction step, Table 1
 constexpr double kPaperStepsPerSecond = 100.0;
 constexpr double kSmallestBaseline = 1e-4;  // [m]
-// Hand-held and driven recordings, where the recording says nothing.
-constexpr double kDefaultSigmaPx = 0.5;
+// Pixel noise where the recording says nothing: limber's own front end, and somebody's tracks.
+constexpr double kImageSigmaPx = 0.5;
+constexpr double kTrackSigmaPx = 1.0;
 
 MotionModel choose_motion(const Recording& recording, RunSetup& setup) {
   if (!recording.imu.empty()) {
@@ -76,9 +77,10 @@ void choose_noise(const Recording& recording, const RunOptions& options, RunSetu
   if (options.sigma_px) {
     navigator.sigma_px.setConstant(*options.sigma_px);
   } else {
-    navigator.sigma_px.setConstant(kDefaultSigmaPx);
-    take(recording.pixel_noise, navigator.sigma_px,
-         fmt::format("pixel noise not given: {} px", kDefaultSigmaPx), setup);
+    const double sigma = recording.images.empty() ? kTrackSigmaPx : kImageSigmaPx;
+    navigator.sigma_px.setConstant(sigma);
+    take(recording.pixel_noise, navigator.sigma_px, fmt::format("pixel noise not given: {} px", sigma),
+         setup);
   }
 }
 

@@ -156,7 +156,13 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   if (!judge.valid()) {
     return report;  // the update will say that S is singular
   }
+  std::size_t dropped = 0;
   for (Index worst = judge.worst(groups, report); worst >= 0; worst = judge.worst(groups, report)) {
+    if (2 * ++dropped > groups.size()) {
+      report.accepted.assign(groups.size(), true);
+      report.overruled = true;
+      return report;
+    }
     report.accepted[static_cast<std::size_t>(worst)] = false;
     judge.drop(groups[static_cast<std::size_t>(worst)]);
   }

@@ -17,8 +17,9 @@ struct UpkeepOptions {
   int max_refusals = 3;         ///< refused by the gate in this many frames in a row: gone
   /// Inverse-depth landmarks become Cartesian when the linearity index of [Civera2008], Eq. (30) falls below.
   double linearity_index = 0.1;
-  /// A point that comes back into view after an absence is taken for a new one if its projection bends by more than
-  /// this over one standard deviation [px]: a linear update would put it in a wrong place with great confidence.
+  /// A point that comes back into view after an absence is taken for a new one if its projection bends by
+  /// more than this over one standard deviation [px]: a linear update would put it in a wrong place with
+  /// great confidence.
   double max_curvature_px = 0.25;
 };
 
@@ -26,9 +27,9 @@ struct UpkeepOptions {
 /// with sigma_d the depth's standard deviation from the anchor, d the distance now, alpha the parallax.
 [[nodiscard]] double linearity_index(const Estimate& estimate, const Landmark& landmark);
 
-/// @brief How far the projection of a landmark departs from its linearisation over one standard deviation [px]:
-/// standard deviation of the predicted left pixel times that of the relative depth, to second order. Counts everything
-/// that pose, anchor and landmark share; infinite where the landmark does not project.
+/// @brief How far the projection of a landmark departs from its linearisation over one standard deviation
+/// [px]: standard deviation of the predicted left pixel times that of the relative depth, to second order.
+/// Counts everything that pose, anchor and landmark share; infinite where the landmark does not project.
 [[nodiscard]] double projection_curvature(const Estimate& estimate, const Landmark& landmark,
                                           const MountedCamera& cam0);
 

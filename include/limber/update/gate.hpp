@@ -14,6 +14,8 @@ struct GateReport {
   std::vector<bool> accepted;     ///< one flag per group
   std::vector<double> distance;   ///< squared Mahalanobis distance when judged last [-], one per group
   std::vector<double> threshold;  ///< what it was compared with [-], one per group
+  /// More than half of the groups failed: then the model is wrong, not the points, and all are accepted.
+  bool overruled = false;
 
   [[nodiscard]] bool all_accepted() const;
 };

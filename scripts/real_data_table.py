@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Runs limber on every real recording, sound and decalibrated, and prints the table of docs/real-data.md.
+
+  scripts/real_data_table.py [--data DIR] [--limber PROGRAM] [--out DIR] [--jobs N]
+
+The decalibration is the paper's delta: rotation as printed, translation in the same proportion to the baseline.
+"""
+import argparse
+import concurrent.futures
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+DELTA = "0.01,-0.05,0.1,5%,-0.5%,0.25%"
+RECORDINGS = {  # path: (scale is fixed by an IMU or odometry, further decalibrations)
+    "track_logs/euroc_imu_april": (True, ["0,2,0,20%,0,0"]),
+    "track_logs/kitti_09_26_drive_0001": (True, []),
+    "track_logs/kitti_09_26_drive_0005": (True, []),
+    "track_logs/kitti_09_26_drive_0036": (True, []),
+    "track_logs/kitti_09_26_drive_0095": (True, []),
+    "track_logs/kitti_09_30_drive_0020": (True, []),
+    "track_logs/kitti_09_30_drive_0027": (True, []),
+    "track_logs/starry_night": (True, []),
+    "euroc_mh01_a": (True, []),
+    "kitti_06_first51": (False, []),
+}
+
+
+def variants(fixed_scale):
+    yield "ekf", []
+    yield "ekf-full", []
+    yield "lcekf", ["--constraints", "full"]
+    if not fixed_scale:
+        yield "lcekf", ["--constraints", "rotation+direction"]
+        yield "lcekf", ["--constraints", "rotation"]
+    yield "mono-left", []
+
+
+def jobs(data, out):
+    for name, (fixed_scale, more) in RECORDINGS.items():
+        if not (data / name).exists():
+            print(f"real_data_table: {data / name} is not there: left out", file=sys.stderr)
+            continue
+        for error in ["", DELTA, *more]:
+            for method, options in variants(fixed_scale):
+                label = method + (f" ({options[1]})" if options else "")
+                folder = out / f"{name.replace('/', '_')}-{label.replace(' ', '')}-{error.replace('%', 'p') or 'given'}"
+                command = [data / name, "--method", method, "--out", folder, *options]
+                if error:
+                    command += ["--assume-error", error]
+                yield pathlib.Path(name).name, error or "given", label, folder, command
+
+
+def run(limber, folder, command):
+    done = subprocess.run([limber, "run", *command], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        return done.stderr.strip().splitlines()[-1]
+    return json.loads((folder / "summary.json").read_text())
+
+
+def cell(value, digits):
+    return "–" if value is None else f"{value:.{digits}f}" if abs(value) < 1e4 else f"{value:.1e}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=pathlib.Path, default=os.environ.get("LIMBER_DATA", ROOT / "../shared/data"))
+    parser.add_argument("--limber", type=pathlib.Path, default=ROOT / "build/release/limber")
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "results/real_data")
+    parser.add_argument("--jobs", type=int, default=2)
+    arguments = parser.parse_args()
+    work = list(jobs(pathlib.Path(arguments.data), arguments.out))
+    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+        results = list(pool.map(lambda job: run(arguments.limber, job[3], job[4]), work))
+    print("| recording | calibration | method | SE(3) ATE [m] | Sim(3) ATE [m] | scale | of path | NIS/dof | refused | x real time |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    for (name, error, label, _, _), s in zip(work, results):
+        if isinstance(s, str):
+            print(f"| {name} | {error} | {label} | failed: {s} | | | | | | |")
+            continue
+        ate = s["ate_m"]
+        share = None if ate["se3"] is None or not s["path_length_m"] else 100 * ate["se3"] / s["path_length_m"]
+        print(f"| {name} | {error} | {label} | {cell(ate['se3'], 4)} | {cell(ate['sim3'], 4)} | {cell(ate['scale'], 4)} "
+              f"| {cell(share, 2)} % | {cell(s['nis_per_dof'], 2)} | {s['points_refused']} | {cell(s['realtime_factor'], 1)} |")
+
+
+if __name__ == "__main__":
+    main()
