@@ -48,7 +48,7 @@ void simulate(const SimulateArguments& arguments) {
 void add_simulate_command(CLI::App& app) {
   auto arguments = std::make_shared<SimulateArguments>();
   CLI::App* command = app.add_subcommand("simulate", "Make a recording (track log) from a scenario");
-  command->add_option("SCENARIO", arguments->scenario, "Scenario file (YAML), see docs/scenarios.md")
+  command->add_option("SCENARIO", arguments->scenario, "Scenario file (YAML), see scenarios/README.md")
       ->required();
   command->add_option("--out", arguments->out, "Folder for the track log");
   command->add_option("--seed", arguments->seed, "Of everything random")->capture_default_str();

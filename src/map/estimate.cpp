@@ -2,7 +2,6 @@
 #include "limber/map/estimate.hpp"
 
 #include <array>
-#include <cstdlib>
 #include <stdexcept>
 #include <string>
 
@@ -59,7 +58,7 @@ const Anchor* Estimate::anchor_of(const Landmark& landmark) const {
 }
 
 void Estimate::retract(const Eigen::VectorXd& dx) {
-  if (!getenv("NOTRANSPORT")) transport(dx);
+  transport(dx);
   retract_pose(nav.T_world_body, dx.segment<3>(L::kPosition), dx.segment<3>(L::kAttitude));
   if (layout_.motion != MotionModel::kOdometry) {
     nav.v_world_body += dx.segment<3>(L::kVelocity);

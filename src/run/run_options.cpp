@@ -157,7 +157,7 @@ RigParameters parse_rig_error(const std::string& text, double baseline) {
     }
     out(k) = k < 3 ? value * kDegree : (percent ? 0.01 * value * baseline : value);
   }
-  if (k != 6) {
+  if (k != 6 || text.back() == ',') {
     fail();
   }
   return out;

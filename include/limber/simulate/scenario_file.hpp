@@ -11,7 +11,7 @@
 /// file, shape and amplitude of a signal, end of a ramp); what is absent keeps the default of scenario.hpp,
 /// with three exceptions that follow what the file says: cam1 is like cam0, filter.initial is like initial,
 /// and filter.theta_sigma is 0.1 deg and 5 % of the baseline. Units are those of the comments that
-/// format_scenario writes: SI, but angles in degrees. docs/scenarios.md lists the keys.
+/// format_scenario writes: SI, but angles in degrees. scenarios/README.md lists the keys.
 namespace limber {
 
 /// @throws DataError with file, line and key for an unknown or repeated key, a value of the wrong type, a
