@@ -274,7 +274,7 @@ Vector3d Estimate::landmark_position(const Landmark& landmark, Matrix3d* covaria
       for (std::size_t i = 0; i < sources.size(); ++i) {
         for (std::size_t j = 0; j < sources.size(); ++j) {
           joint.block<3, 3>(3 * static_cast<Index>(i), 3 * static_cast<Index>(j)) =
-              P.block(sources[i], sources[j], kTriplet, kTriplet);
+              P.triplet_block(sources[i], sources[j]);
         }
       }
       *covariance = J * joint * J.transpose();

@@ -45,7 +45,7 @@ Matrix2d predicted_covariance(const Estimate& estimate, const Landmark& landmark
   Matrix2d covariance = Matrix2d::Zero();
   for (const auto& [row, J_row] : J) {
     for (const auto& [col, J_col] : J) {
-      covariance += J_row * estimate.P.block(row, col, kTriplet, kTriplet) * J_col.transpose();
+      covariance += J_row * estimate.P.triplet_block(row, col) * J_col.transpose();
     }
   }
   return covariance;

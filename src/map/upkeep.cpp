@@ -88,7 +88,7 @@ double projection_curvature(const Estimate& estimate, const Landmark& landmark, 
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (const auto& [row, J_row] : J) {
     for (const auto& [col, J_col] : J) {
-      covariance += J_row * estimate.P.block(row, col, kTriplet, kTriplet) * J_col.transpose();
+      covariance += J_row * estimate.P.triplet_block(row, col) * J_col.transpose();
     }
   }
   const double pixel = std::sqrt(std::max(covariance(0, 0) + covariance(1, 1), 0.0));

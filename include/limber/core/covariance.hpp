@@ -25,6 +25,17 @@ class Covariance {
   [[nodiscard]] Eigen::MatrixXd block(Eigen::Index row, Eigen::Index col, Eigen::Index rows,
                                       Eigen::Index cols) const;
 
+  /// The 3×3 block of two triplets; cheap.
+  [[nodiscard]] Eigen::Matrix3d triplet_block(Eigen::Index row, Eigen::Index col) const {
+    if (row == col) {
+      return diagonal_block<kTriplet>(row);
+    }
+    if (row > col) {
+      return data_.block<kTriplet, kTriplet>(row, col);
+    }
+    return data_.block<kTriplet, kTriplet>(col, row).transpose();
+  }
+
   /// The diagonal block that starts at `start`.
   template <int N>
   [[nodiscard]] Eigen::Matrix<double, N, N> diagonal_block(Eigen::Index start) const {
