@@ -8,6 +8,7 @@
 #include "formats.hpp"
 #include "image_size.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/core/so3.hpp"
 #include "limber/datasets/trajectory_files.hpp"
 #include "numbers.hpp"
 #include "text_file.hpp"
@@ -145,7 +146,7 @@ void read_truth(const fs::path& path, Recording& recording) {
   for (std::size_t k = 0; k < poses.size(); ++k) {
     GroundTruthState state;
     state.t_ns = recording.images[k].t_ns;
-    state.R_world_body = poses[k].T_world_body.R;
+    state.R_world_body = so3_normalized(poses[k].T_world_body.R);
     state.p_world_body = poses[k].T_world_body.p;
     recording.groundtruth.push_back(state);
   }

@@ -212,11 +212,10 @@ std::vector<StampedPose> read_kitti_poses(const std::filesystem::path& path) {
     for (Eigen::Index k = 0; k < 12; ++k) {
       T(k / 4, k % 4) = table.number(static_cast<std::size_t>(k));
     }
-    const auto R = detail::checked_rotation(T.leftCols<3>());
-    if (!R) {
+    if (!detail::checked_rotation(T.leftCols<3>())) {
       table.fail("a pose with a rotation in its left 3x3 block", "a matrix that is none");
     }
-    poses.push_back({static_cast<std::int64_t>(poses.size()), T_zup_kitti * Pose{*R, T.col(3)}});
+    poses.push_back({static_cast<std::int64_t>(poses.size()), T_zup_kitti * Pose{T.leftCols<3>(), T.col(3)}});
   }
   table.require_a_row("pose");
   return poses;

@@ -267,12 +267,10 @@ TEST(EvaluateCommand, AgreesWithEvoOnARealDrive) {
   LIMBER_NEED_DATA(data, "trajectories");
   const Json evo = Json::parse(std::ifstream(data / "KITTI_00_ORB.evo.json")).at("results");
   const Json json = evaluation(data / "KITTI_00_ORB.txt", data / "KITTI_00_gt.txt");
-  // The reader takes the rotation nearest to each printed matrix, evo the matrix itself, which the seventh
-  // digit shows. tests/evaluate compares without that difference.
   const auto expect_equal = [&](const Json& found, const std::string& entry) {
     for (const char* name : {"rmse", "mean", "median", "std", "min", "max", "sse"}) {
       const double size = evo.at(entry).at(name == std::string("sse") ? "sse" : "rmse").get<double>();
-      EXPECT_NEAR(found.at(name).get<double>(), evo.at(entry).at(name).get<double>(), 1e-5 * size)
+      EXPECT_NEAR(found.at(name).get<double>(), evo.at(entry).at(name).get<double>(), 1e-9 * size)
           << entry << " " << name;
     }
   };

@@ -38,7 +38,8 @@ struct Trajectory {
 void write_tum(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
 
 /// KITTI odometry poses, turned from KITTI's camera-like world (x right, y down, z forward) to z up:
-/// T_world_cam0 = R_zup_kitti * T_file, so that the identity looks along x. Times are indices.
+/// T_world_cam0 = R_zup_kitti * T_file, so that the identity looks along x. Times are indices. Rotations are
+/// as printed (about six digits), as evo takes them.
 [[nodiscard]] std::vector<StampedPose> read_kitti_poses(const std::filesystem::path& path);
 
 /// EuRoC ground truth: 8 (pose), 11 (with velocity) or 17 columns (with biases).
