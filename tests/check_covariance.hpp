@@ -21,8 +21,8 @@ inline Eigen::VectorXd random_normal(Generator& generator, Eigen::Index n) {
 /// Collects independent draws of an error and compares them with its predicted covariance P.
 ///
 /// The root of the whitened sample covariance of N draws in n dimensions has its singular values within
-/// 1 ± (sqrt(n/N) + t), but for a chance of 2 exp(−N t²/2) (Davidson and Szarek 2001); t is chosen for one in a million,
-/// as is the bound on the mean.
+/// 1 ± (sqrt(n/N) + t), but for a chance of 2 exp(−N t²/2) (Davidson and Szarek 2001); t is chosen for one in
+/// a million, as is the bound on the mean.
 class SampleCovariance {
  public:
   explicit SampleCovariance(Eigen::Index n)

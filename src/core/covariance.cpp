@@ -58,7 +58,8 @@ void Covariance::subtract_outer(const Eigen::Ref<const MatrixXd>& W) {
   P.selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
 }
 
-void Covariance::add_symmetric_product(const Eigen::Ref<const MatrixXd>& U, const Eigen::Ref<const MatrixXd>& V) {
+void Covariance::add_symmetric_product(const Eigen::Ref<const MatrixXd>& U,
+                                       const Eigen::Ref<const MatrixXd>& V) {
   // 2 (U Vᵀ + V Uᵀ) = (U + V)(U + V)ᵀ − (U − V)(U − V)ᵀ: two symmetric updates, each on half of P.
   auto P = data_.topLeftCorner(size_, size_).selfadjointView<Eigen::Lower>();
   P.rankUpdate((U + V).eval(), 0.5);

@@ -56,7 +56,8 @@ class Covariance {
   void subtract_outer(const Eigen::Ref<const Eigen::MatrixXd>& W);
 
   /// P += U Vᵀ + V Uᵀ, U and V: n×k.
-  void add_symmetric_product(const Eigen::Ref<const Eigen::MatrixXd>& U, const Eigen::Ref<const Eigen::MatrixXd>& V);
+  void add_symmetric_product(const Eigen::Ref<const Eigen::MatrixXd>& U,
+                             const Eigen::Ref<const Eigen::MatrixXd>& V);
 
   /// Applies x' = M x to the triplet at `start`, M: 3×3.
   void transform_triplet(Eigen::Index start, const Eigen::Matrix3d& M);

@@ -88,7 +88,7 @@ struct Landmark {
   int anchor = -1;                                             ///< index of its anchor; kInverseDepth only
   Eigen::Index at = 0;                                         ///< its triplet in the error state
   std::int64_t last_seen_ns = 0;
-  int refusals = 0;                                            ///< frames in a row in which it was refused
+  int refusals = 0;  ///< frames in a row in which it was refused
 };
 
 }  // namespace limber

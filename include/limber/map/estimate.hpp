@@ -35,10 +35,10 @@ class Estimate {
 
   /// @brief x := x ⊕ dx, dx: size(). Theta moves only if it is in the state.
   ///
-  /// The covariance is carried along: it keeps its meaning as that of the right-invariant error (Exp(phi) acting on
-  /// all world vectors), so that what nobody can observe, position and heading of the world, stays unobserved though
-  /// the Jacobians are taken at a new point every time. Without, the filter learns a heading from nothing.
-  /// [Barrau2015], [Hao2022].
+  /// The covariance is carried along: it keeps its meaning as that of the right-invariant error (Exp(phi)
+  /// acting on all world vectors), so that what nobody can observe, position and heading of the world, stays
+  /// unobserved though the Jacobians are taken at a new point every time. Without, the filter learns a
+  /// heading from nothing. [Barrau2015], [Hao2022].
   void retract(const Eigen::VectorXd& dx);
 
   /// Clones the body's pose into the state as a new anchor; returns its index. A whisker of noise (1 µm, 0.1
