@@ -28,7 +28,7 @@ struct RunArguments {
               gate = "on";
   std::optional<double> sigma_px;
   std::size_t max_landmarks = 300;
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0, run = 0;
 };
 
 /// A CLI validator from a parser that throws std::invalid_argument.
@@ -61,6 +61,7 @@ RunOptions to_options(const RunArguments& arguments, const Recording& recording)
   options.gate = arguments.gate == "on";
   options.max_landmarks = arguments.max_landmarks;
   options.seed = arguments.seed;
+  options.run = arguments.run;
   return options;
 }
 
@@ -147,6 +148,8 @@ void add_run_command(CLI::App& app) {
                    "Pixel noise [px]; default: the recording's, else 0.5 for images and 1 for tracks")
       ->check(positive());
   command->add_option("--seed", arguments->seed, "Of the start error with --init groundtruth")
+      ->capture_default_str();
+  command->add_option("--run", arguments->run, "Which draw of the start error, as in limber simulate")
       ->capture_default_str();
   command
       ->add_option("--init", arguments->start,
