@@ -106,6 +106,11 @@ GateReport obvious_gate(const StereoProblem& problem, const ParameterTreatment& 
     if (worst == report.accepted.size()) {
       return report;
     }
+    if (2 * (refused(report).size() + 1) > report.accepted.size()) {
+      report.accepted.assign(report.accepted.size(), true);
+      report.overruled = true;
+      return report;
+    }
     report.accepted[worst] = false;
   }
 }
@@ -118,7 +123,7 @@ TEST(Gate, RefusesNoPointForAPureCalibrationError) {
         problem.z.D * huge_error(problem) +
         0.3 * problem.z.sigma.cwiseProduct(testing::random_normal(generator, problem.z.rows()));
     EXPECT_TRUE(gated(problem, problem.constrained()).all_accepted());
-    EXPECT_FALSE(gated(problem, {}).all_accepted()) << "the error is too small to test anything";
+    EXPECT_TRUE(gated(problem, {}).overruled) << "the error is too small to test anything";
   }
 }
 
@@ -160,6 +165,7 @@ TEST(Gate, AgreesWithTheSlowObviousOne) {
     const GateReport found = gated(problem, treatment);
     const GateReport expected = obvious_gate(problem, treatment);
     EXPECT_EQ(found.accepted, expected.accepted) << k;
+    EXPECT_EQ(found.overruled, expected.overruled) << k;
     for (std::size_t g = 0; g < found.accepted.size(); ++g) {
       EXPECT_NEAR(found.distance[g], expected.distance[g], 1e-6 * (1.0 + expected.distance[g])) << k;
       EXPECT_NEAR(found.threshold[g], expected.threshold[g], 1e-9) << k;
@@ -205,15 +211,37 @@ TEST(Gate, WithoutConstraintJudgesEachGroupByItsOwnBlock) {
 
 TEST(Gate, RefusesNothingOfAGroupThatTheConstraintsUseUp) {
   Generator generator(6);
-  // One point: its right rows are explained by the constraints, whatever they say; its left rows are judged.
-  StereoProblem problem = testing::make_problem(generator, "", testing::stereo_rig(0.5),
-                                                testing::random_points(generator, 1, 5.0, 5.0));
-  problem.z.residual << 0.1, 0.2, 1e4, -1e4;
+  // One stereo point among left-only ones: its right rows are explained by the constraints, whatever they
+  // say; its left rows are judged.
+  std::vector<testing::SeenPoint> points = testing::random_points(generator, 4, 5.0, 10.0);
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    points[k].in_cam1 = false;
+  }
+  StereoProblem problem = testing::make_problem(generator, "", testing::stereo_rig(0.5), points);
+  problem.z.residual.setConstant(0.1);
+  problem.z.residual.segment<2>(2) << 1e4, -1e4;
   const GateReport right = gated(problem, problem.constrained());
   EXPECT_TRUE(right.all_accepted());
-  EXPECT_NEAR(right.threshold[0], chi_square_quantile(kProbability, 2.0), 1e-12);
-  problem.z.residual << 1e4, -1e4, 0.1, 0.2;
-  EXPECT_FALSE(gated(problem, problem.constrained()).accepted[0]);
+  problem.z.residual.setConstant(0.1);
+  problem.z.residual.head<2>() << 1e4, -1e4;
+  const GateReport left = gated(problem, problem.constrained());
+  EXPECT_EQ(refused(left), std::set<std::size_t>{0});
+}
+
+TEST(Gate, WhereMostWouldFailItBlamesTheModelAndRefusesNone) {
+  Generator generator(9);
+  StereoProblem problem = random_frame(generator, 20);
+  for (const int count : {9, 12, 20}) {
+    problem.z.residual = 0.3 * problem.z.sigma;
+    for (int g = 0; g < count; ++g) {
+      const RowGroup& group = problem.z.groups[static_cast<std::size_t>(g)];
+      problem.z.residual.segment(group.row, group.rows) =
+          2000.0 * testing::random_normal(generator, group.rows);
+    }
+    const GateReport report = gated(problem, {});
+    EXPECT_EQ(report.overruled, count > 10) << count;
+    EXPECT_EQ(report.all_accepted(), count > 10) << count;
+  }
 }
 
 TEST(Gate, TellsThatNothingIsThereToJudge) {
