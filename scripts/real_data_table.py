@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Runs limber on every real recording, sound and decalibrated, and prints the table of docs/real-data.md.
 
-  scripts/real_data_table.py [--data DIR] [--limber PROGRAM] [--out DIR] [--jobs N]
+  scripts/real_data_table.py [--data DIR] [--limber PROGRAM] [--out DIR] [--sigma-px S] [--jobs N]
 
 The decalibration is the paper's delta: rotation as printed, translation in the same proportion to the baseline.
 """
@@ -71,9 +71,12 @@ def main():
     parser.add_argument("--data", type=pathlib.Path, default=os.environ.get("LIMBER_DATA", ROOT / "../shared/data"))
     parser.add_argument("--limber", type=pathlib.Path, default=ROOT / "build/release/limber")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "results/real_data")
+    parser.add_argument("--sigma-px", help="pixel noise for all; default: what limber run chooses")
     parser.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
     work = list(jobs(pathlib.Path(arguments.data), arguments.out))
+    if arguments.sigma_px:
+        work = [(*job[:4], [*job[4], "--sigma-px", arguments.sigma_px]) for job in work]
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         results = list(pool.map(lambda job: run(arguments.limber, job[3], job[4]), work))
     print("| recording | calibration | method | SE(3) ATE [m] | Sim(3) ATE [m] | scale | of path | NIS/dof | refused | x real time |")
