@@ -241,6 +241,52 @@ TEST(Estimate, RetractionMovesEveryPartByItsOwnTriplets) {
   }
 }
 
+/// How the error state sees the world turn and move, which no sensor of ours can see (gravity aside): 6
+/// columns.
+MatrixXd gauge(const Estimate& estimate) {
+  MatrixXd N = MatrixXd::Zero(estimate.size(), 6);
+  const auto vector = [&](Index at, const Vector3d& x, bool moves) {
+    N.block<3, 3>(at, 0) = -skew(x);
+    if (moves) {
+      N.block<3, 3>(at, 3).setIdentity();
+    }
+  };
+  const auto pose = [&](Index position, Index attitude, const Pose& T) {
+    vector(position, T.p, true);
+    N.block<3, 3>(attitude, 0) = T.R.transpose();
+  };
+  pose(0, 3, estimate.nav.T_world_body);
+  if (estimate.layout().motion != MotionModel::kOdometry) {
+    vector(6, estimate.nav.v_world_body, false);
+  }
+  for (const Landmark& landmark : estimate.landmarks()) {
+    if (const Anchor* anchor = estimate.anchor_of(landmark); anchor != nullptr) {
+      pose(anchor->position_at, anchor->attitude_at, anchor->T_world_body);
+    } else {
+      vector(landmark.at, landmark.value, true);
+    }
+  }
+  return N;
+}
+
+TEST(Estimate, RetractionKeepsUnknownWhatNobodyCanObserve) {
+  Generator generator(15);
+  for (const MotionModel motion :
+       {MotionModel::kImu, MotionModel::kConstantVelocity, MotionModel::kOdometry}) {
+    for (const bool has_theta : {false, true}) {
+      Estimate estimate = random_map(generator, 8, {motion, has_theta});
+      const Index n = estimate.size();
+      const MatrixXd before = gauge(estimate);
+      estimate.P.set_diagonal_block(0, 1e-14 * MatrixXd::Identity(n, n) + before * before.transpose());
+      estimate.retract(0.2 * testing::random_normal(generator, n));
+      // All it knows is still all but place and heading of the world, as seen from the new estimate.
+      const MatrixXd after = gauge(estimate);
+      EXPECT_LE((estimate.P.dense() - after * after.transpose()).cwiseAbs().maxCoeff(), 1e-10);
+      EXPECT_GT((after - before).cwiseAbs().maxCoeff(), 0.1);
+    }
+  }
+}
+
 TEST(Estimate, ConversionKeepsPositionCovarianceAndCorrelations) {
   Generator generator(12);
   Estimate estimate = random_map(generator, 10);

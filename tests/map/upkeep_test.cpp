@@ -75,6 +75,72 @@ TEST(KeepUp, ConvertsALandmarkThatIsLinearEnoughAndJustSeen) {
   EXPECT_EQ(kind_after(0.004, kNow - kSecond), LandmarkKind::kInverseDepth);
 }
 
+/// A camera of 100 px focal length at the body's origin.
+MountedCamera camera() {
+  MountedCamera out;
+  out.camera = {100.0, 100.0, 320.0, 240.0, 640, 480, NoDistortion{}};
+  return out;
+}
+
+/// A Cartesian landmark on the camera's axis, 5 m away, with the standard deviations `sigma`, seen now.
+Estimate before_a_cartesian_point(const Vector3d& sigma) {
+  Estimate estimate({MotionModel::kOdometry, false}, {}, 1e-16 * Eigen::MatrixXd::Identity(6, 6),
+                    RigParameters::Zero(), Eigen::Matrix<double, 6, 6>::Identity());
+  Landmark landmark;
+  landmark.track_id = 1;
+  landmark.kind = LandmarkKind::kCartesian;
+  landmark.value << 0.0, 0.0, 5.0;
+  landmark.last_seen_ns = kNow;
+  estimate.add_landmark(landmark, sigma.cwiseAbs2().asDiagonal());
+  return estimate;
+}
+
+TEST(ProjectionCurvature, IsThePixelsSigmaTimesTheRelativeDepths) {
+  const Estimate estimate = before_a_cartesian_point({0.03, 0.04, 0.5});
+  // 0.05 m at 5 m are 1 px; the depth is known to 10 %.
+  EXPECT_NEAR(projection_curvature(estimate, *estimate.find(1), camera()), 0.1, 1e-9);
+}
+
+TEST(ProjectionCurvature, DoesNotSeeWhatPoseAndLandmarkShare) {
+  Estimate estimate = before_a_cartesian_point({0.3, 0.4, 1.0});
+  // The body is as uncertain as the point, and in the same way.
+  const Eigen::Index at = estimate.find(1)->at;
+  Eigen::MatrixXd columns;
+  estimate.P.gather(std::vector<Eigen::Index>{at}, columns);
+  columns.topRows<3>() = columns.middleRows<3>(at).eval();
+  estimate.P.scatter(std::vector<Eigen::Index>{0}, columns);
+  EXPECT_LE(projection_curvature(estimate, *estimate.find(1), camera()), 1e-6);
+}
+
+TEST(ProjectionCurvature, IsInfiniteWhereThePointDoesNotProject) {
+  Estimate estimate = before_a_cartesian_point({0.03, 0.04, 0.5});
+  estimate.find(1)->value.z() = -5.0;
+  EXPECT_EQ(projection_curvature(estimate, *estimate.find(1), camera()),
+            std::numeric_limits<double>::infinity());
+}
+
+TEST(ForgetUncertainReturns, RemovesOnlyWhatWasAbsentAndCurved) {
+  StereoFrame frame;
+  frame.t_ns = kNow + 2 * kSecond;
+  frame.observations.resize(2);
+  frame.observations[0].track_id = 1;
+  frame.observations[1].track_id = 77;  // unknown: no harm
+  UpkeepOptions options;
+  const auto forgotten = [&](double depth_sigma, std::int64_t previous_ns, bool observed) {
+    Estimate estimate = before_a_cartesian_point({0.03, 0.04, depth_sigma});
+    options.max_curvature_px = 0.25;
+    StereoFrame seen = frame;
+    seen.observations[0].track_id = observed ? 1 : 2;
+    const std::size_t count = forget_uncertain_returns(estimate, seen, previous_ns, camera(), options);
+    EXPECT_EQ(estimate.find(1) == nullptr, count == 1);
+    return count;
+  };
+  EXPECT_EQ(forgotten(1.5, kNow + kSecond, true), 1U);   // 0.3 px
+  EXPECT_EQ(forgotten(1.0, kNow + kSecond, true), 0U);   // 0.2 px
+  EXPECT_EQ(forgotten(1.5, kNow, true), 0U);             // seen in the frame before
+  EXPECT_EQ(forgotten(1.5, kNow + kSecond, false), 0U);  // not back
+}
+
 std::vector<std::int64_t> ids(const Estimate& estimate) { return testing::snapshot(estimate).track_ids; }
 
 /// Landmarks 0 to 9; the k-th was last seen 10 − k seconds ago, but 8 and 9 just now.

@@ -272,6 +272,14 @@ inline RigParameters scene_theta_error() {
   return (RigParameters() << 0.004, -0.008, 0.008, 0.03, -0.01, 0.008).finished();
 }
 
+/// A scene on a rig that is constantly wrong by that much.
+inline SceneOptions wrong_rig(std::uint64_t seed = 1) {
+  SceneOptions options;
+  options.seed = seed;
+  options.theta_error = [](double) { return scene_theta_error(); };
+  return options;
+}
+
 /// A navigator that is being fed a scene.
 class Feeder {
  public:

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+#include "limber/run/run_options.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <numbers>
+#include <stdexcept>
+
+#include "run/short_recording.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using testing::short_recording;
+using testing::vision_only;
+using testing::without_imu;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+std::string message_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "no std::invalid_argument";
+  return "";
+}
+
+TEST(ParseRigError, ReadsDegreesAndMetres) {
+  const RigParameters error = parse_rig_error("0.01,-0.05,90,0.1,-1e-2,5", 2.0);
+  EXPECT_DOUBLE_EQ(error[0], 0.01 * kDegree);
+  EXPECT_DOUBLE_EQ(error[1], -0.05 * kDegree);
+  EXPECT_DOUBLE_EQ(error[2], std::numbers::pi / 2.0);
+  EXPECT_EQ(error[3], 0.1);
+  EXPECT_EQ(error[4], -0.01);
+  EXPECT_EQ(error[5], 5.0);
+}
+
+TEST(ParseRigError, ReadsPercentOfTheBaseline) {
+  const RigParameters error = parse_rig_error("0,0,0,5%,-0.5%,0.25%", 0.12);
+  EXPECT_TRUE(error.head<3>().isZero(0.0));
+  EXPECT_NEAR(error[3], 0.006, 1e-16);
+  EXPECT_NEAR(error[4], -0.0006, 1e-16);
+  EXPECT_NEAR(error[5], 0.0003, 1e-16);
+}
+
+TEST(ParseRigError, RefusesEverythingElseAndSaysWhatItFound) {
+  for (const std::string text : {"",
+                                 ",",
+                                 "1",
+                                 "0,0,0,0,0",
+                                 "0,0,0,0,0,0,0",
+                                 "0,0,0,0,0,0,",
+                                 ",0,0,0,0,0",
+                                 "0,0,,0,0,0",
+                                 "0,0,0,0,0,",
+                                 "0;0;0;0;0;0",
+                                 "0 0 0 0 0 0",
+                                 "5%,0,0,0,0,0",
+                                 "0,0,5%,0,0,0",
+                                 "0,0,0,5%%,0,0",
+                                 "0,0,0,%,0,0",
+                                 "0,0,0,5 %,0,0",
+                                 "0,0,0,5cm,0,0",
+                                 "0,0,0,x,0,0",
+                                 "nan,0,0,0,0,0",
+                                 "0,0,0,inf,0,0",
+                                 "0,0,0,-inf%,0,0",
+                                 "0,0,0,1e999,0,0"}) {
+    const std::string message = message_of([&] { (void)parse_rig_error(text, 2.0); });
+    EXPECT_THAT(message, HasSubstr("expected six numbers ax,ay,az,tx,ty,tz"));
+    EXPECT_THAT(message, HasSubstr("'" + text + "'"));
+  }
+}
+
+TEST(SetUpRun, ConstrainsAllSixWhereTheImuFixesTheScale) {
+  const RunSetup setup = set_up_run(short_recording(), {});
+  EXPECT_EQ(setup.navigator.motion, MotionModel::kImu);
+  EXPECT_EQ(setup.navigator.constraints.kind, ConstraintSet::Kind::kFull);
+  EXPECT_THAT(setup.notes, Contains(HasSubstr("constraints full: the scale comes from the IMU")));
+}
+
+TEST(SetUpRun, ConstrainsAllSixWhereTheOdometryFixesTheScale) {
+  const RunSetup setup = set_up_run(without_imu(short_recording()), {});
+  EXPECT_EQ(setup.navigator.motion, MotionModel::kOdometry);
+  EXPECT_EQ(setup.navigator.constraints.kind, ConstraintSet::Kind::kFull);
+  EXPECT_THAT(setup.notes, Contains(HasSubstr("constraints full: the scale comes from the odometry")));
+}
+
+TEST(SetUpRun, KeepsTheLengthOfTheBaselineWhereNothingElseFixesTheScale) {
+  const RunSetup setup = set_up_run(vision_only(short_recording()), {});
+  EXPECT_EQ(setup.navigator.motion, MotionModel::kConstantVelocity);
+  EXPECT_EQ(setup.navigator.constraints.kind, ConstraintSet::Kind::kRotationDirection);
+  EXPECT_THAT(setup.notes, Contains(HasSubstr("constant-velocity model")));
+  EXPECT_THAT(setup.notes, Contains(HasSubstr("constraints rotation+direction")));
+}
+
+TEST(SetUpRun, FollowsAChosenConstraintSetWithoutANote) {
+  RunOptions options;
+  options.constraints = constraint_set_from_string("ax,tx");
+  const RunSetup setup = set_up_run(short_recording(), options);
+  EXPECT_EQ(to_string(setup.navigator.constraints), "ax,tx");
+  EXPECT_THAT(setup.notes, Not(Contains(HasSubstr("constraints"))));
+}
+
+TEST(SetUpRun, TakesTheNoiseOfTheRecordingAndSaysWhereItGuesses) {
+  Recording recording = short_recording();
+  recording.pixel_noise = PixelNoise(0.1, 0.2, 0.3, 0.4);
+  EXPECT_EQ(set_up_run(recording, {}).navigator.sigma_px, PixelNoise(0.1, 0.2, 0.3, 0.4));
+  EXPECT_EQ(set_up_run(recording, {}).navigator.imu_noise.accel_density, recording.imu_noise->accel_density);
+  EXPECT_THAT(set_up_run(recording, {}).notes, Not(Contains(HasSubstr("not given"))));
+
+  RunOptions options;
+  options.sigma_px = 0.7;
+  EXPECT_EQ(set_up_run(recording, options).navigator.sigma_px, PixelNoise::Constant(0.7));
+
+  recording.pixel_noise.reset();
+  recording.imu_noise.reset();
+  EXPECT_EQ(set_up_run(recording, {}).navigator.sigma_px, PixelNoise::Constant(1.0));
+  EXPECT_THAT(set_up_run(recording, {}).notes, Contains(HasSubstr("pixel noise not given: 1 px")));
+  EXPECT_THAT(set_up_run(recording, {}).notes, Contains(HasSubstr("IMU noise not given")));
+
+  recording = without_imu(recording);
+  recording.odometry_noise.reset();
+  EXPECT_THAT(set_up_run(recording, {}).notes, Contains(HasSubstr("odometry noise not given")));
+}
+
+TEST(SetUpRun, AddsTheErrorToTheAssumedRigAndLeavesTheMountingAlone) {
+  const Recording recording = short_recording();
+  RunOptions options;
+  options.assume_error << 0.01, 0.02, 0.03, 0.1, 0.2, 0.3;
+  const RunSetup setup = set_up_run(recording, options);
+  EXPECT_TRUE(setup.calibration.theta.isApprox(recording.calibration.theta + options.assume_error, 1e-15));
+  EXPECT_EQ(setup.calibration.T_body_cam0.R, recording.calibration.T_body_cam0.R);
+  EXPECT_EQ(setup.calibration.T_body_cam0.p, recording.calibration.T_body_cam0.p);
+}
+
+TEST(SetUpRun, RefusesAnErrorThatMakesTheBaselineVanish) {
+  const Recording recording = short_recording();
+  RunOptions options;
+  options.assume_error = -recording.calibration.theta;
+  EXPECT_THAT(message_of([&] { (void)set_up_run(recording, options); }), HasSubstr("baseline"));
+}
+
+TEST(SetUpRun, LetsTheRigWalkInProportionToItsBaseline) {
+  Recording recording = short_recording();
+  // Table 1 of the paper: 1e-6 rad^2 and 1 mm^2 in every 10 ms, for a baseline of 2 m.
+  const RigParameters paper = set_up_run(recording, {}).navigator.theta_walk;
+  EXPECT_NEAR(paper[0], 1e-4, 1e-18);
+  EXPECT_NEAR(paper[3], 1e-4, 1e-18);
+  recording.calibration.theta[3] = -0.2;
+  const NavigatorOptions small = set_up_run(recording, {}).navigator;
+  EXPECT_NEAR(small.theta_walk[0], 1e-4, 1e-18);
+  EXPECT_NEAR(small.theta_walk[3], 1e-6, 1e-18);
+  EXPECT_NEAR(small.theta_sigma[0], 0.1 * kDegree, 1e-15);
+  EXPECT_NEAR(small.theta_sigma[3], 0.01, 1e-15);
+}
+
+TEST(SetUpRun, RefusesAGroundTruthStartWithoutGroundTruth) {
+  Recording recording = short_recording();
+  recording.groundtruth.clear();
+  RunOptions options;
+  options.start = StartMode::kGroundTruth;
+  EXPECT_THAT(message_of([&] { (void)set_up_run(recording, options); }), HasSubstr("use --init auto"));
+}
+
+TEST(SetUpRun, RefusesAnOracleWithNobodyToTellIt) {
+  Recording recording = short_recording();
+  recording.calibration_true.clear();
+  RunOptions options;
+  options.method = Method::kOracle;
+  EXPECT_THAT(message_of([&] { (void)set_up_run(recording, options); }), HasSubstr("calibration_truth0"));
+}
+
+}  // namespace
+}  // namespace limber

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#include "limber/run/run_recording.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <stdexcept>
+
+#include "limber/datasets/interpolate.hpp"
+#include "run/short_recording.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using testing::short_recording;
+using testing::vision_only;
+using testing::without_imu;
+
+RunOptions from_truth(Method method = Method::kLcekf) {
+  RunOptions options;
+  options.method = method;
+  options.start = StartMode::kGroundTruth;
+  return options;
+}
+
+RunRecord run(const Recording& recording, const RunOptions& options) {
+  return run_recording(recording, options, matched_frames(recording));
+}
+
+void expect_sound(const RunRecord& record, std::size_t frames) {
+  ASSERT_EQ(record.trajectory.size(), frames);
+  EXPECT_EQ(record.frames.size(), frames);
+  EXPECT_EQ(record.frame_ms.size(), frames);
+  EXPECT_EQ(record.source_ms.size(), frames);
+  for (std::size_t k = 0; k < frames; ++k) {
+    const auto& P = record.trajectory[k].covariance.value();
+    EXPECT_EQ(P, P.transpose());
+    EXPECT_EQ(P.llt().info(), Eigen::Success) << k;
+    EXPECT_EQ(record.trajectory[k].t_ns, record.frames[k].t_ns);
+  }
+}
+
+double last_error(const Recording& recording, const RunRecord& record) {
+  const TrajectoryRow& last = record.trajectory.back();
+  const GroundTruthState truth = groundtruth_at(recording.groundtruth, last.t_ns).value();
+  return (truth.p_world_body - last.T_world_body.p).norm();
+}
+
+bool same(const RunRecord& a, const RunRecord& b) {
+  bool equal = a.trajectory.size() == b.trajectory.size() && a.landmarks == b.landmarks && a.theta == b.theta;
+  for (std::size_t k = 0; equal && k < a.trajectory.size(); ++k) {
+    const TrajectoryRow &x = a.trajectory[k], &y = b.trajectory[k];
+    equal = x.t_ns == y.t_ns && x.T_world_body.p == y.T_world_body.p &&
+            x.T_world_body.R == y.T_world_body.R && x.v_world_body == y.v_world_body &&
+            x.bias_gyro == y.bias_gyro && x.bias_accel == y.bias_accel && x.covariance == y.covariance &&
+            a.frames[k].nis == b.frames[k].nis;
+  }
+  return equal;
+}
+
+class EveryMethod : public ::testing::TestWithParam<Method> {};
+
+TEST_P(EveryMethod, GivesAPoseWithASoundCovarianceForEveryFrame) {
+  const Recording recording = short_recording();
+  const RunRecord record = run(recording, from_truth(GetParam()));
+  expect_sound(record, recording.frames.size());
+  EXPECT_FALSE(record.landmarks.empty());
+  EXPECT_EQ(record.motion, MotionModel::kImu);
+  // Two seconds of IMU alone (0.1 m/s^2, 0.5 deg/s a sample) stay within this; a run that went wrong does
+  // not.
+  EXPECT_LT(last_error(recording, record), 0.2);
+}
+
+TEST_P(EveryMethod, GivesTheSameBitsTwice) {
+  const Recording recording = short_recording();
+  const RunOptions options = from_truth(GetParam());
+  EXPECT_TRUE(same(run(recording, options), run(recording, options)));
+}
+
+std::string test_name(const ::testing::TestParamInfo<Method>& method) {
+  std::string name = to_string(method.param);
+  std::erase(name, '-');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(RunRecording, EveryMethod, ::testing::ValuesIn(kAllMethods), test_name);
+
+TEST(RunRecording, DrawsAnotherStartForAnotherSeedOrRun) {
+  const Recording recording = short_recording();
+  RunOptions options = from_truth();
+  const RunRecord first = run(recording, options);
+  options.seed = 1;
+  EXPECT_FALSE(same(first, run(recording, options)));
+  options.seed = 0;
+  options.run = 1;
+  EXPECT_FALSE(same(first, run(recording, options)));
+}
+
+TEST(RunRecording, StartsFromSensorsAloneWithoutLookingAtTheTruth) {
+  Recording recording = short_recording();
+  const RunRecord with_truth = run(recording, {});
+  expect_sound(with_truth, recording.frames.size());
+  recording.groundtruth.clear();
+  recording.landmarks_true.clear();
+  recording.calibration_true.clear();
+  EXPECT_TRUE(same(with_truth, run(recording, {})));
+}
+
+TEST(RunRecording, SkipsFramesBeforeTheFirstImuSampleAndSaysSo) {
+  Recording recording = short_recording();
+  std::erase_if(recording.imu, [](const ImuSample& s) { return s.t_ns < 480'000'000; });
+  const RunRecord record = run(recording, {});
+  expect_sound(record, recording.frames.size() - 10);
+  EXPECT_EQ(record.trajectory.front().t_ns, 500'000'000);
+  EXPECT_THAT(record.notes, Contains(HasSubstr("10 frames skipped: before the first input")));
+}
+
+TEST(RunRecording, SkipsFramesBeforeTheGroundTruthThatItStartsFrom) {
+  Recording recording = short_recording();
+  std::erase_if(recording.groundtruth, [](const GroundTruthState& s) { return s.t_ns < 280'000'000; });
+  const RunRecord record = run(recording, from_truth());
+  EXPECT_EQ(record.trajectory.front().t_ns, 300'000'000);
+  EXPECT_THAT(record.notes, Contains(HasSubstr("6 frames skipped: before the first input or ground truth")));
+}
+
+TEST(RunRecording, RefusesARecordingWhoseInputsComeAfterAllFrames) {
+  Recording recording = short_recording();
+  std::erase_if(recording.frames, [](const StereoFrame& f) { return f.t_ns > 400'000'000; });
+  std::erase_if(recording.imu, [](const ImuSample& s) { return s.t_ns < 480'000'000; });
+  EXPECT_THROW((void)run(recording, {}), std::invalid_argument);
+}
+
+TEST(RunRecording, RunsOnOdometryAlone) {
+  const Recording recording = without_imu(short_recording());
+  for (const StartMode start : {StartMode::kAuto, StartMode::kGroundTruth}) {
+    RunOptions options;
+    options.start = start;
+    const RunRecord record = run(recording, options);
+    expect_sound(record, recording.frames.size());
+    EXPECT_EQ(record.motion, MotionModel::kOdometry);
+    EXPECT_FALSE(record.trajectory.back().bias_gyro);
+  }
+  EXPECT_LT(last_error(recording, run(recording, from_truth())), 0.2);
+}
+
+TEST(RunRecording, RunsOnVisionAlone) {
+  const Recording recording = vision_only(short_recording());
+  for (const StartMode start : {StartMode::kAuto, StartMode::kGroundTruth}) {
+    RunOptions options;
+    options.start = start;
+    const RunRecord record = run(recording, options);
+    expect_sound(record, recording.frames.size());
+    EXPECT_EQ(record.motion, MotionModel::kConstantVelocity);
+  }
+  EXPECT_LT(last_error(recording, run(recording, from_truth())), 0.5);
+}
+
+TEST(RunRecording, AsksForEachFrameOnceAndInOrderAndTellsTheProgress) {
+  const Recording recording = short_recording();
+  for (const StartMode start : {StartMode::kAuto, StartMode::kGroundTruth}) {
+    std::vector<std::size_t> asked, told, expected_asked, expected_told;
+    for (std::size_t n = 0; n < recording.frames.size(); ++n) {
+      expected_asked.push_back(n);
+      expected_told.push_back(n + 1);
+    }
+    RunOptions options;
+    options.start = start;
+    (void)run_recording(
+        recording, options,
+        [&](std::size_t n) {
+          asked.push_back(n);
+          return recording.frames[n];
+        },
+        [&](std::size_t n) { told.push_back(n); });
+    EXPECT_EQ(asked, expected_asked);
+    EXPECT_EQ(told, expected_told);
+  }
+}
+
+TEST(RunRecording, TellsTheOracleTheTruthAndNobodyElse) {
+  const Recording recording = short_recording();
+  const RigParameters truth = recording.calibration_true.back().theta;
+  EXPECT_EQ(run(recording, from_truth(Method::kOracle)).theta, truth);
+  EXPECT_EQ(run(recording, from_truth(Method::kEkf)).theta, recording.calibration.theta);
+  EXPECT_EQ(run(recording, from_truth(Method::kLcekf)).theta, recording.calibration.theta);
+}
+
+TEST(RunRecording, ForgetsPointsOutOfViewBeyondTheLimitOfTheMap) {
+  const Recording recording = short_recording();
+  RunOptions options = from_truth();
+  EXPECT_GT(run(recording, options).landmarks.size(), recording.frames.back().observations.size());
+  options.max_landmarks = 1;
+  EXPECT_LE(run(recording, options).landmarks.size(), recording.frames.back().observations.size());
+}
+
+}  // namespace
+}  // namespace limber
