@@ -52,7 +52,7 @@ class Judge {
   Judge(const Innovation& innovation, const MatrixXd& S, MatrixXd DC, double probability)
       : r_(innovation.r), S_(S), DC_(std::move(DC)), probability_(probability), llt_(S) {
     A_ = strong_directions(DC_);
-    SinvA_ = llt_.solve(A_);
+    SinvA_ = A_.cols() > 0 ? MatrixXd(llt_.solve(A_)) : A_;  // Eigen solves for no column at its peril
     Sinvr_ = llt_.solve(r_);
   }
 
