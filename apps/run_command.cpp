@@ -10,6 +10,8 @@
 
 #include "commands.hpp"
 #include "limber/datasets/read_recording.hpp"
+#include "limber/report/run_report.hpp"
+#include "limber/report/write_report.hpp"
 #include "limber/run/run_output.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
@@ -114,6 +116,11 @@ void run(const RunArguments& arguments) {
   }
   const RunSummary summary = summarize(recording, options, record);
   write_run_output(folder.path(), options, record, summary);
+  if (can_write_reports()) {
+    write_report(run_report(folder.path()), folder.path() / kReportName);
+  } else {
+    record.notes.push_back("report.html is left out: " + why_no_reports());
+  }
   for (const std::string& note : record.notes) {
     print_note(note);
   }
@@ -168,7 +175,8 @@ void add_run_command(CLI::App& app) {
       ->check(CLI::Range(std::size_t{1}, std::size_t{100000}))
       ->capture_default_str();
   command->footer(
-      "\nWrites trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, refusals.csv and summary.json.\n"
+      "\nWrites trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, refusals.csv, summary.json,\n"
+      "report.html, and truth.tum where the truth is known.\n"
       "Example:\n  limber run data/v101 --method lcekf --assume-error 0,0.5,0,5%,0,0 --out runs/v101");
   command->callback([arguments] { run(*arguments); });
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <numeric>
 #include <system_error>
 
@@ -45,12 +46,29 @@ Alignment first_whole_pose(const std::vector<MatchedPose>& poses) {
   return out;
 }
 
-Alignment start_alignment(const std::vector<MatchedPose>& poses, const RunOptions& options,
-                          MotionModel motion) {
+struct StartAlignment {
+  Alignment alignment;
+  std::string in_words;
+};
+
+StartAlignment start_alignment(const std::vector<MatchedPose>& poses, const RunOptions& options,
+                               MotionModel motion) {
   if (options.start == StartMode::kGroundTruth) {
-    return {};
+    return {{}, "nothing"};
   }
-  return motion == MotionModel::kImu ? align(poses, AlignmentKind::kFirstPose) : first_whole_pose(poses);
+  return motion == MotionModel::kImu
+             ? StartAlignment{align(poses, AlignmentKind::kFirstPose), "position and yaw of the first pose"}
+             : StartAlignment{first_whole_pose(poses), "first pose"};
+}
+
+/// The truth in the world of the estimate; `alignment` is rigid.
+std::vector<StampedPose> truth_seen_from(const std::vector<MatchedPose>& poses, const Alignment& alignment) {
+  const Pose T_est_true = alignment.T_true_est.inverse();
+  std::vector<StampedPose> out;
+  for (const MatchedPose& pose : poses) {
+    out.push_back({pose.t_ns, T_est_true * pose.truth});
+  }
+  return out;
 }
 
 void judge(const Recording& recording, const RunOptions& options, const RunRecord& record, RunSummary& out) {
@@ -78,7 +96,9 @@ void judge(const Recording& recording, const RunOptions& options, const RunRecor
   if (evaluation.sim3.errors) {
     out.scale = evaluation.sim3.alignment.scale;
   }
-  const Alignment start = start_alignment(poses, options, record.motion);
+  const auto [start, in_words] = start_alignment(poses, options, record.motion);
+  out.alignment = in_words;
+  out.truth = truth_seen_from(poses, start);
   const PoseErrorStatistics errors = absolute_errors(poses, start);
   out.position_rmse_m = errors.position_m.rmse;
   out.attitude_rmse_deg = errors.attitude_deg.rmse;
@@ -101,6 +121,25 @@ double estimated_length(const RunRecord& record) {
 template <typename T>
 Json or_null(const std::optional<T>& value) {
   return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+std::vector<double> in_degrees_and_metres(RigParameters theta) {
+  theta.head<3>() *= 180.0 / std::numbers::pi;
+  return {theta.data(), theta.data() + theta.size()};
+}
+
+/// What the user chose; null where limber chose (`notes` say what).
+Json to_json(const RunOptions& options) {
+  return {{"method", to_string(options.method)},
+          {"constraints", options.constraints ? Json(to_string(*options.constraints)) : Json(nullptr)},
+          {"assume_error_deg_m", in_degrees_and_metres(options.assume_error)},
+          {"sigma_px", or_null(options.sigma_px)},
+          {"init", options.start == StartMode::kGroundTruth ? "groundtruth" : "auto"},
+          {"landmarks", options.landmarks == LandmarkKind::kCartesian ? "cartesian" : "inverse-depth"},
+          {"gate", options.gate},
+          {"max_landmarks", options.max_landmarks},
+          {"seed", options.seed},
+          {"run", options.run}};
 }
 
 Json to_json(const RunOptions& options, const RunRecord& record, const RunSummary& s) {
@@ -127,6 +166,8 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["points_refused"] = s.points_refused;
   json["health"] = nullptr;
   json["seed"] = options.seed;
+  json["options"] = to_json(options);
+  json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
   json["theta"] = std::vector<double>(record.theta.data(), record.theta.data() + 6);
   json["notes"] = record.notes;
   return json;
@@ -204,6 +245,11 @@ void write_run_output(const std::filesystem::path& folder, const RunOptions& opt
   }
   write_tum(folder / "trajectory.tum", poses);
   write_trajectory_csv(folder / "trajectory.csv", record.trajectory);
+  if (summary.truth.empty()) {
+    std::filesystem::remove(folder / "truth.tum", error);  // an older run's would be taken for this one's
+  } else {
+    write_tum(folder / "truth.tum", summary.truth);
+  }
   write_landmarks_ply(folder / "landmarks.ply", record.landmarks);
   write_file_atomically(folder / "frames.csv", frames_csv(record));
   write_file_atomically(folder / "refusals.csv", refusals_csv(record));
