@@ -36,11 +36,11 @@ ReportFigure figure_over_time(std::string id, std::string title, std::vector<Rep
 
 ReportSection point_section(const RunFolder& run) {
   ReportFigure figure =
-      figure_over_time("points", "Points per frame", {{"points", ""}},
+      figure_over_time("points-per-frame", "Points per frame", {{"points", ""}},
                        "Observed: seen by the left camera or both. Used: entered the update. "
                        "Born: new in the map. Refused: by the gate, or not projectable.");
-  figure.traces = {trace_of(run, "observed", "series 1", count_of<&FrameRow::observed>),
-                   trace_of(run, "used", "series 4", count_of<&FrameRow::used>),
+  figure.traces = {trace_of(run, "observed", "wide", count_of<&FrameRow::observed>),
+                   trace_of(run, "used", "series 1", count_of<&FrameRow::used>),
                    trace_of(run, "born", "series 3", count_of<&FrameRow::born>),
                    trace_of(run, "refused", "series 2", count_of<&FrameRow::refused>)};
   return {"points", "Points", {std::move(figure)}};
@@ -48,13 +48,13 @@ ReportSection point_section(const RunFolder& run) {
 
 ReportSection time_section(const RunFolder& run) {
   ReportFigure figure =
-      figure_over_time("time", "Time spent on each frame", {{"time spent", "ms"}},
+      figure_over_time("time-per-frame", "Time spent on each frame", {{"time spent", "ms"}},
                        "Front end: reading and tracking images, or taking matched points as "
                        "they are.");
   figure.log_switch = true;
   figure.traces = {trace_of(run, "filter", "series 1", [](const FrameRow& f) { return f.filter_ms; }),
                    trace_of(run, "front end", "series 3", [](const FrameRow& f) { return f.source_ms; })};
-  return {"time-spent", "Time", {std::move(figure)}};
+  return {"time", "Time", {std::move(figure)}};
 }
 
 }  // namespace limber::detail

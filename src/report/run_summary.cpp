@@ -42,7 +42,7 @@ void add_facts(const Json& object, const std::string& prefix, std::vector<Report
 
 std::string in_words(const Json& value) {
   if (value.is_null()) {
-    return "not given";
+    return "–";
   }
   if (value.is_boolean()) {
     return value.get<bool>() ? "on" : "off";
@@ -76,18 +76,18 @@ ReportSection summary_section(const RunFolder& run) {
   rest.erase("options");
   rest.erase("notes");
   ReportSection section{"summary", "Options and summary", {}};
-  ReportFacts chosen{"Options", {}}, found{"summary.json", {}};
+  ReportFacts chosen{"Options, as in summary.json (–: limber chose, see below)", {}},
+      found{"The rest of summary.json (–: not known)", {}};
   add_facts(options, "", chosen.facts);
   add_facts(rest, "", found.facts);
   if (!chosen.facts.empty()) {
     section.blocks.emplace_back(std::move(chosen));
   }
   if (!notes.empty()) {
-    ReportTable table{"Chosen on the user's behalf", {"note"}, {}, ""};
+    section.blocks.emplace_back(ReportText{"Chosen on the user's behalf, or noticed on the way:"});
     for (const Json& note : notes) {
-      table.rows.push_back({{in_words(note)}});
+      section.blocks.emplace_back(ReportText{"• " + in_words(note)});
     }
-    section.blocks.emplace_back(std::move(table));
   }
   section.blocks.emplace_back(std::move(found));
   return section;

@@ -58,7 +58,7 @@ StartAlignment start_alignment(const std::vector<MatchedPose>& poses, const RunO
   }
   return motion == MotionModel::kImu
              ? StartAlignment{align(poses, AlignmentKind::kFirstPose), "position and yaw of the first pose"}
-             : StartAlignment{first_whole_pose(poses), "first pose"};
+             : StartAlignment{first_whole_pose(poses), "whole first pose"};
 }
 
 /// The truth in the world of the estimate; `alignment` is rigid.

@@ -26,8 +26,9 @@ enum class TraceShape : std::uint8_t {
 /// One curve or cloud.
 struct ReportTrace {
   std::string name;  ///< in the legend
-  /// Chooses colour and dash, the same on every page: a method's name (with its constraint set after a blank,
-  /// "lcekf rotation"), "truth", "landmarks", "band", "x", "y", "z" or "plain".
+  /// Chooses colour and dash, the same on every page: a method's name (with what is varied of it after a
+  /// colon, "lcekf:rotation"), "truth", "landmarks", "band", "wide" (pale, to lie below another), or "series
+  /// 1" to "series 4".
   std::string style;
   TraceShape shape = TraceShape::kLine;
   std::vector<double> x, y, z;  ///< equally long; z in figures of kind kSpace only, else empty
@@ -44,7 +45,7 @@ enum class FigureKind : std::uint8_t {
   kSpace     ///< the same in 3-D, to be turned
 };
 
-/// A second look at a figure, e.g. {"without ekf", {"ekf"}}: the paper's (b).
+/// One of several looks at a figure, e.g. {"without ekf", {"ekf"}}: the paper's (b).
 struct FigureVariant {
   std::string label;
   std::vector<std::string> hidden_styles;
@@ -59,7 +60,7 @@ struct ReportFigure {
   bool log_switch = false;              ///< offer a logarithmic y axis
   bool starts_in_log = false;           ///< and begin with it
   bool half_width = false;              ///< two of them stand side by side where there is room
-  std::vector<FigureVariant> variants;  ///< beside "all"
+  std::vector<FigureVariant> variants;  ///< to choose from, the first at first; may be empty
   std::vector<ReportTrace> traces;
 };
 

@@ -28,7 +28,7 @@ struct RunSummary {
   std::size_t points_refused = 0;
   double points_per_frame = 0.0;
   /// What was taken out before position_rmse_m, attitude_rmse_deg and anees: "nothing", "position and yaw of
-  /// the first pose" or "first pose"; empty without truth.
+  /// the first pose" or "whole first pose"; empty without truth.
   std::string alignment;
   /// The truth at the times of the frames that have one, in the world of the estimate (so aligned).
   std::vector<StampedPose> truth;

@@ -27,7 +27,7 @@ class FigureView {
   constructor(figure, series) {
     this.figure = figure;
     this.series = series;
-    this.view = { hidden: new Set(), log: figure.starts_in_log };
+    this.view = { hidden: new Set(figure.variants[0]?.hidden_styles), log: figure.starts_in_log };
     this.plot = element('div', { class: 'plot' });
     this.legend = element('div', { class: 'legend', role: 'group', 'aria-label': 'Curves' });
     this.tools = element('div', { class: 'figure-tools' });
@@ -35,18 +35,16 @@ class FigureView {
       element('div', { class: 'figure-head' }, element('h3', {}, figure.title), this.tools),
       this.legend, this.plot,
       element('figcaption', {}, ...[figure.caption, figure.note].filter(Boolean).map((t) => element('p', {}, t))));
-    this.plot.style.minHeight = `${plotHeight(figure, Math.min(window.innerWidth, 700))}px`;
+    this.plot.style.minHeight = `${plotHeight(figure, series, Math.min(window.innerWidth, 700))}px`;
     this.addTools();
     this.addLegend();
   }
 
   addTools() {
     if (this.figure.variants.length > 0) {
-      const variants = [{ label: 'all', hidden_styles: [] }, ...this.figure.variants];
-      this.variantButtons = variants.map((variant) => element('button', {
+      this.variantButtons = this.figure.variants.map((variant) => element('button', {
         type: 'button', 'aria-pressed': 'false', onclick: () => this.change({ hidden: new Set(variant.hidden_styles) }),
       }, variant.label));
-      this.variants = variants;
       this.tools.append(element('div', { class: 'segments', role: 'group', 'aria-label': 'Curves shown' }, ...this.variantButtons));
     }
     if (this.figure.log_switch) {
@@ -87,7 +85,7 @@ class FigureView {
     const hidden = this.view.hidden;
     this.logButton?.setAttribute('aria-pressed', String(this.view.log));
     this.variantButtons?.forEach((button, k) => {
-      const styles = this.variants[k].hidden_styles;
+      const styles = this.figure.variants[k].hidden_styles;
       button.setAttribute('aria-pressed', String(styles.length === hidden.size && styles.every((s) => hidden.has(s))));
     });
     for (const [style, { button, trace }] of this.legendButtons) {
@@ -102,7 +100,7 @@ class FigureView {
     this.drawn = true;
     const touch = window.matchMedia('(pointer: coarse)').matches;
     const { data, layout } = plotOf(this.figure, this.series, this.view, currentTheme(), touch);
-    layout.height = plotHeight(this.figure, this.plot.clientWidth);
+    layout.height = plotHeight(this.figure, this.series, this.plot.clientWidth);
     if (this.figure.kind === 'space') {
       this.claimScene();
     }

@@ -59,12 +59,31 @@ function spaceLayout(figure, theme) {
   return {
     scene: {
       xaxis: axis(figure.x), yaxis: axis(figure.y[0]), zaxis: axis(figure.y[1]),
-      aspectmode: 'data', dragmode: 'turntable', camera: { eye: { x: 1.1, y: -1.2, z: 0.9 } },
+      aspectmode: 'data', dragmode: 'turntable', camera: { eye: { x: 1.25, y: -1.4, z: 0.95 }, center: { x: 0, y: 0, z: -0.12 } },
     },
   };
 }
 
-function planeLayout(figure, view, theme) {
+/** Smallest and largest number along 'x', 'y' or 'z' of all traces. */
+function extentOf(figure, series, direction) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const trace of figure.traces) {
+    for (const value of series[trace[direction]]) {
+      if (value !== null) {
+        [low, high] = [Math.min(low, value), Math.max(high, value)];
+      }
+    }
+  }
+  return [low, high];
+}
+
+/** Curves fill the width: no room left and right of the first and the last sample. */
+function fullWidth(figure, series) {
+  const [minallowed, maxallowed] = extentOf(figure, series, 'x');
+  return minallowed < maxallowed ? { minallowed, maxallowed } : {};
+}
+
+function planeLayout(figure, series, view, theme) {
   const panels = figure.y.length;
   const gap = panels > 1 ? 0.045 : 0;
   const height = (1 - gap * (panels - 1)) / panels;
@@ -81,21 +100,25 @@ function planeLayout(figure, view, theme) {
     };
   });
   if (figure.kind === 'top-view') {
-    Object.assign(layout.yaxis, { scaleanchor: 'x', scaleratio: 1 });
+    Object.assign(layout.yaxis, { scaleanchor: 'x', scaleratio: 1, constrain: 'domain' });
+    layout.xaxis.constrain = 'domain';
   } else {
     layout.hovermode = 'x unified';
+    layout.xaxis.autorangeoptions = fullWidth(figure, series);
   }
   return layout;
 }
 
 /** Pixels a figure is high on a screen `width` pixels wide. */
-function plotHeight(figure, width) {
+function plotHeight(figure, series, width) {
   const narrow = width < 480;
   if (figure.kind === 'space') {
     return narrow ? 380 : 560;
   }
   if (figure.kind === 'top-view') {
-    return narrow ? 360 : 520;
+    const [[west, east], [south, north]] = ['x', 'y'].map((direction) => extentOf(figure, series, direction));
+    const shape = east > west && north > south ? (north - south) / (east - west) : 1;
+    return Math.max(narrow ? 220 : 260, Math.min(narrow ? 400 : 620, 90 + shape * (width - 70)));
   }
   return figure.y.length > 1 ? 80 + figure.y.length * (narrow ? 120 : 150) : narrow ? 270 : 340;
 }
@@ -110,7 +133,7 @@ function plotOf(figure, series, view, theme, touch = false) {
   return {
     data: figure.traces.map((trace) => plotTrace(figure, series, trace, view, theme)),
     layout: {
-      ...(inSpace ? spaceLayout(figure, theme) : planeLayout(figure, view, theme)),
+      ...(inSpace ? spaceLayout(figure, theme) : planeLayout(figure, series, view, theme)),
       font: { family: FONT, size: 13, color: colors.ink },
       paper_bgcolor: 'rgba(0,0,0,0)', plot_bgcolor: 'rgba(0,0,0,0)',
       margin: inSpace ? { l: 0, r: 0, t: 30, b: 0 } : { l: 50, r: 10, t: 34, b: 40 },

@@ -13,6 +13,7 @@ const STYLES = {
   'truth': { light: '#1b1f23', dark: '#f2f4f6', width: 1.3 },
   'landmarks': { light: '#8a949e', dark: '#77828d' },
   'band': { light: '#59626b', dark: '#aab4be', width: 1.2 },
+  'wide': { light: '#c6cdd4', dark: '#4a535c', width: 6 },
   'series 1': { light: '#004488', dark: '#7aaef5' },
   'series 2': { light: '#bb5566', dark: '#f08fa0' },
   'series 3': { light: '#a87b00', dark: '#e3bd55' },
@@ -21,13 +22,24 @@ const STYLES = {
 };
 const DASHES_OF_VARIANTS = ['dash', 'dashdot', 'longdash', 'longdashdot'];
 
-/** Colour, dash and width of a style in a theme. 'lcekf rotation' has lcekf's colour and a dash of its own. */
+const variantsSeen = new Map();  // 'lcekf' -> ['lcekf:rotation', ...], in order of appearance
+
+/** A style such as 'lcekf:rotation' has lcekf's colour, and a dash that tells it from other variants. */
+function dashOfVariant(base, style) {
+  const seen = variantsSeen.get(base) ?? [];
+  variantsSeen.set(base, seen);
+  if (!seen.includes(style)) {
+    seen.push(style);
+  }
+  return DASHES_OF_VARIANTS[seen.indexOf(style) % DASHES_OF_VARIANTS.length];
+}
+
+/** Colour, dash and width of a style in a theme. */
 function lookOf(style, theme) {
-  const [base, ...variant] = style in STYLES ? [style] : style.split(' ');
+  const base = style.split(':')[0];
   const look = STYLES[base] ?? STYLES.plain;
-  const letters = [...variant.join(' ')].reduce((sum, letter) => sum + letter.codePointAt(0), 0);
-  const dash = variant.length > 0 ? DASHES_OF_VARIANTS[letters % DASHES_OF_VARIANTS.length] : look.dash;
-  return { color: look[theme], dash: dash ?? 'solid', width: look.width ?? 1.8 };
+  const dash = base === style ? look.dash ?? 'solid' : dashOfVariant(base, style);
+  return { color: look[theme], dash, width: look.width ?? 1.8 };
 }
 
 const THEMES = {
