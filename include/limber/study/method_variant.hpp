@@ -13,8 +13,7 @@ namespace limber {
 
 /// Random walk of theta that ekf-full assumes, in place of the scenario's.
 struct ThetaWalk {
-  /// Multiples of the scenario's walk, in standard deviation; read unless `absolute`.
-  double factor = 1.0;
+  double factor = 1.0;  ///< multiples of the scenario's variances; read unless `absolute`
   bool absolute = false;
   double rotation = 0.0;     ///< variance per 10 ms [rad^2], as theta_walk_rotation of a scenario
   double translation = 0.0;  ///< variance per 10 ms [mm^2], as theta_walk_translation of a scenario
@@ -29,7 +28,7 @@ struct MethodVariant {
 };
 
 /// @brief "METHOD[:OPTION...]": METHOD as on the command line; an option is a constraint set (lcekf),
-/// `cartesian`, or a walk of theta (ekf-full): `walk=x10` (factor on its standard deviation) or `walk=1e-6/1`
+/// `cartesian`, or a walk of theta (ekf-full): `walk=x10` (multiplies its variances) or `walk=1e-6/1`
 /// (variances per 10 ms, rad^2 and mm^2). For instance "lcekf:rotation+direction", "lcekf:cartesian",
 /// "ekf-full:walk=0/0".
 /// @throws std::invalid_argument for anything else; the message says what was expected

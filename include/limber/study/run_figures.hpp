@@ -28,7 +28,8 @@ struct RunFigures {
       anees_attitude;  ///< per d.o.f., mean over frames later than 1 s
   std::optional<double>
       share_within_95;  ///< of those frames, pose NEES below the 95 % quantile of chi-square(6)
-  std::optional<double> nis, nis_dof;  ///< sums over all updates
+  std::optional<std::int64_t> frames_refused;  ///< of those, without NEES: covariance not positive definite
+  std::optional<double> nis, nis_dof;          ///< sums over all updates
   std::optional<double> path_length_m, points_per_frame;
   std::optional<std::int64_t> frames, points_refused;
   // Depend on the machine, and are no part of what has to be repeatable:
