@@ -8,7 +8,6 @@
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <numeric>
 #include <system_error>
 
@@ -133,7 +132,7 @@ Json or_null(const std::optional<T>& value) {
 }
 
 std::vector<double> in_degrees_and_metres(RigParameters theta) {
-  theta.head<3>() *= 180.0 / std::numbers::pi;
+  theta.head<3>() *= kDegreesPerRadian;
   return {theta.data(), theta.data() + theta.size()};
 }
 
