@@ -15,12 +15,10 @@ inline constexpr int kExitDone = 0;
 inline constexpr int kExitFailed = 1;
 inline constexpr int kExitUsage = 2;
 
-/// The page in a folder of results.
-inline constexpr const char* kReportName = "report.html";
-
 void add_run_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
+void add_study_command(CLI::App& app);
 void add_report_command(CLI::App& app);
 
 }  // namespace limber::app

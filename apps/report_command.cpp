@@ -6,8 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "limber/report/run_report.hpp"
-#include "limber/report/write_report.hpp"
+#include "report_files.hpp"
 
 namespace limber::app {
 namespace {
@@ -17,9 +16,10 @@ struct ReportArguments {
 };
 
 void report(const ReportArguments& arguments) {
-  const std::filesystem::path out = arguments.out.empty() ? arguments.results / kReportName : arguments.out;
-  write_report(run_report(arguments.results), out);
-  fmt::print("{}\n", out.string());
+  const std::filesystem::path page =
+      arguments.out.empty() ? default_report_path(arguments.results) : arguments.out;
+  make_report(arguments.results, page);
+  fmt::print("{}\n", page.string());
 }
 
 }  // namespace
@@ -27,10 +27,12 @@ void report(const ReportArguments& arguments) {
 void add_report_command(CLI::App& app) {
   auto arguments = std::make_shared<ReportArguments>();
   CLI::App* command = app.add_subcommand("report", "Draw results as one HTML file that needs no network");
-  command->add_option("RESULTS", arguments->results, "Folder of a run")->required();
+  command->add_option("RESULTS", arguments->results, "Folder of a run, or database of a study")->required();
   command->add_option("--out", arguments->out,
-                      "File to write; default: report.html in the folder of the results");
-  command->footer("\nExample:\n  limber report runs/v101 --out v101.html");
+                      "File to write; default: report.html in the folder, or study.html beside study.sqlite");
+  command->footer(
+      "\nPrints the name of the file. Made anew from the results as they are, also of a study that still "
+      "runs.\nExample:\n  limber report runs/v101 --out v101.html");
   command->callback([arguments] { report(*arguments); });
 }
 

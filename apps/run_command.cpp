@@ -10,12 +10,12 @@
 
 #include "commands.hpp"
 #include "limber/datasets/read_recording.hpp"
-#include "limber/report/run_report.hpp"
-#include "limber/report/write_report.hpp"
 #include "limber/run/run_output.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
+#include "parsed_by.hpp"
 #include "progress.hpp"
+#include "report_files.hpp"
 #include "validators.hpp"
 #ifdef LIMBER_WITH_FRONTEND
 #include "limber/frontend/stereo_tracker.hpp"
@@ -32,20 +32,6 @@ struct RunArguments {
   std::size_t max_landmarks = 300;
   std::uint64_t seed = 0, run = 0;
 };
-
-/// A CLI validator from a parser that throws std::invalid_argument.
-template <typename Parse>
-CLI::Validator parsed_by(Parse parse) {
-  return {[parse](std::string& text) {
-            try {
-              (void)parse(text);
-              return std::string();
-            } catch (const std::invalid_argument& error) {
-              return std::string(error.what());
-            }
-          },
-          ""};
-}
 
 RunOptions to_options(const RunArguments& arguments, const Recording& recording) {
   RunOptions options;
@@ -116,15 +102,11 @@ void run(const RunArguments& arguments) {
   }
   const RunSummary summary = summarize(recording, options, record);
   write_run_output(folder.path(), options, record, summary);
-  if (can_write_reports()) {
-    write_report(run_report(folder.path()), folder.path() / kReportName);
-  } else {
-    record.notes.push_back("report.html is left out: " + why_no_reports());
-  }
   for (const std::string& note : record.notes) {
     print_note(note);
   }
   print_summary(summary, folder.path());
+  make_report_beside(folder.path());
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "limber/study/curve.hpp"
 
+#include <stdexcept>
+#include <string>
+
 namespace limber {
 namespace {
 
@@ -44,5 +47,14 @@ const Entry& entry_of(CurveQuantity quantity) { return kEntries.at(static_cast<s
 
 std::string_view name_of(CurveQuantity quantity) { return entry_of(quantity).name; }
 std::string_view unit_of(CurveQuantity quantity) { return entry_of(quantity).unit; }
+
+CurveQuantity quantity_from_name(std::string_view name) {
+  for (std::size_t k = 0; k < kEntries.size(); ++k) {
+    if (kEntries[k].name == name) {
+      return static_cast<CurveQuantity>(k);
+    }
+  }
+  throw std::invalid_argument("no curve is called '" + std::string(name) + "'");
+}
 
 }  // namespace limber

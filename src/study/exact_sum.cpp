@@ -12,6 +12,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "databases hold sums in little endian");
 
+constexpr std::size_t kBytesPerFrame = sizeof(Int128) + sizeof(std::uint64_t);
 constexpr int kTermBits = std::bit_width(kMaxTerms) - 1;
 
 void check_frames(std::size_t expected, std::size_t found) {
@@ -47,6 +48,14 @@ double from_fixed(Int128 value, int bits) { return std::ldexp(static_cast<double
 
 CurveSum::CurveSum(CurveQuantity quantity, std::size_t frames)
     : bits_(fraction_bits(quantity)), sums_(frames), counts_(frames) {}
+
+CurveSum::CurveSum(CurveQuantity quantity, std::string_view bytes)
+    : CurveSum(quantity, bytes.size() / kBytesPerFrame) {
+  check_frames(sums_.size() * kBytesPerFrame, bytes.size());
+  const std::size_t split = sums_.size() * sizeof(Int128);
+  std::memcpy(sums_.data(), bytes.data(), split);
+  std::memcpy(counts_.data(), bytes.data() + split, bytes.size() - split);
+}
 
 void CurveSum::add(const std::vector<double>& values) {
   check_frames(sums_.size(), values.size());
@@ -88,13 +97,6 @@ std::string CurveSum::to_bytes() const {
   std::memcpy(bytes.data(), sums_.data(), split);
   std::memcpy(bytes.data() + split, counts_.data(), bytes.size() - split);
   return bytes;
-}
-
-void CurveSum::set_bytes(std::string_view bytes) {
-  const std::size_t split = sums_.size() * sizeof(Int128);
-  check_frames(sums_.size() * (sizeof(Int128) + sizeof(std::uint64_t)), bytes.size());
-  std::memcpy(sums_.data(), bytes.data(), split);
-  std::memcpy(counts_.data(), bytes.data() + split, bytes.size() - split);
 }
 
 }  // namespace limber

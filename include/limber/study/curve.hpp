@@ -55,6 +55,8 @@ inline constexpr std::size_t kCurveQuantities = 27;
 /// "position_squared_error", ...: name of exports. And its unit: "m^2", "rad^2", "-", ...
 [[nodiscard]] std::string_view name_of(CurveQuantity quantity);
 [[nodiscard]] std::string_view unit_of(CurveQuantity quantity);
+/// @throws std::invalid_argument for a name that no quantity has
+[[nodiscard]] CurveQuantity quantity_from_name(std::string_view name);
 
 /// Mean over runs at every stereo frame. A run enters up to the frame before it diverged.
 struct StudyCurve {

@@ -34,6 +34,8 @@ inline constexpr std::uint64_t kMaxTerms = std::uint64_t{1} << 24;
 class CurveSum {
  public:
   CurveSum(CurveQuantity quantity, std::size_t frames);
+  /// What to_bytes gave. @throws std::invalid_argument if there are not 24 bytes per frame
+  CurveSum(CurveQuantity quantity, std::string_view bytes);
 
   /// @param values one per frame; NaN: the run has nothing to say of that frame
   /// @throws std::invalid_argument if the number of frames differs, or to_fixed has nothing for a value: the
@@ -46,8 +48,6 @@ class CurveSum {
 
   /// Sums (16 bytes each, little endian), then counts (8 bytes each).
   [[nodiscard]] std::string to_bytes() const;
-  /// @throws std::invalid_argument if there are not 24 bytes per frame
-  void set_bytes(std::string_view bytes);
 
  private:
   int bits_;

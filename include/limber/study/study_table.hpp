@@ -40,7 +40,10 @@ struct MethodSummary {
 [[nodiscard]] std::vector<MethodSummary> summarize_case(const StudyDatabase& database,
                                                         std::size_t study_case);
 
-/// @brief All cases as a Markdown table: also what the program prints.
+/// One case as a Markdown table, a line per method.
+[[nodiscard]] std::string format_case_table(const StudyDatabase& database, std::size_t study_case);
+
+/// All cases, each a line that names it and its table: what the program prints.
 [[nodiscard]] std::string format_study_table(const StudyDatabase& database);
 
 }  // namespace limber
