@@ -64,12 +64,31 @@ std::optional<double> mean_between(const Measured& m, CurveQuantity quantity, do
   return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt;
 }
 
+/// Median over the runs of the median time per frame [ms].
+std::optional<double> median_ms(const Measured& m) {
+  std::vector<double> times;
+  for (const StudyRun& run : m.method->runs) {
+    if (run.figures.ms_per_frame_p50) {
+      times.push_back(*run.figures.ms_per_frame_p50);
+    }
+  }
+  if (times.empty()) {
+    return std::nullopt;
+  }
+  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+  std::nth_element(times.begin(), middle, times.end());
+  return *middle;
+}
+
 double last_time(const Measured& m) { return m.study_case->info.frame_times.back(); }
 
 /// "(i) none, with IMU: " before a score that stands beside one of another case.
 std::string case_prefix(const Measured& m, const Measured& beside) {
+  if (m.study_case == beside.study_case) {
+    return "";
+  }
   const auto paper_case = paper_case_of(m.study_case->info.scenario);
-  return m.study_case == beside.study_case || !paper_case ? "" : to_string(*paper_case) + ": ";
+  return paper_case ? to_string(*paper_case) + ": " : "";
 }
 
 /// Compares two scores with a rule; not known where one is missing.
@@ -101,8 +120,12 @@ bool below(double a, double b) { return a < b; }
 Outcome all_of(const std::vector<Outcome>& outcomes) {
   Outcome out{"", true};
   for (const Outcome& outcome : outcomes) {
-    out.measured += (out.measured.empty() ? "" : "; ") + outcome.measured;
-    out.holds = out.holds && outcome.holds ? std::optional(*out.holds && *outcome.holds) : std::nullopt;
+    out.measured += (out.measured.empty() ? "" : "\n") + outcome.measured;
+    if (outcome.holds == false || out.holds == false) {
+      out.holds = false;
+    } else if (!outcome.holds) {
+      out.holds.reset();
+    }
   }
   return out;
 }
@@ -112,11 +135,18 @@ const StudyCurve* Measured::curve(CurveQuantity quantity) const {
   return it == method->curves.end() ? nullptr : &it->second;
 }
 
-const StudyCaseResults* find_case(const StudyResults& results, const PaperCase& paper_case) {
+PaperStudy::PaperStudy(const StudyResults& study) : results(study) {
+  for (const StudyCaseResults& study_case : results.cases) {
+    cases.push_back(paper_case_of(study_case.info.scenario));
+  }
+}
+
+const StudyCaseResults* find_case(const PaperStudy& study, const PaperCase& paper_case) {
   const StudyCaseResults* found = nullptr;
-  for (const StudyCaseResults& candidate : results.cases) {
-    if (candidate.info.finished > (found == nullptr ? 0 : found->info.finished) &&
-        paper_case_of(candidate.info.scenario) == paper_case) {
+  for (std::size_t k = 0; k < study.cases.size(); ++k) {
+    const StudyCaseResults& candidate = study.results.cases[k];
+    if (study.cases[k] == paper_case &&
+        candidate.info.finished > (found == nullptr ? 0 : found->info.finished)) {
       found = &candidate;
     }
   }
@@ -132,20 +162,20 @@ std::optional<Measured> find_method(const StudyCaseResults& study_case, PaperMet
   return std::nullopt;
 }
 
-std::optional<Measured> find_walk(const StudyResults& results, double rotation_rad2, double translation_mm2) {
+std::optional<Measured> find_walk(const PaperStudy& study, double rotation_rad2, double translation_mm2) {
   const auto is_near = [](double value, double wanted) {
     return std::abs(value - wanted) <= kWalkTolerance * wanted;
   };
-  for (const StudyCaseResults& study_case : results.cases) {
-    if (study_case.info.finished == 0 ||
-        paper_case_of(study_case.info.scenario) != PaperCase{PaperNoise::kSinus, false}) {
+  for (std::size_t k = 0; k < study.cases.size(); ++k) {
+    const StudyCaseResults& study_case = study.results.cases[k];
+    if (study_case.info.finished == 0 || study.cases[k] != PaperCase{PaperNoise::kSinus, false}) {
       continue;
     }
     for (const StudyMethodResults& method : study_case.methods) {
       if (method.variant.method != Method::kEkfFull) {
         continue;
       }
-      const RunOptions options = run_options(study_case.info.scenario, method.variant, results.seed, 0);
+      const RunOptions options = run_options(study_case.info.scenario, method.variant, study.results.seed, 0);
       const RigParameters per_10_ms = 0.01 * options.theta_walk.value_or(RigParameters::Zero());
       if (is_near(per_10_ms(0), rotation_rad2) && is_near(1e6 * per_10_ms(3), translation_mm2)) {
         return Measured{&study_case, &method};
@@ -247,6 +277,14 @@ Outcome drifts(const Measured& m) {
   return {fmt::format("{}: position error {:.3g} m in the first quarter, {:.3g} m in the last", m.label(),
                       std::sqrt(*first), std::sqrt(*last)),
           *last > *first};
+}
+
+Outcome time_at_most(const Measured& a, double factor, const Measured& b) {
+  const auto x = median_ms(a), y = median_ms(b);
+  if (!x || !y) {
+    return {(x ? b : a).label() + " not timed", std::nullopt};
+  }
+  return {fmt::format("{} {:.3g} ms, {} {:.3g} ms", a.label(), *x, b.label(), *y), *x <= factor * *y};
 }
 
 Outcome keeps_scale(const Measured& m) {

@@ -120,7 +120,8 @@ class DocumentWriter {
                         {"measured", claim.measured},
                         {"verdict", limber::to_string(claim.verdict)}});
     }
-    return {{"type", "claims"}, {"title", block.title}, {"claims", std::move(claims)}};
+    return {
+        {"type", "claims"}, {"title", block.title}, {"brief", block.brief}, {"claims", std::move(claims)}};
   }
 
   Json operator()(const ReportTable& table) {

@@ -62,26 +62,17 @@ bool has_paper_case(const StudyResults& results) {
 }
 
 /// Every claim in a line: what a reader looks for first.
-ReportTable verdict_table(const std::vector<PaperClaim>& claims) {
-  ReportTable table{"The paper's claims at a glance", {"claim", "where", "verdict"}, {}, ""};
+ReportClaims verdicts(const std::vector<PaperClaim>& claims) {
+  ReportClaims out{"The paper's claims at a glance", {}, true};
   for (const PaperClaim& claim : claims) {
-    const Verdict verdict = claim.claim.verdict;
-    table.rows.push_back(
-        {{claim.claim.statement},
-         {claim.claim.source},
-         {std::string(to_string(verdict)), verdict == Verdict::kAgrees      ? TableCell::Mark::kBest
-                                           : verdict == Verdict::kDisagrees ? TableCell::Mark::kBad
-                                                                            : TableCell::Mark::kNone}});
+    out.claims.push_back(claim.claim);
   }
-  table.note =
-      "What was measured, and the rule that decides, stand with each case below, or under 'Claims across "
-      "cases'.";
-  return table;
+  return out;
 }
 
 /// Claims that speak of this case alone; of several: `across`.
 ReportClaims claims_about(const std::vector<PaperClaim>& claims, const std::optional<PaperCase>& paper_case) {
-  ReportClaims out{"What the paper claims, and what was measured", {}};
+  ReportClaims out{"What the paper claims, and what was measured", {}, false};
   for (const PaperClaim& claim : claims) {
     const bool is_about_one = claim.cases.size() == 1;
     if (paper_case ? is_about_one && claim.cases.front() == *paper_case : !is_about_one) {
@@ -133,7 +124,10 @@ ReportSection overview_section(const StudyResults& results, const std::vector<Pa
   ReportSection section{"overview", "Overview", {}};
   section.blocks.emplace_back(detail::overview_table(results));
   if (!claims.empty()) {
-    section.blocks.emplace_back(verdict_table(claims));
+    section.blocks.emplace_back(verdicts(claims));
+    section.blocks.emplace_back(
+        ReportText{"What was measured, and the rule that decides, stand with each case below and, for claims "
+                   "about several cases, under the last heading."});
   }
   return section;
 }

@@ -54,12 +54,12 @@ std::string bounds(const std::optional<Interval>& interval) {
 std::string digits(const std::optional<double>& value) { return value ? fmt::format("{:.3g}", *value) : "–"; }
 
 ReportTable case_table(const StudyCaseResults& results) {
-  ReportTable table{"All methods",
-                    {"method", "runs", "position RMSE [m]", "worst run [m]", "attitude RMSE [deg]",
-                     "landmark RMSE [m]", "ANEES pose", "ANEES position", "ANEES attitude",
-                     "instants in bounds", "NIS / d.o.f.", "scale", "time [ms]"},
-                    {},
-                    ""};
+  ReportTable table{
+      "All methods",
+      {"method", "runs", "position RMSE [m]", "worst run [m]", "attitude RMSE [deg]", "landmark RMSE [m]",
+       "ANEES pose", "ANEES position", "ANEES attitude", "in bounds", "NIS / d.o.f.", "scale", "time [ms]"},
+      {},
+      ""};
   const double best = best_position(results);
   for (const StudyMethodResults& method : results.methods) {
     const MethodSummary& s = method.summary;

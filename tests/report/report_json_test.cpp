@@ -41,7 +41,8 @@ TEST(ReportJson, HoldsEveryBlockInOrder) {
       types.push_back(block["type"]);
     }
   }
-  EXPECT_EQ(types, (std::vector<std::string>{"text", "figure", "table", "figure", "claims", "listing", "facts"}));
+  EXPECT_EQ(types,
+            (std::vector<std::string>{"text", "figure", "table", "figure", "claims", "listing", "facts"}));
   const Json& table = json["sections"][0]["blocks"][2];
   EXPECT_EQ(table["rows"][0][1], Json::parse(R"({"text": "9", "mark": "bad"})"));
   EXPECT_EQ(json["sections"][1]["blocks"][1]["claims"][0]["verdict"], "agrees");

@@ -17,9 +17,9 @@ namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::data_error_of;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::data_error_of;
 using testing::TemporaryFolder;
 
 constexpr double kToDegrees = 180.0 / M_PI;

@@ -22,11 +22,16 @@ inline ReportDocument small_document() {
   space.x = {"x", "m"};
   space.y = {{"y", "m"}, {"z", "m"}};
   space.traces = {{"path", "truth", TraceShape::kLine, {0.0, 1.0}, {1.0, 2.0}, {5.0, 6.0}, 0}};
-  const ReportTable table{"Table", {"method", "error [m]"}, {{{"ekf"}, {"9", TableCell::Mark::kBad}}}, "A note."};
+  const ReportTable table{
+      "Table", {"method", "error [m]"}, {{{"ekf"}, {"9", TableCell::Mark::kBad}}}, "A note."};
   const ReportClaims claims{"Claims", {{"It flies.", "4.1", "height above 0", "2 m", Verdict::kAgrees}}};
-  return {"A title", "of a test", {{"frames", "2"}},
+  return {"A title",
+          "of a test",
+          {{"frames", "2"}},
           {{"first", "First", {ReportText{"Words."}, curves, table}},
-           {"second", "Second", {space, claims, ReportListing{"File", "key: 1\n"}, ReportFacts{"", {{"a", "b"}}}}}},
+           {"second",
+            "Second",
+            {space, claims, ReportListing{"File", "key: 1\n"}, ReportFacts{"", {{"a", "b"}}}}}},
           "Made by a test."};
 }
 

@@ -58,7 +58,8 @@ TEST(ThinToExtremes, LeavesGapsOpen) {
   std::vector<double> y = noise(1000);
   std::fill(y.begin() + 400, y.begin() + 600, kNan);
   const auto kept = thin_to_extremes(y, 60);
-  const auto missing = std::count_if(kept.begin(), kept.end(), [&](std::size_t k) { return std::isnan(y[k]); });
+  const auto missing =
+      std::count_if(kept.begin(), kept.end(), [&](std::size_t k) { return std::isnan(y[k]); });
   EXPECT_GE(missing, 2);
   EXPECT_LE(kept.size(), 60u);
 }

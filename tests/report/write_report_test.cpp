@@ -54,7 +54,9 @@ TEST_F(WriteReport, LetsNoTextBecomeMarkup) {
   ReportDocument document = small_document();
   document.title = "</title><script>alert(1)</script> & <!-- more";
   const std::string page = written(document);
-  EXPECT_THAT(page, HasSubstr("<title>&lt;/title&gt;&lt;script&gt;alert(1)&lt;/script&gt; &amp; &lt;!-- more</title>"));
+  EXPECT_THAT(
+      page,
+      HasSubstr("<title>&lt;/title&gt;&lt;script&gt;alert(1)&lt;/script&gt; &amp; &lt;!-- more</title>"));
   EXPECT_THAT(data_in(page), Not(HasSubstr("<")));
   EXPECT_EQ(Json::parse(data_in(page))["title"], document.title);
 }

@@ -87,7 +87,7 @@ struct ReportClaim {
   std::string statement;
   std::string source;     ///< e.g. "4.3.1, Figure 5"
   std::string criterion;  ///< the rule that turned `measured` into `verdict`
-  std::string measured;
+  std::string measured;   ///< may have several lines
   Verdict verdict = Verdict::kNotMeasured;
 };
 
@@ -105,6 +105,7 @@ struct ReportListing {
 struct ReportClaims {
   std::string title;
   std::vector<ReportClaim> claims;
+  bool brief = false;  ///< statements and verdicts alone
 };
 
 using ReportBlock =

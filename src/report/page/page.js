@@ -12,7 +12,8 @@ const BLOCKS = {
   listing: (block) => element('details', { class: 'listing' }, element('summary', {}, block.title), element('pre', {}, block.text)),
   facts: (block) => element('div', {}, ...heading(block.title), factList(block.facts, 'facts')),
   table: (block) => tableOf(block),
-  claims: (block) => element('div', { class: 'claims' }, ...heading(block.title), element('ol', {}, ...block.claims.map(claimOf))),
+  claims: (block) => element('div', { class: block.brief ? 'claims brief' : 'claims' }, ...heading(block.title),
+    element('ol', {}, ...block.claims.map(block.brief ? briefClaimOf : claimOf))),
   figure: (block, page) => {
     const view = new FigureView(block, page.document.series);
     page.figures.set(block.id, view);
@@ -36,9 +37,14 @@ function tableOf(block) {
   return element('div', { class: 'table' }, ...heading(block.title),
     element('div', { class: 'scroll', tabindex: '0', role: 'group', 'aria-label': block.title || 'Table' },
       element('table', {},
-        element('thead', {}, element('tr', {}, ...block.columns.map((name) => element('th', { scope: 'col' }, name)))),
+        element('thead', {}, element('tr', {}, ...block.columns.map((name) => element('th', { scope: 'col' }, ...breakable(name))))),
         element('tbody', {}, ...block.rows.map(row)))),
     ...(block.note ? [element('p', { class: 'note' }, block.note)] : []));
+}
+
+/** A head may break after a colon or a plus, as in 'lcekf:rotation+direction'. */
+function breakable(name) {
+  return name.split(/(?<=[:+])/).flatMap((part) => [part, element('wbr')]);
 }
 
 function claimOf(claim) {
@@ -47,6 +53,12 @@ function claimOf(claim) {
     element('div', {}, element('p', {}, claim.statement), element('p', { class: 'small' }, claim.source)),
     element('div', {}, element('p', { class: 'measured' }, claim.measured), element('p', { class: 'small' }, claim.criterion)),
     element('span', { class: 'verdict' }, sign + claim.verdict));
+}
+
+function briefClaimOf(claim) {
+  const [name, sign] = VERDICTS[claim.verdict];
+  return element('li', { class: name }, element('span', { class: 'verdict' }, sign + claim.verdict),
+    element('p', {}, claim.statement), element('p', { class: 'small' }, claim.source));
 }
 
 class Page {
