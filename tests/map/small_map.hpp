@@ -71,7 +71,8 @@ struct Snapshot {
   Eigen::MatrixXd P;
 
   bool operator==(const Snapshot& other) const {
-    return track_ids == other.track_ids && mean == other.mean && P == other.P;
+    return track_ids == other.track_ids && mean.size() == other.mean.size() && mean == other.mean &&
+           P.rows() == other.P.rows() && P == other.P;
   }
 };
 
