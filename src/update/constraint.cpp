@@ -3,13 +3,19 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <algorithm>
 
 namespace limber {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// D times the right singular vectors whose singular value is not weak: m×rank.
+namespace {
+
+constexpr Index kPanel = 64;  // rows that are reflected at a time: what is copied of them stays in the cache
+
+}  // namespace
+
 MatrixXd strong_directions(const Eigen::Ref<const MatrixXd>& D) {
   if (D.cols() == 0) {
     return D;
@@ -84,11 +90,40 @@ void NullSpaceProjection::apply_right(Eigen::Ref<MatrixXd> x) const {
   if (rank_ == 0) {
     return;
   }
-  MatrixXd cols = x(Eigen::all, touched_);
-  cols.noalias() -= ((cols * V_) * T_).eval() * V_.transpose();
-  x(Eigen::all, touched_) = cols;
-  auto tail = x.rightCols(x.cols() - tail_start_);
-  tail = tail(Eigen::all, tail_order_).eval();
+  const MatrixXd VT = V_ * T_;
+  MatrixXd cols, Y, tail;
+  for (Index row = 0; row < x.rows(); row += kPanel) {
+    auto panel = x.middleRows(row, std::min(kPanel, x.rows() - row));
+    cols = panel(Eigen::all, touched_);
+    Y.noalias() = cols * VT;
+    cols.noalias() -= Y * V_.transpose();
+    panel(Eigen::all, touched_) = cols;
+    auto last = panel.rightCols(x.cols() - tail_start_);
+    tail = last(Eigen::all, tail_order_);
+    last = tail;
+  }
+}
+
+void NullSpaceProjection::apply_both(Eigen::Ref<MatrixXd> S) const {
+  if (rank_ == 0) {
+    return;
+  }
+  const Index m = S.rows();
+  MatrixXd V = MatrixXd::Zero(m, rank_);
+  V(touched_, Eigen::all) = V_;
+  // Qᵀ S Q = S − V Yᵀ − Y Vᵀ with Y = A − ½ V Tᵀ Vᵀ A, A = S V T.
+  MatrixXd Y = S * (V * T_).eval();
+  Y -= 0.5 * V * (T_.transpose() * (V.transpose() * Y)).eval();
+  MatrixXd left(m, 2 * rank_), right(m, 2 * rank_);
+  left << V, Y;
+  right << Y, V;
+  S.triangularView<Eigen::Lower>() -= left * right.transpose();
+
+  auto beside = S.bottomLeftCorner(m - tail_start_, tail_start_);
+  beside = beside(tail_order_, Eigen::all).eval();
+  auto corner = S.bottomRightCorner(m - tail_start_, m - tail_start_);
+  const MatrixXd full = corner.selfadjointView<Eigen::Lower>();
+  corner = full(tail_order_, tail_order_);
 }
 
 }  // namespace limber
