@@ -286,6 +286,7 @@ FrameReport Navigator::process(const StereoFrame& raw) {
   report.observed = frame.observations.size();
 
   predict_to(frame.t_ns);
+  rest_and_recall(estimate_, frame, last_frame_ns_, options_.upkeep);
   report.removed = forget_uncertain_returns(estimate_, frame, last_frame_ns_, rig_[0], options_.upkeep);
   last_frame_ns_ = frame.t_ns;
   const bool bear_before = options_.birth.mode == BirthMode::kDiffuse;

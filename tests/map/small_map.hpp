@@ -76,6 +76,18 @@ struct Snapshot {
   }
 };
 
+/// The covariance of what is awake, without the clone that an epoch begins with (then the body twice).
+inline Eigen::MatrixXd awake_covariance(const Estimate& estimate) {
+  const Eigen::Index body = estimate.layout().map_begin();
+  std::vector<Eigen::Index> places;
+  for (Eigen::Index k = 0; k < estimate.size(); ++k) {
+    if (k < body || k >= 2 * body || !estimate.has_frozen()) {
+      places.push_back(k);
+    }
+  }
+  return estimate.P.dense()(places, places);
+}
+
 /// @param without  landmarks to leave out
 inline Snapshot snapshot(const Estimate& estimate, const std::vector<std::int64_t>& without = {}) {
   std::vector<const Landmark*> landmarks;

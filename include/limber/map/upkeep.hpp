@@ -14,7 +14,10 @@ namespace limber {
 struct UpkeepOptions {
   std::size_t max_landmarks = 300;  ///< beyond it, those unseen for longest go
   double forget_after_s = 1e9;  ///< unseen for longer: gone (tracks of an image front end never come back)
-  int max_refusals = 3;         ///< refused by the gate in this many frames in a row: gone
+  /// Unseen for longer: laid to rest at no cost per frame until seen again (compressed filter). Infinite:
+  /// never.
+  double rest_after_s = 0.5;
+  int max_refusals = 3;  ///< refused by the gate in this many frames in a row: gone
   /// Inverse-depth landmarks become Cartesian when the linearity index of [Civera2008], Eq. (30) falls below.
   double linearity_index = 0.1;
   /// A point that comes back into view after an absence is taken for a new one if its projection bends by
@@ -38,6 +41,12 @@ struct UpkeepOptions {
 /// @return number of removed landmarks
 std::size_t forget_uncertain_returns(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
                                      const MountedCamera& cam0, const UpkeepOptions& options);
+
+/// @brief Lays landmarks to rest that were not seen for a while and recalls those that `frame` sees.
+/// Does something only if a dormant landmark is seen, or every rest_after_s.
+/// @param previous_ns  time of the frame before
+void rest_and_recall(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
+                     const UpkeepOptions& options);
 
 /// @brief Converts landmarks that became linear enough and removes those that broke a rule.
 /// Only landmarks seen in `t_ns` are looked at for conversion.
