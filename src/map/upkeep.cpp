@@ -111,13 +111,26 @@ double projection_curvature(const Estimate& estimate, const Landmark& landmark, 
   return pixel * std::sqrt(std::max(covariance(2, 2), 0.0)) / depth;
 }
 
-std::size_t forget_uncertain_returns(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
-                                     const MountedCamera& cam0, const UpkeepOptions& options) {
+double depth_shift(const Estimate& estimate, const Landmark& landmark) {
+  if (landmark.kind != LandmarkKind::kInverseDepth || landmark.rho_assumed <= 0.0) {
+    return 0.0;
+  }
+  const double sigma = std::sqrt(estimate.P.diagonal_block<3>(landmark.at)(2, 2));
+  const double shift = std::abs(landmark.value.z() - landmark.rho_assumed);
+  return shift > sigma ? shift / landmark.rho_assumed : 0.0;
+}
+
+std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
+                             const MountedCamera& cam0, const UpkeepOptions& options) {
   std::size_t forgotten = 0;
   for (const StereoObservation& observation : frame.observations) {
     const Landmark* landmark = estimate.find(observation.track_id);
-    if (landmark != nullptr && landmark->last_seen_ns < previous_ns &&
-        projection_curvature(estimate, *landmark, cam0) > options.max_curvature_px) {
+    if (landmark == nullptr) {
+      continue;
+    }
+    const bool returns = landmark->last_seen_ns < previous_ns;
+    if ((returns && projection_curvature(estimate, *landmark, cam0) > options.max_curvature_px) ||
+        depth_shift(estimate, *landmark) > options.max_depth_shift) {
       estimate.remove_landmark(observation.track_id);
       ++forgotten;
     }

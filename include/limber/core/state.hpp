@@ -89,6 +89,8 @@ struct Landmark {
   int anchor = -1;                                             ///< index of its anchor; kInverseDepth only
   Eigen::Index at = 0;                                         ///< its triplet in the error state
   bool dormant = false;                                        ///< `at` is a row of the dormant block
+  double rho_assumed =
+      0.0;  ///< inverse depth at birth if the right pixel under a doubtful theta gave it, else 0
   std::int64_t last_seen_ns = 0;
   int refusals = 0;  ///< frames in a row in which it was refused
 };

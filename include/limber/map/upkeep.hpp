@@ -24,6 +24,10 @@ struct UpkeepOptions {
   /// more than this over one standard deviation [px]: a linear update would put it in a wrong place with
   /// great confidence.
   double max_curvature_px = 0.25;
+  /// A point born under a doubtful calibration is taken for a new one once its inverse depth turns out to lie
+  /// this share away from what was assumed at birth [-], and is known better than that: its first frames
+  /// were linearised at the wrong place.
+  double max_depth_shift = 0.1;
 };
 
 /// Linearity index of an inverse-depth landmark seen from the current pose: 4 sigma_d / d |cos(alpha)| [-],
@@ -36,11 +40,16 @@ struct UpkeepOptions {
 [[nodiscard]] double projection_curvature(const Estimate& estimate, const Landmark& landmark,
                                           const MountedCamera& cam0);
 
-/// @brief Forgets observed landmarks that were absent for a while and whose place has become too uncertain.
+/// How far the inverse depth has moved since a birth under a doubtful calibration, as a share of what was
+/// assumed then [-]; zero while it is not known better than that, and for all other landmarks.
+[[nodiscard]] double depth_shift(const Estimate& estimate, const Landmark& landmark);
+
+/// @brief Forgets observed landmarks that are to be born anew: those that were absent for a while and whose
+/// place has become too uncertain, and those whose depth turned out to be another.
 /// @param previous_ns  time of the frame before: landmarks seen then are not absent
 /// @return number of removed landmarks
-std::size_t forget_uncertain_returns(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
-                                     const MountedCamera& cam0, const UpkeepOptions& options);
+std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
+                             const MountedCamera& cam0, const UpkeepOptions& options);
 
 /// @brief Lays landmarks to rest that were not seen for a while and recalls those that `frame` sees.
 /// Does something only if a dormant landmark is seen, or every rest_after_s.
