@@ -192,22 +192,26 @@ RunSummary summarize(const Recording& recording, const RunOptions& options, cons
 
 void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
                       const RunSummary& summary) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw DataError(folder.string(), 0, "a folder that can be made and written",
-                    error ? error.message() : "something else");
-  }
   std::vector<StampedPose> poses;
   for (const TrajectoryRow& row : record.trajectory) {
     poses.push_back({row.t_ns, row.T_world_body});
   }
-  write_tum(folder / "trajectory.tum", poses);
-  write_trajectory_csv(folder / "trajectory.csv", record.trajectory);
-  write_landmarks_ply(folder / "landmarks.ply", record.landmarks);
-  write_file_atomically(folder / "frames.csv", frames_csv(record));
-  write_file_atomically(folder / "refusals.csv", refusals_csv(record));
-  write_file_atomically(folder / "summary.json", to_json(options, record, summary).dump(2) + "\n");
+  try {
+    const FolderUnlessEmpty outer(folder);
+    StagedFolder staged(folder / "results");
+    write_tum(staged.path() / "trajectory.tum", poses);
+    write_trajectory_csv(staged.path() / "trajectory.csv", record.trajectory);
+    write_landmarks_ply(staged.path() / "landmarks.ply", record.landmarks);
+    write_file_atomically(staged.path() / "frames.csv", frames_csv(record));
+    write_file_atomically(staged.path() / "refusals.csv", refusals_csv(record));
+    write_file_atomically(staged.path() / "summary.json", to_json(options, record, summary).dump(2) + "\n");
+    std::filesystem::remove(folder / "summary.json");  // an older run's must not stand beside new files
+    staged.move_files(
+        {"trajectory.tum", "trajectory.csv", "landmarks.ply", "frames.csv", "refusals.csv", "summary.json"},
+        folder);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw DataError(folder.string(), 0, "a folder that can be made and written", error.code().message());
+  }
 }
 
 }  // namespace limber
