@@ -86,5 +86,6 @@ int main(int argc, char** argv) {
   limber::app::add_run_command(app);
   limber::app::add_simulate_command(app);
   limber::app::add_evaluate_command(app);
+  limber::app::add_study_command(app);
   return run(app, argc, argv);
 }

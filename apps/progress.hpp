@@ -33,7 +33,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   /// So much is done. Cheap: draws at most ten times a second.
-  void done(std::size_t count) {
+  /// @param detail stands between the percentage and the time to go
+  void done(std::size_t count, std::string_view detail = "") {
     const auto now = Clock::now();
     if (!draws_ || (drawn_ && now - last_drawn_ < std::chrono::milliseconds(100))) {
       return;
@@ -42,8 +43,8 @@ class Progress {
     drawn_ = true;
     const double share = std::min(1.0, static_cast<double>(count) / static_cast<double>(total_));
     const auto filled = static_cast<std::size_t>(share * kWidth);
-    fmt::print(stream_, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}", label_, "", filled, "", kWidth - filled,
-               100.0 * share, remaining(share, now));
+    fmt::print(stream_, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}{}{}", label_, "", filled, "",
+               kWidth - filled, 100.0 * share, detail.empty() ? "" : ", ", detail, remaining(share, now));
     std::fflush(stream_);
   }
 
@@ -59,8 +60,12 @@ class Progress {
   // Time to go at the pace so far; nothing in the first second, when the pace is a guess.
   [[nodiscard]] std::string remaining(double share, Clock::time_point now) const {
     const double elapsed = std::chrono::duration<double>(now - started_).count();
-    return elapsed < 1.0 || share <= 0.0 ? ""
-                                         : fmt::format(", {:.0f} s to go", elapsed * (1.0 - share) / share);
+    if (elapsed < 1.0 || share <= 0.0) {
+      return "";
+    }
+    const double seconds = elapsed * (1.0 - share) / share;
+    return seconds < 100.0 ? fmt::format(", {:.0f} s to go", seconds)
+                           : fmt::format(", {:.0f} min to go", seconds / 60.0);
   }
 
   std::string label_;

@@ -13,6 +13,7 @@
 #include "limber/run/run_output.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
+#include "parsed_by.hpp"
 #include "progress.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
@@ -31,20 +32,6 @@ struct RunArguments {
   std::size_t max_landmarks = 300;
   std::uint64_t seed = 0, run = 0;
 };
-
-/// A CLI validator from a parser that throws std::invalid_argument.
-template <typename Parse>
-CLI::Validator parsed_by(Parse parse) {
-  return {[parse](std::string& text) {
-            try {
-              (void)parse(text);
-              return std::string();
-            } catch (const std::invalid_argument& error) {
-              return std::string(error.what());
-            }
-          },
-          ""};
-}
 
 RunOptions to_options(const RunArguments& arguments, const Recording& recording) {
   RunOptions options;

@@ -137,7 +137,9 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
     navigator.constraints = choose_constraints(options, navigator.motion, setup);
   }
   choose_noise(recording, options, setup);
-  navigator.gravity = setup.gravity;
+  navigator.gravity = options.gravity;
+  navigator.constant_velocity_noise =
+      options.constant_velocity_noise.value_or(navigator.constant_velocity_noise);
   navigator.theta_sigma = options.theta_sigma.value_or(plausible_error(setup.calibration.baseline()));
   navigator.theta_walk = options.theta_walk.value_or(default_walk(setup.calibration.baseline()));
   navigator.landmarks = options.landmarks;

@@ -23,6 +23,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) {
     return 0.0;
@@ -82,11 +84,18 @@ void judge(const Recording& recording, const RunOptions& options, const RunRecor
   const PoseErrorStatistics errors = absolute_errors(poses, start);
   out.position_rmse_m = errors.position_m.rmse;
   out.attitude_rmse_deg = errors.attitude_deg.rmse;
+  out.position_max_m = errors.position_m.max;
+  out.attitude_max_deg = errors.attitude_deg.max;
+  const PoseErrorVector last = pose_error(start * poses.back().estimate, poses.back().truth);
+  out.position_final_m = last.head<3>().norm();
+  out.attitude_final_deg = last.tail<3>().norm() * kDegreesPerRadian;
   const Consistency consistency = average_nees(poses, covariances, start, estimate.front().t_ns);
+  out.frames_refused = consistency.frames_refused;
   if (consistency.anees) {
     out.anees = consistency.anees->pose;
     out.anees_position = consistency.anees->position;
     out.anees_attitude = consistency.anees->attitude;
+    out.share_within_95 = consistency.share_within_95;
   }
 }
 
@@ -170,21 +179,22 @@ RunSummary summarize(const Recording& recording, const RunOptions& options, cons
   if (!recording.groundtruth.empty()) {
     judge(recording, options, record, out);
   }
-  double nis = 0.0, dof = 0.0, used = 0.0;
+  double used = 0.0;
   for (const FrameReport& frame : record.frames) {
-    nis += frame.nis;
-    dof += static_cast<double>(frame.dof);
+    out.nis += frame.nis;
+    out.nis_dof += static_cast<double>(frame.dof);
     used += static_cast<double>(frame.used);
     out.points_refused += frame.refused.size();
   }
-  if (dof > 0.0) {
-    out.nis_per_dof = nis / dof;
+  if (out.nis_dof > 0.0) {
+    out.nis_per_dof = out.nis / out.nis_dof;
   }
   out.points_per_frame = used / static_cast<double>(out.frames);
   out.ms_per_frame_p50 = quantile(record.frame_ms, 0.5);
   out.ms_per_frame_p99 = quantile(record.frame_ms, 0.99);
-  const double spent_ms = std::accumulate(record.frame_ms.begin(), record.frame_ms.end(), 0.0) +
-                          std::accumulate(record.source_ms.begin(), record.source_ms.end(), 0.0);
+  const double filter_ms = std::accumulate(record.frame_ms.begin(), record.frame_ms.end(), 0.0);
+  out.ms_per_frame_mean = filter_ms / static_cast<double>(out.frames);
+  const double spent_ms = filter_ms + std::accumulate(record.source_ms.begin(), record.source_ms.end(), 0.0);
   out.realtime_factor = spent_ms > 0.0 ? 1e3 * out.duration_s / spent_ms : 0.0;
   out.peak_rss_mb = peak_rss_mb();
   return out;

@@ -98,11 +98,13 @@ InitialState start_from_truth(const Recording& recording, const RunOptions& opti
                               std::int64_t t_ns) {
   GroundTruthState truth = *groundtruth_at(recording.groundtruth, t_ns);
   InitialSigma sigma = options.initial;
+  InitialSigma error = options.initial_error.value_or(options.initial);
   if (!recording.groundtruth_has_velocity) {
     truth.v_world_body = differenced_velocity(recording, t_ns);
     sigma.velocity = std::max(sigma.velocity, kUnknownVelocity);
+    error.velocity = std::max(error.velocity, kUnknownVelocity);
   }
-  InitialSigmas drawn{sigma.position, sigma.attitude, sigma.velocity, sigma.bias_accel, sigma.bias_gyro};
+  InitialSigmas drawn{error.position, error.attitude, error.velocity, error.bias_accel, error.bias_gyro};
   if (!recording.groundtruth_has_biases) {
     drawn.bias_accel = drawn.bias_gyro = 0.0;
     sigma.bias_accel = std::max(sigma.bias_accel, kUnknownBiasAccel);
@@ -142,7 +144,8 @@ InitialState start_from_sensors(const Recording& recording, const RunSetup& setu
   const std::int64_t end = ahead.frames.back().t_ns;
   const auto imu = between(recording.imu, begin - 20'000'000, end + 20'000'000);
   const auto odometry = between(recording.odometry, begin, end);
-  return initialize({ahead.frames, imu, odometry}, setup.calibration, setup.navigator.motion, setup.gravity);
+  return initialize({ahead.frames, imu, odometry}, setup.calibration, setup.navigator.motion,
+                    setup.navigator.gravity);
 }
 
 /// Feeds inputs in time.
@@ -231,7 +234,7 @@ FrameSource matched_frames(const Recording& recording) {
 }
 
 RunRecord run_recording(const Recording& recording, const RunOptions& options, const FrameSource& frames,
-                        const std::function<void(std::size_t)>& progress) {
+                        const std::function<void(std::size_t)>& progress, const FrameObserver& observe) {
   const RunSetup setup = set_up_run(recording, options);
   const std::size_t first = first_frame(recording, options, setup.navigator.motion);
   const bool from_truth = options.start == StartMode::kGroundTruth;
@@ -266,6 +269,9 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     record.frame_ms.push_back(milliseconds(begin_filter, Clock::now()));
     if (!is_sane(record.trajectory.back())) {
       fail_diverged(options.method, n, frame.t_ns, remarks);
+    }
+    if (observe) {
+      observe(navigator, record.frames.back());
     }
     if (progress) {
       progress(n + 1);

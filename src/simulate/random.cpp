@@ -13,15 +13,6 @@ using Eigen::Vector3d;
 constexpr std::uint32_t low(std::uint64_t x) { return static_cast<std::uint32_t>(x); }
 constexpr std::uint32_t high(std::uint64_t x) { return static_cast<std::uint32_t>(x >> 32); }
 
-/// FNV-1a, 64 bit.
-std::uint64_t hash(std::string_view text) {
-  std::uint64_t h = 0xcbf29ce484222325ULL;
-  for (const char c : text) {
-    h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
-  }
-  return h;
-}
-
 /// 64 random bits to (0, 1): 53 of them, in the middle of their cell, so that neither end can occur.
 double to_open_unit(std::uint32_t a, std::uint32_t b) {
   const std::uint64_t bits = (static_cast<std::uint64_t>(a) << 32 | b) >> 12;
@@ -50,8 +41,16 @@ std::array<std::uint32_t, 4> philox4x32(const std::array<std::uint32_t, 4>& coun
   return c;
 }
 
+std::uint64_t fnv1a(std::string_view text) {
+  std::uint64_t h = 0xcbf29ce484222325ULL;
+  for (const char c : text) {
+    h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  }
+  return h;
+}
+
 RandomStream::RandomStream(std::uint64_t seed, std::uint64_t run, std::string_view name) {
-  const std::uint64_t stream = hash(name);
+  const std::uint64_t stream = fnv1a(name);
   const auto bits = philox4x32({low(run), high(run), low(stream), high(stream)}, {low(seed), high(seed)});
   key_ = {bits[0], bits[1]};
 }

@@ -289,6 +289,8 @@ void visit_fields(FieldVisitor& io, FilterScenario& f, double baseline) {
              {"mm^2 per 10 ms", kSquareMillimetre * kStepsPerSecond});
   io.number("acceleration_noise", f.acceleration_noise, kNotNegative, {"m/s^2/sqrt(Hz)"});
   io.number("angular_noise", f.angular_noise, kNotNegative, {"rad/s^2/sqrt(Hz)"});
+  io.boolean("gate", f.gate);
+  io.integer("max_landmarks", f.max_landmarks, {.min = 1.0, .max = 1e5}, kNone);
 }
 
 void check_sample_counts(FieldVisitor& io, const Scenario& s) {

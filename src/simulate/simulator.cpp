@@ -30,19 +30,6 @@ struct Run {
   }
 };
 
-/// Times of a sensor from 0 to the end [ns].
-std::vector<std::int64_t> sample_times(double rate, double duration) {
-  std::vector<std::int64_t> times;
-  const std::int64_t end_ns = std::llround(duration * 1e9);
-  for (std::int64_t k = 0;; ++k) {
-    const std::int64_t t_ns = std::llround(static_cast<double>(k) * 1e9 / rate);
-    if (t_ns > end_ns) {
-      return times;
-    }
-    times.push_back(t_ns);
-  }
-}
-
 StereoCalibration nominal_calibration(const Scenario& scenario) {
   const RigScenario& rig = scenario.rig;
   StereoCalibration calibration{rig.cam0, rig.cam1, rig.theta, rig.body, rig.T_imu_cam0};
@@ -240,6 +227,18 @@ Vector3d point_in_view(const Scenario& scenario, const Vector3d& u) {
 }
 
 }  // namespace
+
+std::vector<std::int64_t> sample_times(double rate, double duration) {
+  std::vector<std::int64_t> times;
+  const std::int64_t end_ns = std::llround(duration * 1e9);
+  for (std::int64_t k = 0;; ++k) {
+    const std::int64_t t_ns = std::llround(static_cast<double>(k) * 1e9 / rate);
+    if (t_ns > end_ns) {
+      return times;
+    }
+    times.push_back(t_ns);
+  }
+}
 
 std::vector<Vector3d> make_world(const Scenario& scenario, const SplineTrajectory& trajectory,
                                  std::uint64_t seed, std::uint64_t run) {

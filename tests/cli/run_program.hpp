@@ -29,15 +29,19 @@ inline std::string shell_quoted(const std::string& argument) {
   return quoted + "'";
 }
 
-/// Runs `limber` with these arguments, neither stdout nor stderr a terminal. `redirect` may send stdout
-/// elsewhere.
-inline ProgramResult run_limber(const std::vector<std::string>& arguments, const std::string& redirect = "") {
-  const TemporaryFolder folder;
-  const fs::path out = folder.path() / "out", err = folder.path() / "err";
+/// The shell command that runs `limber` with these arguments.
+inline std::string limber_command(const std::vector<std::string>& arguments) {
   std::string command = shell_quoted(LIMBER_PROGRAM);
   for (const std::string& argument : arguments) {
     command += " " + shell_quoted(argument);
   }
+  return command;
+}
+
+/// Runs a shell command, neither stdout nor stderr a terminal. `redirect` may send stdout elsewhere.
+inline ProgramResult run_command(std::string command, const std::string& redirect = "") {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out", err = folder.path() / "err";
   command += " >" + shell_quoted(out.string()) + " 2>" + shell_quoted(err.string()) + " " + redirect;
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), read_text(out), read_text(err)};
@@ -64,6 +68,11 @@ inline bool start_and_kill_limber(const std::vector<std::string>& arguments, int
   int status = 0;
   waitpid(child, &status, 0);
   return WIFSIGNALED(status) && WTERMSIG(status) == signal;
+}
+
+/// Runs `limber` with these arguments, see run_command.
+inline ProgramResult run_limber(const std::vector<std::string>& arguments, const std::string& redirect = "") {
+  return run_command(limber_command(arguments), redirect);
 }
 
 /// Names of all files below a folder, sorted by the file system's whim: for "nothing was left behind".

@@ -173,6 +173,20 @@ TEST(SetUpRun, LetsTheRigWalkInProportionToItsBaseline) {
   EXPECT_NEAR(small.theta_sigma[3], 0.01, 1e-15);
 }
 
+TEST(SetUpRun, TakesGravityAndTheNoiseOfTheMotionModelAsTold) {
+  const Recording recording = vision_only(short_recording());
+  const NavigatorOptions defaults = set_up_run(recording, {}).navigator;
+  EXPECT_EQ(defaults.gravity, 9.81);
+  EXPECT_EQ(defaults.constant_velocity_noise.acceleration_density, 0.5);
+  RunOptions options;
+  options.gravity = 1.62;
+  options.constant_velocity_noise = ConstantVelocityNoise{0.25, 0.125};
+  const NavigatorOptions told = set_up_run(recording, options).navigator;
+  EXPECT_EQ(told.gravity, 1.62);
+  EXPECT_EQ(told.constant_velocity_noise.acceleration_density, 0.25);
+  EXPECT_EQ(told.constant_velocity_noise.angular_acceleration_density, 0.125);
+}
+
 TEST(SetUpRun, RefusesAGroundTruthStartWithoutGroundTruth) {
   Recording recording = short_recording();
   recording.groundtruth.clear();

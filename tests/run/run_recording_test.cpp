@@ -282,5 +282,42 @@ TEST(RunRecording, ForgetsPointsOutOfViewBeyondTheLimitOfTheMap) {
   EXPECT_LE(run(recording, options).landmarks.size(), recording.frames.back().observations.size());
 }
 
+TEST(RunRecording, TellsAnObserverOfEveryFrameAndEndsWhenItThrows) {
+  const Recording recording = short_recording();
+  std::vector<std::int64_t> times;
+  struct Enough {};
+  const auto observe = [&](const Navigator& navigator, const FrameReport& report) {
+    EXPECT_EQ(report.t_ns, navigator.estimate().nav.t_ns);
+    times.push_back(report.t_ns);
+    if (times.size() == 5) {
+      throw Enough();
+    }
+  };
+  EXPECT_THROW((void)run_recording(recording, from_truth(), matched_frames(recording), {}, observe), Enough);
+  ASSERT_EQ(times.size(), 5u);
+  EXPECT_EQ(times.back(), recording.frames[4].t_ns);
+}
+
+TEST(RunRecording, DrawsTheStartErrorFromWhatItIsToldWhateverTheEstimatorAssumes) {
+  const Recording recording = short_recording();
+  const auto first_error = [&](double drawn, double assumed) {
+    RunOptions options = from_truth();
+    options.initial.position = assumed;
+    options.initial_error = options.initial;
+    options.initial_error->position = drawn;
+    double error = 0.0;
+    const auto observe = [&](const Navigator& navigator, const FrameReport& report) {
+      if (report.t_ns == 0) {
+        error = (navigator.estimate().nav.T_world_body.p - recording.groundtruth.front().p_world_body).norm();
+      }
+    };
+    (void)run_recording(recording, options, matched_frames(recording), {}, observe);
+    return error;
+  };
+  // Nothing can tell where the world's origin is: the error of the start stays.
+  EXPECT_GT(first_error(1.0, 1e-3), 0.1);
+  EXPECT_LT(first_error(1e-3, 1.0), 0.1);
+}
+
 }  // namespace
 }  // namespace limber

@@ -64,6 +64,8 @@ TEST(ParseScenario, HasThePapersNumbersAsDefaults) {
                                            1e-15));  // 100 times a second 1e-6 rad^2 and 1 mm^2
   EXPECT_EQ(s.filter.acceleration_noise, 0.5);
   EXPECT_EQ(s.filter.angular_noise, 0.2);
+  EXPECT_FALSE(s.filter.gate);
+  EXPECT_EQ(s.filter.max_landmarks, 400);
   EXPECT_FALSE(s.odometry.has_value());
   EXPECT_TRUE(s.decalibration.empty());
 }
@@ -171,6 +173,8 @@ TEST(FormatScenario, WritesWhatParsesBackToTheSameBits) {
     EXPECT_EQ(second.noise.gyro, first.noise.gyro);
     EXPECT_EQ(second.filter.theta_sigma, first.filter.theta_sigma);
     EXPECT_EQ(second.filter.theta_walk, first.filter.theta_walk);
+    EXPECT_EQ(second.filter.gate, first.filter.gate);
+    EXPECT_EQ(second.filter.max_landmarks, first.filter.max_landmarks);
     EXPECT_EQ(second.trajectory.index(), first.trajectory.index());
     EXPECT_EQ(second.odometry.has_value(), first.odometry.has_value());
     ASSERT_EQ(second.decalibration.size(), first.decalibration.size());

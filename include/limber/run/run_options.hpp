@@ -25,7 +25,9 @@ struct RunOptions {
   RigParameters assume_error = RigParameters::Zero();  ///< added to the assumed theta [rad, m]
   std::optional<double> sigma_px;                      ///< nothing: the recording's, or the default
   StartMode start = StartMode::kAuto;
-  InitialSigma initial;  ///< kGroundTruth: what the start error is drawn from
+  InitialSigma initial;  ///< kGroundTruth: what the estimator assumes of its start
+  std::optional<InitialSigma>
+      initial_error;  ///< kGroundTruth: what the start error is drawn from; nothing: `initial`
   LandmarkKind landmarks = LandmarkKind::kInverseDepth;
   bool gate = true;
   std::size_t max_landmarks = 300;
@@ -33,6 +35,8 @@ struct RunOptions {
       theta_sigma;  ///< ekf-full, soft, consider; nothing: 0.1 deg and 5 % of the baseline
   std::optional<RigParameters>
       theta_walk;  ///< ekf-full, variance per second; nothing: Table 1, see run_setup
+  std::optional<ConstantVelocityNoise> constant_velocity_noise;  ///< nothing: the navigator's default
+  double gravity = 9.81;                                         ///< [m/s^2]
   std::uint64_t seed = 0;
   std::uint64_t run = 0;  ///< which draw of the start error
 };
@@ -42,7 +46,6 @@ struct RunOptions {
 struct RunSetup {
   NavigatorOptions navigator;
   StereoCalibration calibration;  ///< with assume_error
-  double gravity = 9.81;
   std::vector<std::string> notes;
 };
 

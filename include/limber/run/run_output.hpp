@@ -18,10 +18,15 @@ struct RunSummary {
   double path_length_m = 0.0;  ///< of the truth if known, else of the estimate
   std::optional<double> ate_none_m, ate_se3_m, ate_sim3_m, scale;
   std::optional<double> position_rmse_m, attitude_rmse_deg;
+  std::optional<double> position_final_m, attitude_final_deg;  ///< after the last frame, aligned as the RMSE
+  std::optional<double> position_max_m, attitude_max_deg;      ///< of any frame
   std::optional<double> anees, anees_position, anees_attitude;
+  std::optional<double> share_within_95;  ///< of the frames of anees, see Consistency
+  std::size_t frames_refused = 0;         ///< of those frames: pose covariance not positive definite
+  double nis = 0.0, nis_dof = 0.0;        ///< sums over all updates
   std::optional<double> nis_per_dof;
-  double ms_per_frame_p50 = 0.0, ms_per_frame_p99 = 0.0;  ///< filter alone
-  double realtime_factor = 0.0;                           ///< duration over time spent, front end included
+  double ms_per_frame_mean = 0.0, ms_per_frame_p50 = 0.0, ms_per_frame_p99 = 0.0;  ///< filter alone
+  double realtime_factor = 0.0;  ///< duration over time spent, front end included
   double peak_rss_mb = 0.0;
   std::size_t points_refused = 0;
   double points_per_frame = 0.0;

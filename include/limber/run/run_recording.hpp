@@ -20,6 +20,9 @@ using FrameSource = std::function<StereoFrame(std::size_t)>;
 /// Frame `n` of a recording with matched points. The recording must outlive the source.
 [[nodiscard]] FrameSource matched_frames(const Recording& recording);
 
+/// Told of every frame once it is processed; what it throws ends the run and passes through.
+using FrameObserver = std::function<void(const Navigator&, const FrameReport&)>;
+
 /// What a run leaves behind.
 struct RunRecord {
   std::vector<TrajectoryRow> trajectory;  ///< after each frame
@@ -36,10 +39,13 @@ struct RunRecord {
 /// StartMode::kGroundTruth and for Method::kOracle only.
 /// Frames before the first IMU or odometry sample are skipped, and said so.
 /// @param progress  told the number of frames done; may be empty
+/// @param observe   may be empty
 /// @throws std::invalid_argument if the recording cannot be run like that (no usable frame, no truth to start
 /// from)
+/// @throws std::runtime_error if the state is not finite after a frame
 [[nodiscard]] RunRecord run_recording(const Recording& recording, const RunOptions& options,
                                       const FrameSource& frames,
-                                      const std::function<void(std::size_t)>& progress = {});
+                                      const std::function<void(std::size_t)>& progress = {},
+                                      const FrameObserver& observe = {});
 
 }  // namespace limber

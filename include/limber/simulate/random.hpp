@@ -14,6 +14,9 @@ namespace limber {
 [[nodiscard]] std::array<std::uint32_t, 4> philox4x32(const std::array<std::uint32_t, 4>& counter,
                                                       const std::array<std::uint32_t, 2>& key);
 
+/// FNV-1a, 64 bit: tells texts apart.
+[[nodiscard]] std::uint64_t fnv1a(std::string_view text);
+
 /// @brief The draws of one named stream of one run. Streams with different names, runs or seeds are
 /// independent. Each draw is addressed by `i`, and by `j` where one index is not enough.
 class RandomStream {

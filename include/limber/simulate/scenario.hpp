@@ -119,6 +119,8 @@ struct FilterScenario {
   RigParameters theta_walk = RigParameters::Constant(1e-6 * 100.0);
   double acceleration_noise = 0.5;  ///< of the constant-velocity model [m/s^2/sqrt(Hz)]
   double angular_noise = 0.2;       ///< of the constant-velocity model [rad/s^2/sqrt(Hz)]
+  bool gate = false;                ///< refuse points whose residual is too large; matching is perfect here
+  int max_landmarks = 400;          ///< size of the map; those unseen for longest go
 };
 
 /// Everything that a simulated recording follows from, but for seed and run.

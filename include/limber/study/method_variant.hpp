@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "limber/core/state.hpp"
+#include "limber/method.hpp"
+
+namespace limber {
+
+/// Random walk of theta that ekf-full assumes, in place of the scenario's.
+struct ThetaWalk {
+  double factor = 1.0;  ///< multiples of the scenario's variances; read unless `absolute`
+  bool absolute = false;
+  double rotation = 0.0;     ///< variance per 10 ms [rad^2], as theta_walk_rotation of a scenario
+  double translation = 0.0;  ///< variance per 10 ms [mm^2], as theta_walk_translation of a scenario
+};
+
+/// A method with what a study may vary of it.
+struct MethodVariant {
+  Method method = Method::kLcekf;
+  std::optional<ConstraintSet> constraints;  ///< lcekf; nothing: the default for the scenario's sensors
+  LandmarkKind landmarks = LandmarkKind::kInverseDepth;
+  std::optional<ThetaWalk> walk;  ///< ekf-full
+};
+
+/// @brief "METHOD[:OPTION...]": METHOD as on the command line; an option is a constraint set (lcekf),
+/// `cartesian`, or a walk of theta (ekf-full): `walk=x10` (multiplies its variances) or `walk=1e-6/1`
+/// (variances per 10 ms, rad^2 and mm^2). For instance "lcekf:rotation+direction", "lcekf:cartesian",
+/// "ekf-full:walk=0/0".
+/// @throws std::invalid_argument for anything else; the message says what was expected
+[[nodiscard]] MethodVariant method_variant_from_string(std::string_view text);
+
+/// The shortest text that method_variant_from_string reads back: the label of tables and curves.
+[[nodiscard]] std::string to_string(const MethodVariant& variant);
+
+/// @brief Comma-separated variants. A parameter name (ax ... tz) after a comma belongs to the list before it,
+/// so that "lcekf:ax,tx,ekf" are two.
+/// @throws std::invalid_argument if one is broken, comes twice, or there is none
+[[nodiscard]] std::vector<MethodVariant> method_variants_from_string(std::string_view text);
+
+}  // namespace limber

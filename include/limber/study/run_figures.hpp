@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace limber {
+
+/// A run that came to nothing: its figures are unknown, and it enters no average.
+struct Divergence {
+  std::size_t frame =
+      0;  ///< stereo frame (0 is the first) that could not be finished, or after which the state is absurd
+  double t = 0.0;      ///< [s] since the start of the recording
+  std::string reason;  ///< in plain words
+};
+
+/// Figures of merit of one run of one method. Definitions as in summary.json, docs/formats.md; nothing is
+/// aligned, since the start is the truth plus a drawn error. What is not known is empty.
+struct RunFigures {
+  std::optional<double> position_rmse_m, attitude_rmse_deg;
+  std::optional<double> position_final_m, attitude_final_deg;  ///< error after the last frame
+  std::optional<double> position_max_m, attitude_max_deg;      ///< largest error of any frame
+  std::optional<double> landmark_rmse_m;                       ///< over the final map
+  std::optional<double> ate_none_m, ate_se3_m, ate_sim3_m, scale;
+  std::optional<double> anees, anees_position,
+      anees_attitude;  ///< per d.o.f., mean over frames later than 1 s
+  std::optional<double>
+      share_within_95;  ///< of those frames, pose NEES below the 95 % quantile of chi-square(6)
+  std::optional<std::int64_t> frames_refused;  ///< of those, without NEES: covariance not positive definite
+  std::optional<double> nis, nis_dof;          ///< sums over all updates
+  std::optional<double> path_length_m, points_per_frame;
+  std::optional<std::int64_t> frames, points_refused;
+  // Depend on the machine, and are no part of what has to be repeatable:
+  std::optional<double> ms_per_frame_mean, ms_per_frame_p50, ms_per_frame_p99;  ///< filter alone [ms]
+};
+
+/// One row of a study.
+struct StudyRun {
+  std::uint64_t run = 0;
+  std::optional<Divergence> diverged;
+  RunFigures figures;
+};
+
+}  // namespace limber

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "schema.hpp"
+
+#include <fmt/format.h>
+
+#include <type_traits>
+
+#include "figures_table.hpp"
+#include "limber/core/errors.hpp"
+
+namespace limber::detail {
+namespace {
+
+constexpr int kApplicationId = 0x6c696d62;  // "limb"
+
+constexpr const char* kTables = R"sql(
+CREATE TABLE study(seed INTEGER NOT NULL, program_version TEXT NOT NULL);
+CREATE TABLE starts(
+  time TEXT NOT NULL, program_version TEXT NOT NULL, compiler TEXT NOT NULL, cpu TEXT NOT NULL,
+  host TEXT NOT NULL, processes INTEGER NOT NULL, threads INTEGER NOT NULL, shard TEXT NOT NULL);
+CREATE TABLE cases(
+  id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, runs INTEGER NOT NULL, scenario TEXT NOT NULL,
+  definition TEXT NOT NULL, definition_hash TEXT NOT NULL);
+CREATE TABLE methods(
+  case_id INTEGER NOT NULL, method INTEGER NOT NULL, label TEXT NOT NULL, PRIMARY KEY(case_id, method));
+CREATE TABLE curves(
+  case_id INTEGER NOT NULL, method INTEGER NOT NULL, quantity TEXT NOT NULL, unit TEXT NOT NULL,
+  sums BLOB NOT NULL, PRIMARY KEY(case_id, method, quantity));
+CREATE TABLE examples(
+  case_id INTEGER NOT NULL, method INTEGER NOT NULL, positions BLOB NOT NULL, PRIMARY KEY(case_id, method));
+)sql";
+
+std::string joined_figures(const char* (*cell)(const char* name)) {
+  std::string text;
+  const RunFigures figures;
+  visit_figures(figures, [&](const char* name, const auto&) {
+    text += (text.empty() ? "" : ", ") + std::string(cell(name));
+  });
+  return text;
+}
+
+std::string runs_table() {
+  std::string columns;
+  const RunFigures figures;
+  visit_figures(figures, [&](const char* name, const auto& figure) {
+    using Value = typename std::decay_t<decltype(figure)>::value_type;
+    columns += fmt::format(", {} {}", name, std::is_floating_point_v<Value> ? "REAL" : "INTEGER");
+  });
+  return "CREATE TABLE runs(case_id INTEGER NOT NULL, method INTEGER NOT NULL, run INTEGER NOT NULL, "
+         "diverged_frame INTEGER, diverged_s REAL, diverged_reason TEXT" +
+         columns + ", PRIMARY KEY(case_id, run, method)) WITHOUT ROWID;";
+}
+
+}  // namespace
+
+bool is_empty(const SqliteFile& file) {
+  return file.integer("SELECT count(*) FROM sqlite_master") == 0 &&
+         file.integer("PRAGMA application_id") == 0;
+}
+
+void check_schema(const SqliteFile& file) {
+  if (file.integer("PRAGMA application_id") != kApplicationId) {
+    throw DataError(file.path().string(), 0, "a study of limber", "another SQLite database");
+  }
+  const std::int64_t version = file.integer("PRAGMA user_version");
+  if (version != kSchemaVersion) {
+    throw DataError(file.path().string(), 0, fmt::format("a study of version {}", kSchemaVersion),
+                    fmt::format("one of version {}, which another version of limber made", version));
+  }
+}
+
+void create_schema(SqliteFile& file) {
+  file.execute(
+      fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {};", kApplicationId, kSchemaVersion));
+  file.execute(kTables);
+  file.execute(runs_table());
+}
+
+std::string figure_columns() {
+  return joined_figures([](const char* name) { return name; });
+}
+
+std::string figure_placeholders() {
+  return joined_figures([](const char*) { return "?"; });
+}
+
+std::string run_columns() { return "run, diverged_frame, diverged_s, diverged_reason, " + figure_columns(); }
+
+void put_run(SqliteStatement& statement, const StudyRun& run) {
+  statement.put(run.run);
+  if (run.diverged) {
+    statement.put(run.diverged->frame).put(run.diverged->t).put(run.diverged->reason);
+  } else {
+    statement.put_null().put_null().put_null();
+  }
+  visit_figures(run.figures, [&](const char*, const auto& figure) { statement.put(figure); });
+}
+
+StudyRun get_run(SqliteStatement& statement) {
+  StudyRun run;
+  statement.get(run.run);
+  std::optional<std::uint64_t> frame;
+  Divergence divergence;
+  statement.get(frame);
+  statement.get(divergence.t);
+  statement.get(divergence.reason);
+  if (frame) {
+    divergence.frame = *frame;
+    run.diverged = divergence;
+  }
+  visit_figures(run.figures, [&](const char*, auto& figure) { statement.get(figure); });
+  return run;
+}
+
+}  // namespace limber::detail

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "limber/study/study_database.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "bytes.hpp"
+#include "limber/core/errors.hpp"
+#include "limber/datasets/interpolate.hpp"
+#include "limber/simulate/scenario_file.hpp"
+#include "limber/simulate/simulator.hpp"
+#include "limber/study/exact_sum.hpp"
+#include "limber/study/study_plan.hpp"
+#include "schema.hpp"
+#include "sqlite.hpp"
+
+namespace limber {
+namespace {
+
+using detail::SqliteFile;
+using detail::SqliteStatement;
+
+std::vector<std::string> labels_of(const SqliteFile& file, std::int64_t id) {
+  std::vector<std::string> labels;
+  SqliteStatement rows = file.prepare("SELECT label FROM methods WHERE case_id = ? ORDER BY method");
+  rows.put(id);
+  while (rows.step()) {
+    rows.get(labels.emplace_back());
+  }
+  return labels;
+}
+
+std::vector<Eigen::Vector3d> positions_from(std::string_view bytes) {
+  std::vector<Eigen::Vector3d> positions;
+  detail::ByteReader in(bytes);
+  for (std::size_t n = bytes.size() / (3 * sizeof(double)); n > 0; --n) {
+    const auto x = in.get<double>(), y = in.get<double>(), z = in.get<double>();
+    positions.emplace_back(x, y, z);
+  }
+  return positions;
+}
+
+}  // namespace
+
+class StudyDatabase::Impl {
+ public:
+  explicit Impl(const std::filesystem::path& path) : file_(path, SqliteFile::Mode::kRead) {
+    detail::check_schema(file_);
+    SqliteStatement study = file_.prepare("SELECT program_version, seed FROM study");
+    if (!study.step()) {
+      throw DataError(path.string(), 0, "a study", "one without a seed");
+    }
+    study.get(info_.program_version);
+    study.get(info_.seed);
+    SqliteStatement rows = file_.prepare(
+        "SELECT id, name, runs, scenario, (SELECT count(*) FROM runs WHERE case_id = id AND method = 0) "
+        "FROM cases ORDER BY id");
+    while (rows.step()) {
+      add_case(rows);
+    }
+  }
+
+  [[nodiscard]] const StudyInfo& info() const { return info_; }
+  [[nodiscard]] const SqliteFile& file() const { return file_; }
+
+  /// The number of a case in the database; checks the indices.
+  [[nodiscard]] std::int64_t id_of(std::size_t study_case, std::size_t method) const {
+    if (study_case >= ids_.size() || method >= info_.cases[study_case].methods.size()) {
+      throw std::invalid_argument(fmt::format("study: no method {} of a case {}", method, study_case));
+    }
+    return ids_[study_case];
+  }
+
+ private:
+  void add_case(SqliteStatement& row) {
+    StudyCaseInfo info;
+    row.get(ids_.emplace_back());
+    row.get(info.name);
+    row.get(info.runs);
+    row.get(info.scenario_text);
+    row.get(info.finished);
+    info.scenario = parse_scenario(info.scenario_text, file_.path());
+    info.labels = labels_of(file_, ids_.back());
+    for (const std::string& label : info.labels) {
+      info.methods.push_back(method_variant_from_string(label));
+    }
+    info.frame_times = frame_times(info.scenario);
+    info_.cases.push_back(std::move(info));
+  }
+
+  SqliteFile file_;
+  StudyInfo info_;
+  std::vector<std::int64_t> ids_;
+};
+
+StudyDatabase::StudyDatabase(const std::filesystem::path& path) : impl_(std::make_unique<Impl>(path)) {}
+StudyDatabase::~StudyDatabase() = default;
+StudyDatabase::StudyDatabase(StudyDatabase&&) noexcept = default;
+StudyDatabase& StudyDatabase::operator=(StudyDatabase&&) noexcept = default;
+
+const StudyInfo& StudyDatabase::info() const { return impl_->info(); }
+
+std::vector<StudyRun> StudyDatabase::runs(std::size_t study_case, std::size_t method) const {
+  SqliteStatement rows = impl_->file().prepare("SELECT " + detail::run_columns() +
+                                               " FROM runs WHERE case_id = ? AND method = ? ORDER BY run");
+  rows.put(impl_->id_of(study_case, method)).put(method);
+  std::vector<StudyRun> runs;
+  while (rows.step()) {
+    runs.push_back(detail::get_run(rows));
+  }
+  return runs;
+}
+
+std::optional<StudyCurve> StudyDatabase::curve(std::size_t study_case, std::size_t method,
+                                               CurveQuantity quantity) const {
+  SqliteStatement row =
+      impl_->file().prepare("SELECT sums FROM curves WHERE case_id = ? AND method = ? AND quantity = ?");
+  row.put(impl_->id_of(study_case, method)).put(method).put(name_of(quantity));
+  if (!row.step()) {
+    return std::nullopt;
+  }
+  return CurveSum(quantity, row.get_bytes()).curve();
+}
+
+ExampleRun StudyDatabase::example(std::size_t study_case) const {
+  static_cast<void>(impl_->id_of(study_case, 0));
+  const StudyCaseInfo& info = this->info().cases[study_case];
+  const Recording recording = simulate(info.scenario, this->info().seed, 0);
+  ExampleRun out;
+  for (const StereoFrame& frame : recording.frames) {
+    out.truth.push_back(groundtruth_at(recording.groundtruth, frame.t_ns)->p_world_body);
+  }
+  for (const auto& [id, p_world_landmark] : recording.landmarks_true) {
+    out.landmarks.push_back(p_world_landmark);
+  }
+  for (std::size_t method = 0; method < info.methods.size(); ++method) {
+    SqliteStatement row =
+        impl_->file().prepare("SELECT positions FROM examples WHERE case_id = ? AND method = ?");
+    row.put(impl_->id_of(study_case, method)).put(method);
+    out.estimate.push_back(row.step() ? positions_from(row.get_bytes()) : std::vector<Eigen::Vector3d>());
+  }
+  return out;
+}
+
+}  // namespace limber
