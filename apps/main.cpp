@@ -87,5 +87,6 @@ int main(int argc, char** argv) {
   limber::app::add_simulate_command(app);
   limber::app::add_evaluate_command(app);
   limber::app::add_study_command(app);
+  limber::app::add_report_command(app);
   return run(app, argc, argv);
 }

@@ -15,6 +15,7 @@
 #include "output_folder.hpp"
 #include "parsed_by.hpp"
 #include "progress.hpp"
+#include "report_files.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
 #ifdef LIMBER_WITH_FRONTEND
@@ -112,6 +113,7 @@ void run(const RunArguments& arguments) {
     print_note(note);
   }
   print_summary(summary, arguments.out);
+  make_report_beside(arguments.out);
 }
 
 }  // namespace
@@ -165,7 +167,8 @@ void add_run_command(CLI::App& app) {
       ->check(whole_number(1, 100'000))
       ->capture_default_str();
   command->footer(
-      "\nWrites trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, refusals.csv and summary.json.\n"
+      "\nWrites trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, refusals.csv, summary.json,\n"
+      "report.html, and truth.tum where the truth is known.\n"
       "Example:\n  limber run data/v101 --method lcekf --assume-error 0,0.5,0,5%,0,0 --out runs/v101");
   command->callback([arguments] { run(*arguments); });
 }
