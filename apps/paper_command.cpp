@@ -11,6 +11,7 @@
 #include "limber/study/paper.hpp"
 #include "limber/study/study_table.hpp"
 #include "output_folder.hpp"
+#include "report_files.hpp"
 #include "study_runner.hpp"
 
 namespace limber::app {
@@ -56,6 +57,7 @@ void paper(const PaperArguments& arguments) {
   const bool complete = run_with_progress(plan, database, arguments.runner, ranks);
   print_tables(StudyDatabase(database), plan);
   export_study(database, arguments.runner.export_format);
+  make_report_beside(database);
   if (!complete) {
     throw CLI::RuntimeError(kExitFailed);
   }
@@ -79,7 +81,7 @@ void add_paper_command(CLI::App& app) {
   auto arguments = std::make_shared<PaperArguments>();
   CLI::App* command =
       app.add_subcommand("paper", "The paper's whole experiment: figures 3 to 18 and table 1");
-  command->add_option("--out", arguments->out, "Folder for paper.sqlite, made or gone on with")->required();
+  command->add_option("--out", arguments->out, "Folder for paper.sqlite, made or gone on with, and paper.html")->required();
   command->add_option("--figure", arguments->figures, "Only this one; may be given several times")
       ->check(known_figure());
   command

@@ -13,6 +13,7 @@
 #include "limber/study/study_table.hpp"
 #include "messages.hpp"
 #include "parsed_by.hpp"
+#include "report_files.hpp"
 #include "study_runner.hpp"
 
 namespace limber::app {
@@ -47,6 +48,7 @@ void study(const StudyArguments& arguments) {
   const bool complete = run_with_progress(plan_of(arguments), arguments.out, arguments.runner, ranks);
   fmt::print("{}", format_study_table(StudyDatabase(arguments.out)));
   export_study(arguments.out, arguments.runner.export_format);
+  make_report_beside(arguments.out);
   if (!complete) {
     throw CLI::RuntimeError(kExitFailed);
   }
@@ -65,6 +67,7 @@ void add_merge_command(CLI::App& study_command) {
   command->callback([arguments] {
     merge_studies(arguments->parts, arguments->out);
     fmt::print("{}", format_study_table(StudyDatabase(arguments->out)));
+    make_report_beside(arguments->out);
   });
 }
 

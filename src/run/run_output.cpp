@@ -47,12 +47,29 @@ Alignment first_whole_pose(const std::vector<MatchedPose>& poses) {
   return out;
 }
 
-Alignment start_alignment(const std::vector<MatchedPose>& poses, const RunOptions& options,
-                          MotionModel motion) {
+struct StartAlignment {
+  Alignment alignment;
+  std::string in_words;
+};
+
+StartAlignment start_alignment(const std::vector<MatchedPose>& poses, const RunOptions& options,
+                               MotionModel motion) {
   if (options.start == StartMode::kGroundTruth) {
-    return {};
+    return {{}, "nothing"};
   }
-  return motion == MotionModel::kImu ? align(poses, AlignmentKind::kFirstPose) : first_whole_pose(poses);
+  return motion == MotionModel::kImu
+             ? StartAlignment{align(poses, AlignmentKind::kFirstPose), "position and yaw of the first pose"}
+             : StartAlignment{first_whole_pose(poses), "whole first pose"};
+}
+
+/// The truth in the world of the estimate; `alignment` is rigid.
+std::vector<StampedPose> truth_seen_from(const std::vector<MatchedPose>& poses, const Alignment& alignment) {
+  const Pose T_est_true = alignment.T_true_est.inverse();
+  std::vector<StampedPose> out;
+  for (const MatchedPose& pose : poses) {
+    out.push_back({pose.t_ns, T_est_true * pose.truth});
+  }
+  return out;
 }
 
 void judge(const Recording& recording, const RunOptions& options, const RunRecord& record, RunSummary& out) {
@@ -80,7 +97,9 @@ void judge(const Recording& recording, const RunOptions& options, const RunRecor
   if (evaluation.sim3.errors) {
     out.scale = evaluation.sim3.alignment.scale;
   }
-  const Alignment start = start_alignment(poses, options, record.motion);
+  const auto [start, in_words] = start_alignment(poses, options, record.motion);
+  out.alignment = in_words;
+  out.truth = truth_seen_from(poses, start);
   const PoseErrorStatistics errors = absolute_errors(poses, start);
   out.position_rmse_m = errors.position_m.rmse;
   out.attitude_rmse_deg = errors.attitude_deg.rmse;
@@ -112,6 +131,25 @@ Json or_null(const std::optional<T>& value) {
   return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
 }
 
+std::vector<double> in_degrees_and_metres(RigParameters theta) {
+  theta.head<3>() *= kDegreesPerRadian;
+  return {theta.data(), theta.data() + theta.size()};
+}
+
+/// What the user chose; null where limber chose (`notes` say what).
+Json to_json(const RunOptions& options) {
+  return {{"method", to_string(options.method)},
+          {"constraints", options.constraints ? Json(to_string(*options.constraints)) : Json(nullptr)},
+          {"assume_error_deg_m", in_degrees_and_metres(options.assume_error)},
+          {"sigma_px", or_null(options.sigma_px)},
+          {"init", options.start == StartMode::kGroundTruth ? "groundtruth" : "auto"},
+          {"landmarks", options.landmarks == LandmarkKind::kCartesian ? "cartesian" : "inverse-depth"},
+          {"gate", options.gate},
+          {"max_landmarks", options.max_landmarks},
+          {"seed", options.seed},
+          {"run", options.run}};
+}
+
 Json to_json(const RunOptions& options, const RunRecord& record, const RunSummary& s) {
   Json json;
   json["method"] = s.method;
@@ -136,6 +174,8 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["points_refused"] = s.points_refused;
   json["health"] = nullptr;
   json["seed"] = options.seed;
+  json["options"] = to_json(options);
+  json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
   json["theta"] = std::vector<double>(record.theta.data(), record.theta.data() + 6);
   json["notes"] = record.notes;
   return json;
@@ -202,22 +242,33 @@ RunSummary summarize(const Recording& recording, const RunOptions& options, cons
 
 void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
                       const RunSummary& summary) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw DataError(folder.string(), 0, "a folder that can be made and written",
-                    error ? error.message() : "something else");
-  }
   std::vector<StampedPose> poses;
   for (const TrajectoryRow& row : record.trajectory) {
     poses.push_back({row.t_ns, row.T_world_body});
   }
-  write_tum(folder / "trajectory.tum", poses);
-  write_trajectory_csv(folder / "trajectory.csv", record.trajectory);
-  write_landmarks_ply(folder / "landmarks.ply", record.landmarks);
-  write_file_atomically(folder / "frames.csv", frames_csv(record));
-  write_file_atomically(folder / "refusals.csv", refusals_csv(record));
-  write_file_atomically(folder / "summary.json", to_json(options, record, summary).dump(2) + "\n");
+  try {
+    const FolderUnlessEmpty outer(folder);
+    StagedFolder staged(folder / "results");
+    std::vector<std::string> names = {"trajectory.tum", "trajectory.csv", "landmarks.ply", "frames.csv",
+                                      "refusals.csv"};
+    write_tum(staged.path() / "trajectory.tum", poses);
+    write_trajectory_csv(staged.path() / "trajectory.csv", record.trajectory);
+    write_landmarks_ply(staged.path() / "landmarks.ply", record.landmarks);
+    write_file_atomically(staged.path() / "frames.csv", frames_csv(record));
+    write_file_atomically(staged.path() / "refusals.csv", refusals_csv(record));
+    if (!summary.truth.empty()) {
+      write_tum(staged.path() / "truth.tum", summary.truth);
+      names.emplace_back("truth.tum");
+    }
+    write_file_atomically(staged.path() / "summary.json", to_json(options, record, summary).dump(2) + "\n");
+    names.emplace_back("summary.json");
+    // An older run's must not stand beside new files.
+    std::filesystem::remove(folder / "summary.json");
+    std::filesystem::remove(folder / "truth.tum");
+    staged.move_files(names, folder);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw DataError(folder.string(), 0, "a folder that can be made and written", error.code().message());
+  }
 }
 
 }  // namespace limber

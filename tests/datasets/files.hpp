@@ -2,8 +2,10 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -71,6 +73,26 @@ inline std::string replaced(std::string text, const std::string& from, const std
   }
   return text.replace(where, from.size(), to);
 }
+
+/// A limit on the size of files stands in for a full disk, for this process and those it starts.
+class SmallDisk {
+ public:
+  SmallDisk() {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{1000, before_.rlim_max};
+    std::signal(SIGXFSZ, SIG_IGN);
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~SmallDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, SIG_DFL);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+
+ private:
+  rlimit before_{};
+};
 
 /// The DataError that `read` throws; the test fails if it throws none.
 inline DataError data_error_of(const std::function<void()>& read) {

@@ -180,16 +180,36 @@ TEST(WriteRunOutput, RefusesAFolderThatCannotBeMade) {
   EXPECT_EQ(testing::read_text(file), "mine");
 }
 
-TEST(WriteRunOutput, LeavesNoTemporaryFileWhereOneFileCannotBeWritten) {
+TEST(WriteRunOutput, WritesNothingWhereOneFileCannotBeWritten) {
   const TemporaryFolder folder;
   const Judged run(short_recording());
   // A folder stands where the last file should go: no summary without the rest, and no half of one.
   fs::create_directories(folder.path() / "summary.json" / "occupied");
   (void)testing::data_error_of(
       [&] { write_run_output(folder.path(), run.options, run.record, run.summary); });
-  EXPECT_THAT(files_in(folder.path()),
-              UnorderedElementsAre("trajectory.tum", "trajectory.csv", "landmarks.ply", "frames.csv",
-                                   "refusals.csv", "summary.json"));
+  EXPECT_THAT(files_in(folder.path()), UnorderedElementsAre("summary.json"));
+}
+
+TEST(WriteRunOutput, LeavesNothingOnAFullDisk) {
+  const TemporaryFolder folder;
+  const Judged run(short_recording());
+  {
+    const testing::SmallDisk disk;
+    const DataError error = testing::data_error_of(
+        [&] { write_run_output(folder.path() / "new", run.options, run.record, run.summary); });
+    EXPECT_NE(std::string(error.what()).find("room to write the file"), std::string::npos) << error.what();
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(WriteRunOutput, ReplacesTheResultsOfAnOlderRunAndLeavesOtherFilesAlone) {
+  const TemporaryFolder folder;
+  testing::write_text(folder.path() / "summary.json", "old");
+  testing::write_text(folder.path() / "notes.txt", "mine");
+  const Judged run(short_recording());
+  write_run_output(folder.path(), run.options, run.record, run.summary);
+  EXPECT_EQ(Json::parse(testing::read_text(folder.path() / "summary.json"))["frames"], 41);
+  EXPECT_EQ(testing::read_text(folder.path() / "notes.txt"), "mine");
 }
 
 }  // namespace

@@ -16,4 +16,9 @@ namespace limber {
 void write_landmarks_ply(const std::filesystem::path& path,
                          const std::map<std::int64_t, Eigen::Vector3d>& landmarks);
 
+/// @brief Reads what write_landmarks_ply wrote: ASCII PLY whose vertices have x, y, z and id, in any order
+/// and among others.
+/// @throws DataError (file, line) if the file is something else, a number is not finite or an id comes twice
+[[nodiscard]] std::map<std::int64_t, Eigen::Vector3d> read_landmarks_ply(const std::filesystem::path& path);
+
 }  // namespace limber

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "limber/core/pose.hpp"
 #include "limber/datasets/recording.hpp"
 #include "limber/run/run_recording.hpp"
 
@@ -30,6 +32,11 @@ struct RunSummary {
   double peak_rss_mb = 0.0;
   std::size_t points_refused = 0;
   double points_per_frame = 0.0;
+  /// What was taken out before position_rmse_m, attitude_rmse_deg and anees: "nothing", "position and yaw of
+  /// the first pose" or "whole first pose"; empty without truth.
+  std::string alignment;
+  /// The truth at the times of the frames that have one, in the world of the estimate (so aligned).
+  std::vector<StampedPose> truth;
 };
 
 /// @brief Judges a run against the recording's ground truth, where it has one.
@@ -39,8 +46,9 @@ struct RunSummary {
 [[nodiscard]] RunSummary summarize(const Recording& recording, const RunOptions& options,
                                    const RunRecord& record);
 
-/// @brief Writes trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, refusals.csv and summary.json, in
-/// this order, each whole or not at all. `folder` is made if needed.
+/// @brief Writes trajectory.tum, trajectory.csv, truth.tum (where the truth is known), landmarks.ply,
+/// frames.csv, refusals.csv and summary.json: all of them or none; a folder without summary.json holds no
+/// finished run. `folder` is made if needed.
 /// @throws DataError if the folder cannot be written
 void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
                       const RunSummary& summary);

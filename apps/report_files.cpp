@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#include "report_files.hpp"
+
+#include "limber/report/run_report.hpp"
+#include "limber/report/study_report.hpp"
+#include "limber/report/write_report.hpp"
+#include "messages.hpp"
+
+namespace limber::app {
+
+namespace fs = std::filesystem;
+
+fs::path default_report_path(const fs::path& results) {
+  return fs::is_directory(results) ? results / "report.html" : fs::path(results).replace_extension(".html");
+}
+
+void make_report(const fs::path& results, const fs::path& page) {
+  write_report(fs::is_directory(results) ? run_report(results) : study_report(load_study(results)), page);
+}
+
+void make_report_beside(const fs::path& results) {
+  if (!can_write_reports()) {
+    print_note("the report is left out: " + why_no_reports());
+    return;
+  }
+  const fs::path page = default_report_path(results);
+  make_report(results, page);
+  print_note("written: " + page.string());
+}
+
+}  // namespace limber::app

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+/// What a report says, before it becomes a page: plain data. All text is UTF-8 and is shown as it is, never
+/// as markup. Numbers in traces are drawn in the unit of their axis; NaN is a gap in a curve.
+namespace limber {
+
+/// A name and a value, e.g. {"position RMSE", "0.041 m"}.
+struct ReportFact {
+  std::string name, value;
+};
+
+enum class TraceShape : std::uint8_t {
+  kLine,
+  kBound,  ///< dotted, thin, and without a line in the legend: the 3 sigma of the line with the same style
+  kDots    ///< unconnected
+};
+
+/// One curve or cloud.
+struct ReportTrace {
+  std::string name;  ///< in the legend
+  /// Chooses colour and dash, the same on every page: a method's name (with what is varied of it after a
+  /// colon, "lcekf:rotation"), "truth", "landmarks", "band", "wide" (pale, to lie below another), or "series
+  /// 1" to "series 4".
+  std::string style;
+  TraceShape shape = TraceShape::kLine;
+  std::vector<double> x, y, z;  ///< equally long; z in figures of kind kSpace only, else empty
+  std::size_t panel = 0;        ///< which of the figure's y axes
+};
+
+struct ReportAxis {
+  std::string title, unit;
+};
+
+enum class FigureKind : std::uint8_t {
+  kCurves,   ///< y over x; long traces are thinned to the extremes of each stretch
+  kTopView,  ///< paths and points, equal scales; long ones are thinned evenly
+  kSpace     ///< the same in 3-D, to be turned
+};
+
+/// One of several looks at a figure, e.g. {"without ekf", {"ekf"}}: the paper's (b).
+struct FigureVariant {
+  std::string label;
+  std::vector<std::string> hidden_styles;
+};
+
+struct ReportFigure {
+  std::string id;  ///< unique in the document; names the anchor and the file of an export
+  std::string title, caption;
+  FigureKind kind = FigureKind::kCurves;
+  ReportAxis x;
+  std::vector<ReportAxis> y;            ///< one per panel, from top to bottom; kTopView: one; kSpace: y and z
+  bool log_switch = false;              ///< offer a logarithmic y axis
+  bool starts_in_log = false;           ///< and begin with it
+  bool half_width = false;              ///< two of them stand side by side where there is room
+  std::vector<FigureVariant> variants;  ///< to choose from, the first at first; may be empty
+  std::vector<ReportTrace> traces;
+};
+
+/// A cell's text, and how it stands out.
+struct TableCell {
+  enum class Mark : std::uint8_t { kNone, kBest, kBad };
+  std::string text;
+  Mark mark = Mark::kNone;
+};
+
+struct ReportTable {
+  std::string title;
+  std::vector<std::string> columns;  ///< heads, with unit; the first column names the row
+  std::vector<std::vector<TableCell>> rows;
+  std::string note;  ///< under the table; may be empty
+};
+
+enum class Verdict : std::uint8_t { kAgrees, kDisagrees, kNotMeasured };
+/// "agrees", "does not agree", "not measured".
+[[nodiscard]] std::string_view to_string(Verdict verdict);
+
+/// A statement that somebody made, and what was measured.
+struct ReportClaim {
+  std::string statement;
+  std::string source;     ///< e.g. "4.3.1, Figure 5"
+  std::string criterion;  ///< the rule that turned `measured` into `verdict`
+  std::string measured;
+  Verdict verdict = Verdict::kNotMeasured;
+};
+
+struct ReportText {
+  std::string text;  ///< a paragraph
+};
+struct ReportFacts {
+  std::string title;
+  std::vector<ReportFact> facts;
+};
+/// Preformatted text behind a line that opens it, e.g. a scenario file.
+struct ReportListing {
+  std::string title, text;
+};
+struct ReportClaims {
+  std::string title;
+  std::vector<ReportClaim> claims;
+};
+
+using ReportBlock =
+    std::variant<ReportText, ReportFacts, ReportFigure, ReportTable, ReportClaims, ReportListing>;
+
+struct ReportSection {
+  std::string id, title;  ///< id: unique in the document
+  std::vector<ReportBlock> blocks;
+};
+
+struct ReportDocument {
+  std::string title, subtitle;
+  std::vector<ReportFact> facts;  ///< what a reader wants to know first
+  std::vector<ReportSection> sections;
+  std::string footer;  ///< e.g. the program and its version
+};
+
+}  // namespace limber

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace limber {
+
+/// One line of a run's frames.csv.
+struct FrameRow {
+  std::int64_t t_ns = 0;
+  std::size_t observed = 0, used = 0, born = 0, removed = 0, refused = 0;  ///< points
+  bool gate_overruled = false;
+  double nis = 0.0;                         ///< of the rows that entered [-]
+  std::size_t dof = 0;                      ///< of nis
+  std::size_t rank = 0;                     ///< constrained directions
+  double filter_ms = 0.0, source_ms = 0.0;  ///< time spent [ms]
+};
+
+/// @throws DataError if the file cannot be used
+[[nodiscard]] std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path);
+
+}  // namespace limber

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+// The page: reads the document beside it, builds sections, draws figures when they come into view.
+
+function currentTheme() {
+  return document.documentElement.dataset.theme;
+}
+
+const VERDICTS = { 'agrees': ['agrees', '✓ '], 'does not agree': ['disagrees', '✗ '], 'not measured': ['open', ''] };
+
+const BLOCKS = {
+  text: (block) => element('p', {}, block.text),
+  listing: (block) => element('details', { class: 'listing' }, element('summary', {}, block.title), element('pre', {}, block.text)),
+  facts: (block) => element('div', {}, ...heading(block.title), factList(block.facts, 'facts')),
+  table: (block) => tableOf(block),
+  claims: (block) => element('div', { class: 'claims' }, ...heading(block.title), element('ol', {}, ...block.claims.map(claimOf))),
+  figure: (block, page) => {
+    const view = new FigureView(block, page.document.series);
+    page.figures.set(block.id, view);
+    view.refresh();
+    page.watch(view);
+    return view.root;
+  },
+};
+
+function heading(title) {
+  return title ? [element('h3', {}, title)] : [];
+}
+
+function factList(facts, name) {
+  return element('dl', { class: name }, ...facts.map((fact) =>
+    element('div', {}, element('dt', {}, fact.name), element('dd', {}, fact.value))));
+}
+
+function tableOf(block) {
+  const row = (cells) => element('tr', {}, ...cells.map((cell) => element('td', cell.mark ? { class: cell.mark } : {}, cell.text)));
+  return element('div', { class: 'table' }, ...heading(block.title),
+    element('div', { class: 'scroll', tabindex: '0', role: 'group', 'aria-label': block.title || 'Table' },
+      element('table', {},
+        element('thead', {}, element('tr', {}, ...block.columns.map((name) => element('th', { scope: 'col' }, name)))),
+        element('tbody', {}, ...block.rows.map(row)))),
+    ...(block.note ? [element('p', { class: 'note' }, block.note)] : []));
+}
+
+function claimOf(claim) {
+  const [name, sign] = VERDICTS[claim.verdict];
+  return element('li', { class: name },
+    element('div', {}, element('p', {}, claim.statement), element('p', { class: 'small' }, claim.source)),
+    element('div', {}, element('p', { class: 'measured' }, claim.measured), element('p', { class: 'small' }, claim.criterion)),
+    element('span', { class: 'verdict' }, sign + claim.verdict));
+}
+
+class Page {
+  constructor(data) {
+    this.document = data;
+    this.figures = new Map();
+    this.observer = new IntersectionObserver((entries) => {
+      for (const entry of entries) {
+        if (entry.isIntersecting && !entry.target.view.drawn) {
+          entry.target.view.draw();
+        }
+      }
+    }, { rootMargin: '400px' });
+  }
+
+  watch(view) {
+    view.root.view = view;
+    this.observer.observe(view.root);
+  }
+
+  build() {
+    const { title, subtitle, facts, sections, footer } = this.document;
+    document.getElementById('title').textContent = title;
+    document.getElementById('subtitle').textContent = subtitle;
+    document.getElementById('facts').replaceWith(factList(facts, 'facts lead'));
+    document.getElementById('footer').textContent = footer;
+    document.getElementById('sections').replaceChildren(...sections.map((section) => this.section(section)));
+    this.buildContents(sections);
+  }
+
+  section({ id, title, blocks }) {
+    return element('section', { id }, element('h2', {}, title),
+      element('div', { class: 'blocks' }, ...blocks.map((block) => BLOCKS[block.type](block, this))));
+  }
+
+  buildContents(sections) {
+    if (sections.length < 4) {
+      return;
+    }
+    const wide = window.matchMedia('(min-width: 1100px)');
+    const details = element('details', {}, element('summary', {}, 'Contents'),
+      element('ul', {}, ...sections.map(({ id, title }) => element('li', {}, element('a', { href: `#${id}` }, title)))));
+    const fit = () => details.toggleAttribute('open', wide.matches);
+    wide.addEventListener('change', fit);
+    fit();
+    document.getElementById('contents').append(details);
+    document.querySelector('.columns').classList.add('with-contents');
+  }
+
+  refresh() {
+    return Promise.all([...this.figures.values()].map((view) => view.refresh()));
+  }
+}
+
+// Light or dark: as the system says, until the reader says otherwise.
+const darkSystem = window.matchMedia('(prefers-color-scheme: dark)');
+
+function setTheme(theme, page) {
+  document.documentElement.dataset.theme = theme;
+  const button = document.getElementById('theme');
+  button.setAttribute('aria-pressed', String(theme === 'dark'));
+  button.textContent = theme === 'dark' ? 'Light' : 'Dark';
+  return page.refresh();
+}
+
+/** Paper is white: light colours while the page is printed, and every figure drawn. */
+function drawForPrint(page) {
+  let before = currentTheme();
+  window.addEventListener('beforeprint', () => {
+    before = currentTheme();
+    setTheme('light', page);
+    for (const view of page.figures.values()) {
+      if (!view.drawn && view.figure.kind !== 'space') {
+        view.draw();
+      }
+    }
+  });
+  window.addEventListener('afterprint', () => setTheme(before, page));
+}
+
+function start() {
+  const page = new Page(JSON.parse(document.getElementById('report-data').textContent));
+  document.documentElement.dataset.theme = darkSystem.matches ? 'dark' : 'light';
+  page.build();
+  setTheme(currentTheme(), page);
+  darkSystem.addEventListener('change', () => setTheme(darkSystem.matches ? 'dark' : 'light', page));
+  document.getElementById('theme').addEventListener('click', () =>
+    setTheme(currentTheme() === 'dark' ? 'light' : 'dark', page));
+  drawForPrint(page);
+  // For scripts: the document, and any figure as an image for a paper (docs/report.md).
+  window.limberReport = {
+    document: page.document,
+    plot: (id) => page.figures.get(id).plot,
+    draw: (id) => page.figures.get(id).draw(),
+    image: (id, format, size) => page.figures.get(id).image(format, size),
+  };
+}
+
+start();

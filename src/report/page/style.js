@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// How curves look. One method has one colour on every page, light and dark; the hues are those of Okabe and Ito,
+// which colour-blind readers can tell apart, and dashes help where many methods meet.
+const STYLES = {
+  'ekf': { light: '#0072b2', dark: '#5aaee6' },
+  'ekf-full': { light: '#00825f', dark: '#2fc397' },
+  'lcekf': { light: '#d55e00', dark: '#f58a3a' },
+  'mono-left': { light: '#b0509a', dark: '#e592cd', dash: 'dash' },
+  'oracle': { light: '#59626b', dark: '#b4bdc6', dash: 'longdash' },
+  'soft': { light: '#6b5bc2', dark: '#aa9cf2', dash: 'dashdot' },
+  'consider': { light: '#8a6d00', dark: '#d6b741', dash: 'dashdot' },
+  'adaptive': { light: '#00838f', dark: '#3cc8d8', dash: 'longdashdot' },
+  'truth': { light: '#1b1f23', dark: '#f2f4f6', width: 1.3 },
+  'landmarks': { light: '#8a949e', dark: '#77828d' },
+  'band': { light: '#59626b', dark: '#aab4be', width: 1.2 },
+  'wide': { light: '#c6cdd4', dark: '#4a535c', width: 6 },
+  'series 1': { light: '#004488', dark: '#7aaef5' },
+  'series 2': { light: '#bb5566', dark: '#f08fa0' },
+  'series 3': { light: '#a87b00', dark: '#e3bd55' },
+  'series 4': { light: '#3f8f4f', dark: '#7fd08f' },
+  'plain': { light: '#0072b2', dark: '#5aaee6' },
+};
+const DASHES_OF_VARIANTS = ['dash', 'dashdot', 'longdash', 'longdashdot'];
+
+const variantsSeen = new Map();  // 'lcekf' -> ['lcekf:rotation', ...], in order of appearance
+
+/** A style such as 'lcekf:rotation' has lcekf's colour, and a dash that tells it from other variants. */
+function dashOfVariant(base, style) {
+  const seen = variantsSeen.get(base) ?? [];
+  variantsSeen.set(base, seen);
+  if (!seen.includes(style)) {
+    seen.push(style);
+  }
+  return DASHES_OF_VARIANTS[seen.indexOf(style) % DASHES_OF_VARIANTS.length];
+}
+
+/** Colour, dash and width of a style in a theme. */
+function lookOf(style, theme) {
+  const base = style.split(':')[0];
+  const look = STYLES[base] ?? STYLES.plain;
+  const dash = base === style ? look.dash ?? 'solid' : dashOfVariant(base, style);
+  return { color: look[theme], dash, width: look.width ?? 1.8 };
+}
+
+const THEMES = {
+  light: { ink: '#1b1f23', quiet: '#5a646e', grid: '#e4e8ec', line: '#aeb7c0', card: '#ffffff' },
+  dark: { ink: '#e7eaed', quiet: '#a3adb7', grid: '#2b3137', line: '#59626b', card: '#1a1e22' },
+};
+const FONT = 'system-ui, "Segoe UI", Roboto, "Helvetica Neue", "Noto Sans", Arial, sans-serif';

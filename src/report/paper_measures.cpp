@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: MIT
+#include "paper_measures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "limber/study/study_plan.hpp"
+
+namespace limber::detail {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kWalkTolerance = 1e-3;  // relative; walks are written with one digit
+constexpr double kScaleTolerance = 0.02;
+
+using MaybeScore = std::optional<Score>;
+using ScoreOf = MaybeScore (*)(const Measured&);
+
+bool is_paper_method(const Scenario& scenario, const MethodVariant& variant, PaperMethod method) {
+  switch (method) {
+    case PaperMethod::kEkf:
+      return variant.method == Method::kEkf;
+    case PaperMethod::kEkfFull:
+      return variant.method == Method::kEkfFull && !variant.walk;
+    case PaperMethod::kLcekf:  // without an IMU the default set leaves the length of the baseline out
+      return variant.method == Method::kLcekf &&
+             (variant.constraints ? variant.constraints->kind == ConstraintSet::Kind::kFull
+                                  : scenario.use_imu);
+  }
+  return false;
+}
+
+Score score(const Measured& m, double value, const char* unit) {
+  const MethodSummary& s = m.method->summary;
+  if (s.diverged > 0) {
+    return {kInfinity, fmt::format("{} diverged in {} of {} runs", m.label(), s.diverged, s.runs)};
+  }
+  return {value, fmt::format("{} {:.3g} {}", m.label(), value, unit)};
+}
+
+MaybeScore score_of(const Measured& m, const std::optional<double>& value, const char* unit) {
+  if (!value && m.method->summary.diverged == 0) {
+    return std::nullopt;
+  }
+  return score(m, value.value_or(kInfinity), unit);
+}
+
+/// Mean of a curve over the instants in [begin, end].
+std::optional<double> mean_between(const Measured& m, CurveQuantity quantity, double begin, double end) {
+  const StudyCurve* const curve = m.curve(quantity);
+  double sum = 0.0;
+  std::size_t count = 0;
+  const std::vector<double>& times = m.study_case->info.frame_times;
+  for (std::size_t k = 0; curve != nullptr && k < curve->mean.size(); ++k) {
+    if (times[k] >= begin && times[k] <= end && std::isfinite(curve->mean[k])) {
+      sum += curve->mean[k];
+      ++count;
+    }
+  }
+  return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt;
+}
+
+double last_time(const Measured& m) { return m.study_case->info.frame_times.back(); }
+
+/// "(i) none, with IMU: " before a score that stands beside one of another case.
+std::string case_prefix(const Measured& m, const Measured& beside) {
+  const auto paper_case = paper_case_of(m.study_case->info.scenario);
+  return m.study_case == beside.study_case || !paper_case ? "" : to_string(*paper_case) + ": ";
+}
+
+/// Compares two scores with a rule; not known where one is missing.
+template <typename Rule>
+Outcome compare(const Measured& a, const Measured& b, ScoreOf score_of, Rule rule) {
+  const MaybeScore x = score_of(a), y = score_of(b);
+  if (!x || !y) {
+    return {(x ? b : a).label() + " not measured", std::nullopt};
+  }
+  return {case_prefix(a, b) + x->text + ", " + case_prefix(b, a) + y->text, rule(x->value, y->value)};
+}
+
+bool within(double factor, double a, double b) {
+  return std::isfinite(a) && std::isfinite(b) && std::max(a, b) <= factor * std::min(a, b);
+}
+
+bool within_same(double a, double b) { return within(kSame, a, b); }
+
+/// Root mean square error of the points in the map between two instants.
+MaybeScore landmark_score(const Measured& m, double begin, double end) {
+  const auto square = mean_between(m, CurveQuantity::kLandmarkSquaredError, begin, end);
+  return score_of(m, square ? std::optional(std::sqrt(*square)) : std::nullopt, "m");
+}
+
+bool below(double a, double b) { return a < b; }
+
+}  // namespace
+
+Outcome all_of(const std::vector<Outcome>& outcomes) {
+  Outcome out{"", true};
+  for (const Outcome& outcome : outcomes) {
+    out.measured += (out.measured.empty() ? "" : "; ") + outcome.measured;
+    out.holds = out.holds && outcome.holds ? std::optional(*out.holds && *outcome.holds) : std::nullopt;
+  }
+  return out;
+}
+
+const StudyCurve* Measured::curve(CurveQuantity quantity) const {
+  const auto it = method->curves.find(quantity);
+  return it == method->curves.end() ? nullptr : &it->second;
+}
+
+const StudyCaseResults* find_case(const StudyResults& results, const PaperCase& paper_case) {
+  const StudyCaseResults* found = nullptr;
+  for (const StudyCaseResults& candidate : results.cases) {
+    if (candidate.info.finished > (found == nullptr ? 0 : found->info.finished) &&
+        paper_case_of(candidate.info.scenario) == paper_case) {
+      found = &candidate;
+    }
+  }
+  return found;
+}
+
+std::optional<Measured> find_method(const StudyCaseResults& study_case, PaperMethod method) {
+  for (const StudyMethodResults& candidate : study_case.methods) {
+    if (is_paper_method(study_case.info.scenario, candidate.variant, method)) {
+      return Measured{&study_case, &candidate};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Measured> find_walk(const StudyResults& results, double rotation_rad2, double translation_mm2) {
+  const auto is_near = [](double value, double wanted) {
+    return std::abs(value - wanted) <= kWalkTolerance * wanted;
+  };
+  for (const StudyCaseResults& study_case : results.cases) {
+    if (study_case.info.finished == 0 ||
+        paper_case_of(study_case.info.scenario) != PaperCase{PaperNoise::kSinus, false}) {
+      continue;
+    }
+    for (const StudyMethodResults& method : study_case.methods) {
+      if (method.variant.method != Method::kEkfFull) {
+        continue;
+      }
+      const RunOptions options = run_options(study_case.info.scenario, method.variant, results.seed, 0);
+      const RigParameters per_10_ms = 0.01 * options.theta_walk.value_or(RigParameters::Zero());
+      if (is_near(per_10_ms(0), rotation_rad2) && is_near(1e6 * per_10_ms(3), translation_mm2)) {
+        return Measured{&study_case, &method};
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+MaybeScore position_score(const Measured& m) { return score_of(m, m.method->summary.position_rmse_m, "m"); }
+
+MaybeScore attitude_score(const Measured& m) {
+  return score_of(m, m.method->summary.attitude_rmse_deg, "deg");
+}
+
+MaybeScore landmark_start_score(const Measured& m) { return landmark_score(m, 0.0, kStart); }
+
+MaybeScore landmark_end_score(const Measured& m) {
+  return landmark_score(m, last_time(m) - kEnd, last_time(m));
+}
+
+Outcome position_at_most(const Measured& a, double factor, const Measured& b) {
+  return compare(a, b, position_score,
+                 [factor](double x, double y) { return std::isfinite(x) && x <= factor * y; });
+}
+
+Outcome better(const Measured& a, const Measured& b) {
+  return all_of({compare(a, b, position_score, below), compare(a, b, attitude_score, below)});
+}
+
+Outcome same_localization(const Measured& a, const Measured& b) {
+  return all_of({compare(a, b, position_score, within_same), compare(a, b, attitude_score, within_same)});
+}
+
+Outcome same_position(const std::vector<Measured>& all, double factor) {
+  Outcome out{"", true};
+  double smallest = kInfinity, largest = 0.0;
+  for (const Measured& m : all) {
+    const MaybeScore s = position_score(m);
+    out.measured += (out.measured.empty() ? "" : ", ") +
+                    case_prefix(m, &m == &all.front() ? all.back() : all.front()) +
+                    (s ? s->text : m.label() + " not known");
+    smallest = std::min(smallest, s ? s->value : kInfinity);
+    largest = std::max(largest, s ? s->value : kInfinity);
+  }
+  out.holds = within(factor, smallest, largest);
+  return out;
+}
+
+Outcome landmarks_start_better(const Measured& a, const Measured& b) {
+  return compare(a, b, landmark_start_score, below);
+}
+
+Outcome landmarks_end_the_same(const Measured& a, const Measured& b) {
+  return compare(a, b, landmark_end_score, within_same);
+}
+
+Outcome diverges(const Measured& m) {
+  const StudyCurve* const error = m.curve(CurveQuantity::kPositionSquaredError);
+  const StudyCurve* const variance = m.curve(CurveQuantity::kPositionVariance);
+  std::size_t outside = 0, instants = 0;
+  for (std::size_t k = 0; error != nullptr && variance != nullptr && k < error->mean.size(); ++k) {
+    if (std::isfinite(error->mean[k]) && std::isfinite(variance->mean[k])) {
+      ++instants;
+      outside += error->mean[k] > 9.0 * variance->mean[k] ? 1 : 0;
+    }
+  }
+  const MethodSummary& s = m.method->summary;
+  if (s.diverged == 0 && instants == 0) {
+    return {m.label() + " not measured", std::nullopt};
+  }
+  std::string text = fmt::format("{}: {} of {} runs diverged", m.label(), s.diverged, s.runs);
+  double share = 0.0;
+  if (instants > 0) {
+    share = static_cast<double>(outside) / static_cast<double>(instants);
+    text += fmt::format(", mean squared error beyond 3 sigma at {:.0f} % of the instants", 100.0 * share);
+  }
+  if (const MaybeScore position = position_score(m); position && s.diverged == 0) {
+    text += fmt::format(", position RMSE {:.3g} m", position->value);
+  }
+  return {text, s.diverged > 0 || share > 0.5};
+}
+
+Outcome does_not_diverge(const Measured& m) {
+  Outcome out = diverges(m);
+  if (out.holds) {
+    out.holds = !*out.holds;
+  }
+  return out;
+}
+
+Outcome drifts(const Measured& m) {
+  const double quarter = 0.25 * last_time(m);
+  const auto first = mean_between(m, CurveQuantity::kPositionSquaredError, 0.0, quarter);
+  const auto last = mean_between(m, CurveQuantity::kPositionSquaredError, 3.0 * quarter, 4.0 * quarter);
+  if (!first || !last) {
+    return {m.label() + " not measured", std::nullopt};
+  }
+  return {fmt::format("{}: position error {:.3g} m in the first quarter, {:.3g} m in the last", m.label(),
+                      std::sqrt(*first), std::sqrt(*last)),
+          *last > *first};
+}
+
+Outcome keeps_scale(const Measured& m) {
+  double sum = 0.0, squares = 0.0, count = 0.0;
+  for (const StudyRun& run : m.method->runs) {
+    if (run.figures.scale) {
+      sum += *run.figures.scale;
+      squares += (*run.figures.scale - 1.0) * (*run.figures.scale - 1.0);
+      count += 1.0;
+    }
+  }
+  if (count == 0.0) {
+    return {m.label() + " not measured", std::nullopt};
+  }
+  const double departure = std::sqrt(squares / count);
+  return {fmt::format("{}: scale {:.4f} in the mean, {:.2f} % off in the root mean square over {:.0f} runs",
+                      m.label(), sum / count, 100.0 * departure, count),
+          departure <= kScaleTolerance};
+}
+
+}  // namespace limber::detail

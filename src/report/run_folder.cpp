@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "run_folder.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "../datasets/text_file.hpp"
+#include "limber/core/errors.hpp"
+#include "limber/datasets/landmarks_ply.hpp"
+
+namespace limber::detail {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSameTime = 1e-9;  // [s]
+
+Json read_summary(const fs::path& path) {
+  Json json;
+  try {
+    json = Json::parse(load_text(path));
+  } catch (const Json::parse_error& error) {
+    throw DataError(path.string(), 0, "JSON", error.what());
+  }
+  if (!json.is_object() || !json.contains("method") || !json["method"].is_string()) {
+    throw DataError(path.string(), 0, "an object with the string 'method'", "other JSON");
+  }
+  return json;
+}
+
+std::vector<MatchedPose> match_truth(const RunFolder& folder, const fs::path& path) {
+  if (!fs::exists(path)) {
+    return {};
+  }
+  std::vector<StampedPose> estimate;
+  for (const TrajectoryRow& row : folder.trajectory) {
+    estimate.push_back({row.t_ns, row.T_world_body});
+  }
+  std::vector<MatchedPose> matched = match_by_time(estimate, read_tum(path), kSameTime);
+  if (matched.empty()) {
+    throw DataError(path.string(), 0, "the truth at times of trajectory.csv", "other times");
+  }
+  return matched;
+}
+
+}  // namespace
+
+RunFolder read_run_folder(const fs::path& path) {
+  RunFolder folder;
+  folder.path = path;
+  folder.summary = read_summary(path / "summary.json");
+  folder.method = folder.summary["method"].get<std::string>();
+  folder.trajectory = read_trajectory_csv(path / "trajectory.csv");
+  folder.frames = read_frames_csv(path / "frames.csv");
+  if (folder.frames.size() != folder.trajectory.size() ||
+      folder.frames.front().t_ns != folder.trajectory.front().t_ns) {
+    throw DataError((path / "frames.csv").string(), 0,
+                    fmt::format("the {} frames of trajectory.csv", folder.trajectory.size()),
+                    fmt::format("{} frames", folder.frames.size()));
+  }
+  folder.landmarks = read_landmarks_ply(path / "landmarks.ply");
+  folder.matched = match_truth(folder, path / "truth.tum");
+  return folder;
+}
+
+}  // namespace limber::detail

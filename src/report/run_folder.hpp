@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "limber/datasets/trajectory_files.hpp"
+#include "limber/evaluate/association.hpp"
+#include "limber/evaluate/consistency.hpp"
+#include "limber/run/run_files.hpp"
+
+namespace limber::detail {
+
+using Json = nlohmann::ordered_json;
+
+/// The files of a run's folder, read.
+struct RunFolder {
+  std::filesystem::path path;
+  std::string method;
+  Json summary;  ///< an object
+  std::vector<TrajectoryRow> trajectory;
+  std::vector<FrameRow> frames;  ///< as many as trajectory, at the same times
+  std::map<std::int64_t, Eigen::Vector3d> landmarks;
+  std::vector<MatchedPose> matched;  ///< with the truth; empty where it is not known
+
+  /// Seconds since the first frame.
+  [[nodiscard]] double seconds(std::int64_t t_ns) const {
+    return 1e-9 * static_cast<double>(t_ns - trajectory.front().t_ns);
+  }
+};
+
+/// @throws DataError if a file is missing or cannot be used, or files belong to different runs
+[[nodiscard]] RunFolder read_run_folder(const std::filesystem::path& path);
+
+}  // namespace limber::detail

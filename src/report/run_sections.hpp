@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "limber/report/document.hpp"
+#include "run_folder.hpp"
+
+/// The sections of a run's report, in order.
+namespace limber::detail {
+
+[[nodiscard]] ReportSection path_section(const RunFolder& run);
+[[nodiscard]] ReportSection error_section(const RunFolder& run);
+[[nodiscard]] ReportSection innovation_section(const RunFolder& run);
+[[nodiscard]] ReportSection point_section(const RunFolder& run);
+[[nodiscard]] ReportSection time_section(const RunFolder& run);
+[[nodiscard]] ReportSection summary_section(const RunFolder& run);
+
+/// What a reader wants to know first.
+[[nodiscard]] std::vector<ReportFact> lead_facts(const Json& summary);
+
+/// Any JSON value as a reader wants it.
+[[nodiscard]] std::string in_words(const Json& value);
+
+/// A figure without curves yet, over seconds since the first frame.
+[[nodiscard]] ReportFigure figure_over_time(std::string id, std::string title, std::vector<ReportAxis> y,
+                                            std::string caption);
+
+}  // namespace limber::detail

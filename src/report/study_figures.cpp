@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "limber/simulate/decalibration.hpp"
+#include "study_sections.hpp"
+
+namespace limber::detail {
+namespace {
+
+constexpr std::array<const char*, 6> kAxisNames = {"α_x", "α_y", "α_z", "t_x", "t_y", "t_z"};
+
+ReportFigure new_figure(const CaseContext& context, const std::string& id, const std::string& title,
+                        std::vector<ReportAxis> y, const std::string& caption) {
+  ReportFigure figure;
+  figure.id = context.slug + "-" + id;
+  figure.title = title;
+  figure.caption = caption;
+  figure.x = {"time", "s"};
+  figure.y = std::move(y);
+  figure.half_width = true;
+  figure.variants = method_variants(context.results);
+  return figure;
+}
+
+/// factor * mean of a curve over time; no trace if the method has none.
+void add_curve(const CaseContext& context, const StudyMethodResults& method, CurveQuantity quantity,
+               double factor, TraceShape shape, ReportFigure& figure) {
+  const auto it = method.curves.find(quantity);
+  if (it == method.curves.end()) {
+    return;
+  }
+  const std::string& label = method.summary.label;
+  ReportTrace trace{shape == TraceShape::kBound ? label + " 3σ" : label, label, shape, {}, {}, {}, 0};
+  trace.x = context.results.info.frame_times;
+  for (const double mean : it->second.mean) {
+    trace.y.push_back(factor * mean);
+  }
+  figure.traces.push_back(std::move(trace));
+}
+
+/// A mean squared error, and 9 times the mean variance beside it.
+ReportFigure squared_error(const CaseContext& context, const char* id, const char* title, const char* unit,
+                           CurveQuantity error, CurveQuantity variance) {
+  ReportFigure figure =
+      new_figure(context, id, title, {{"mean squared error", unit}},
+                 "Full: mean squared error over the runs. Dotted: 3σ, that is 9 times the mean "
+                 "variance that the filter claims.");
+  figure.log_switch = true;
+  for (const StudyMethodResults& method : context.results.methods) {
+    add_curve(context, method, error, 1.0, TraceShape::kLine, figure);
+    add_curve(context, method, variance, 9.0, TraceShape::kBound, figure);
+  }
+  return figure;
+}
+
+ReportFigure landmark_figure(const CaseContext& context) {
+  ReportFigure figure =
+      new_figure(context, "landmarks", "Landmark error", {{"mean squared error", "m²"}},
+                 "Mean over the runs and over the points that are in the map at that instant.");
+  figure.log_switch = true;
+  for (const StudyMethodResults& method : context.results.methods) {
+    add_curve(context, method, CurveQuantity::kLandmarkSquaredError, 1.0, TraceShape::kLine, figure);
+  }
+  return figure;
+}
+
+ReportFigure consistency_figure(const CaseContext& context) {
+  ReportFigure figure = new_figure(context, "nees", "Consistency of the pose", {{"mean NEES / 6", ""}},
+                                   "1: the filter knows how wrong it is; above: too sure of itself.");
+  figure.log_switch = true;
+  for (const StudyMethodResults& method : context.results.methods) {
+    add_curve(context, method, CurveQuantity::kPoseNees, 1.0 / 6.0, TraceShape::kLine, figure);
+  }
+  const auto& methods = context.results.methods;
+  const auto known = std::find_if(methods.begin(), methods.end(),
+                                  [](const auto& m) { return m.summary.anees_interval.has_value(); });
+  if (known != methods.end() && !context.results.info.frame_times.empty()) {
+    const Interval interval = *known->summary.anees_interval;
+    const std::vector<double>& times = context.results.info.frame_times;
+    for (const double bound : {interval.lower, interval.upper}) {
+      figure.traces.push_back({"95 % of a consistent filter",
+                               "band",
+                               TraceShape::kLine,
+                               {times.front(), times.back()},
+                               {bound, bound},
+                               {},
+                               0});
+    }
+    figure.caption +=
+        fmt::format(" Between the lines lie 95 % of the instants of a consistent filter over {} runs.",
+                    known->summary.runs - known->summary.diverged);
+  }
+  return figure;
+}
+
+/// Three of the six parameters: the truth of run 0, and what filters with theta in the state make of it.
+ReportFigure calibration_figure(const CaseContext& context, std::size_t first, const char* id,
+                                const char* title, const char* unit, double factor) {
+  std::vector<ReportAxis> y;
+  for (std::size_t k = 0; k < 3; ++k) {
+    y.push_back({kAxisNames[first + k], unit});
+  }
+  ReportFigure figure = new_figure(context, id, title, std::move(y),
+                                   "δ(t), by which the true rig departs from the one that filters assume.");
+  const StudyCaseInfo& info = context.results.info;
+  const Decalibration delta(info.scenario.decalibration, info.scenario.duration, context.seed, 0);
+  bool estimated = false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    ReportTrace truth{"truth", "truth", TraceShape::kLine, info.frame_times, {}, {}, k};
+    for (const double t : info.frame_times) {
+      const RigParameters value = delta.at(std::llround(1e9 * t));
+      truth.y.push_back(factor * value(static_cast<Eigen::Index>(first + k)));
+    }
+    figure.traces.push_back(std::move(truth));
+    for (const StudyMethodResults& method : context.results.methods) {
+      const auto mean = method.curves.find(theta_axis(CurveQuantity::kDeltaAx, first + k));
+      const auto variance = method.curves.find(theta_axis(CurveQuantity::kThetaVarianceAx, first + k));
+      if (mean == method.curves.end() || variance == method.curves.end()) {
+        continue;
+      }
+      estimated = true;
+      const std::string& label = method.summary.label;
+      ReportTrace estimate{label, label, TraceShape::kLine, info.frame_times, {}, {}, k};
+      ReportTrace upper{label + " +3σ", label, TraceShape::kBound, info.frame_times, {}, {}, k};
+      ReportTrace lower{label + " −3σ", label, TraceShape::kBound, info.frame_times, {}, {}, k};
+      for (std::size_t n = 0; n < info.frame_times.size(); ++n) {
+        const double bound = 3.0 * std::sqrt(variance->second.mean[n]);
+        estimate.y.push_back(factor * mean->second.mean[n]);
+        upper.y.push_back(factor * (mean->second.mean[n] + bound));
+        lower.y.push_back(factor * (mean->second.mean[n] - bound));
+      }
+      for (ReportTrace* trace : {&estimate, &upper, &lower}) {
+        figure.traces.push_back(std::move(*trace));
+      }
+    }
+  }
+  if (estimated) {
+    figure.caption += " Estimates: mean over the runs; dotted: 3σ around it.";
+  }
+  return figure;
+}
+
+ReportTrace points(const std::string& name, const std::string& style, TraceShape shape,
+                   const std::vector<Eigen::Vector3d>& positions) {
+  ReportTrace trace{name, style, shape, {}, {}, {}, 0};
+  for (const Eigen::Vector3d& p : positions) {
+    trace.x.push_back(p.x());
+    trace.y.push_back(p.y());
+    trace.z.push_back(p.z());
+  }
+  return trace;
+}
+
+ReportFigure path_figure(const CaseContext& context) {
+  const ExampleRun& example = context.results.example;
+  ReportFigure figure = new_figure(context, "path", "Path and landmarks of run 0", {{"y", "m"}, {"z", "m"}},
+                                   "Drag to turn, scroll to come closer.");
+  figure.kind = FigureKind::kSpace;
+  figure.x = {"x", "m"};
+  figure.half_width = false;
+  figure.traces.push_back(points("landmarks", "landmarks", TraceShape::kDots, example.landmarks));
+  figure.traces.push_back(points("truth", "truth", TraceShape::kLine, example.truth));
+  for (std::size_t k = 0; k < example.estimate.size(); ++k) {
+    const std::string& label = context.results.methods[k].summary.label;
+    figure.traces.push_back(points(label, label, TraceShape::kLine, example.estimate[k]));
+  }
+  FigureVariant alone{"path alone", figure.variants.front().hidden_styles};
+  alone.hidden_styles.emplace_back("landmarks");
+  figure.variants.push_back(std::move(alone));
+  return figure;
+}
+
+}  // namespace
+
+std::vector<FigureVariant> method_variants(const StudyCaseResults& results) {
+  const auto hide_unless = [&results](auto shown) {
+    std::vector<std::string> hidden;
+    for (const StudyMethodResults& method : results.methods) {
+      if (!shown(method.summary.label)) {
+        hidden.push_back(method.summary.label);
+      }
+    }
+    return hidden;
+  };
+  // The paper's three first, where a study has more than those.
+  const auto is_paper_method = [&results](const std::string& label) {
+    const auto it = std::find_if(results.methods.begin(), results.methods.end(),
+                                 [&label](const auto& m) { return m.summary.label == label; });
+    const MethodVariant& v = it->variant;
+    return (v.method == Method::kEkf || v.method == Method::kEkfFull || v.method == Method::kLcekf) &&
+           !v.walk && (!v.constraints || v.constraints->kind == ConstraintSet::Kind::kFull);
+  };
+  const std::vector<std::string> others = hide_unless(is_paper_method);
+  const bool has_paper_methods = others.size() < results.methods.size();
+  std::vector<FigureVariant> variants;
+  if (has_paper_methods && !others.empty()) {
+    variants.push_back({"paper's methods", others});
+  } else {
+    variants.push_back({"all", {}});
+  }
+  for (const char* const worst : {"ekf", "ekf-full"}) {
+    FigureVariant without = variants.back();
+    without.label = variants.size() == 1 ? std::string("without ") + worst : without.label + ", " + worst;
+    const auto is_worst = [worst](const auto& m) { return m.summary.label == worst; };
+    if (results.methods.size() - without.hidden_styles.size() > 1 &&
+        std::any_of(results.methods.begin(), results.methods.end(), is_worst)) {
+      without.hidden_styles.emplace_back(worst);
+      variants.push_back(std::move(without));
+    }
+  }
+  if (has_paper_methods && !others.empty()) {
+    variants.push_back({"all", {}});
+  }
+  return variants;
+}
+
+std::vector<ReportFigure> case_figures(const CaseContext& context) {
+  std::vector<ReportFigure> figures;
+  figures.push_back(squared_error(context, "position", "Position error", "m²",
+                                  CurveQuantity::kPositionSquaredError, CurveQuantity::kPositionVariance));
+  figures.push_back(squared_error(context, "attitude", "Attitude error", "rad²",
+                                  CurveQuantity::kAttitudeSquaredError, CurveQuantity::kAttitudeVariance));
+  figures.push_back(landmark_figure(context));
+  figures.push_back(consistency_figure(context));
+  const double degrees = 1.0 / kDegree;
+  figures.push_back(
+      calibration_figure(context, 0, "calibration-rotation", "Calibration: rotation", "deg", degrees));
+  figures.push_back(
+      calibration_figure(context, 3, "calibration-translation", "Calibration: translation", "m", 1.0));
+  figures.push_back(path_figure(context));
+  return figures;
+}
+
+}  // namespace limber::detail

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "limber/report/paper_claims.hpp"
+#include "limber/report/study_results.hpp"
+
+/// The parts of a study's report.
+namespace limber::detail {
+
+/// What the parts of one case's section share.
+struct CaseContext {
+  const StudyCaseResults& results;
+  std::uint64_t seed = 0;
+  std::string slug;  ///< begins the ids of its figures
+};
+
+/// Mean squared errors with 3 sigma, landmarks, consistency, calibration, path; empty ones are left out.
+[[nodiscard]] std::vector<ReportFigure> case_figures(const CaseContext& context);
+
+/// All methods of a case.
+[[nodiscard]] ReportTable case_table(const StudyCaseResults& results);
+
+/// One line per case: position RMSE of each method that every case has, or a dash.
+[[nodiscard]] ReportTable overview_table(const StudyResults& results);
+
+/// Which methods a figure shows at first, and what else it offers.
+[[nodiscard]] std::vector<FigureVariant> method_variants(const StudyCaseResults& results);
+
+/// A number to three digits, or a dash.
+[[nodiscard]] std::string digits(const std::optional<double>& value);
+
+}  // namespace limber::detail
