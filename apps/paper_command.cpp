@@ -52,8 +52,9 @@ void paper(const PaperArguments& arguments) {
     return;
   }
   const StudyPlan plan = plan_of(arguments);
-  const OutputFolder folder(arguments.out);
-  const fs::path database = folder.path() / "paper.sqlite";
+  require_writable_folder(arguments.out);
+  fs::create_directories(arguments.out);
+  const fs::path database = arguments.out / "paper.sqlite";
   const bool complete = run_with_progress(plan, database, arguments.runner, ranks);
   print_tables(StudyDatabase(database), plan);
   export_study(database, arguments.runner.export_format);
