@@ -70,9 +70,11 @@ void add_evaluate_command(CLI::App& app) {
   command
       ->add_option("ESTIMATE", options->estimate,
                    "Trajectory file, or the folder of a run (its trajectory.csv)")
-      ->required();
+      ->required()
+      ->check(not_empty());
   command->add_option("GROUNDTRUTH", options->truth, "Trajectory file, or the folder of a recording")
-      ->required();
+      ->required()
+      ->check(not_empty());
   command
       ->add_option("--max-time-difference", options->max_time_difference,
                    "How far ground truth may be from a pose [s]")
@@ -82,7 +84,7 @@ void add_evaluate_command(CLI::App& app) {
       ->check(positive())
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print JSON instead of tables");
-  command->add_option("--out", options->out, "Write the JSON to this file too");
+  command->add_option("--out", options->out, "Write the JSON to this file too")->check(not_empty());
   command->footer(
       "\nTrajectory files: TUM (t x y z qx qy qz qw), KITTI poses (12 numbers), EuRoC ground truth, "
       "limber's\n"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -12,6 +14,24 @@ namespace {
 using limber::app::print_error;
 using limber::app::print_note;
 
+// CLI11's message, or a plainer one.
+std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error) {
+  const std::string message = error.what();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+    const auto extras = command.remaining();
+    const auto option =
+        std::find_if(extras.begin(), extras.end(), [](const std::string& text) { return text[0] == '-'; });
+    return option != extras.end() ? "unknown option " + *option : "unexpected argument: " + extras.front();
+  }
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
+    const std::string name = message.substr(0, message.find(':'));
+    if (const CLI::Option* option = command.get_option_no_throw(name)) {
+      return name + (option->count() > 1 ? " is given more than once" : " needs a value");
+    }
+  }
+  return message;
+}
+
 // What was wrong with the command line, and what to type next.
 int report_usage(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
@@ -21,7 +41,9 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error) {
   }
   // CLI11 complains of the missing command before it looks at what stands in its place.
   const auto unexpected = app.remaining();
-  print_error(chosen.empty() && !unexpected.empty() ? "unknown: " + unexpected.front() : error.what());
+  print_error(chosen.empty() && !unexpected.empty()
+                  ? "unknown: " + unexpected.front()
+                  : what_is_wrong(chosen.empty() ? app : *chosen.front(), error));
   if (chosen.empty()) {
     print_note("expected one of the commands: " + commands);
   }
@@ -42,6 +64,9 @@ int run(CLI::App& app, int argc, char** argv) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
     return report_usage(app, error);
+  } catch (const std::bad_alloc&) {
+    print_error("not enough memory: fewer points a frame or a smaller --max-landmarks need less");
+    return limber::app::kExitFailed;
   } catch (const std::exception& error) {
     print_error(error.what());
     return limber::app::kExitFailed;
@@ -62,6 +87,7 @@ int main(int argc, char** argv) {
   limber::app::add_simulate_command(app);
   limber::app::add_evaluate_command(app);
   limber::app::add_study_command(app);
+  limber::app::add_paper_command(app);
   limber::app::add_report_command(app);
   return run(app, argc, argv);
 }

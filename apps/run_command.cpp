@@ -16,6 +16,7 @@
 #include "parsed_by.hpp"
 #include "progress.hpp"
 #include "report_files.hpp"
+#include "uninterrupted.hpp"
 #include "validators.hpp"
 #ifdef LIMBER_WITH_FRONTEND
 #include "limber/frontend/stereo_tracker.hpp"
@@ -37,6 +38,9 @@ RunOptions to_options(const RunArguments& arguments, const Recording& recording)
   RunOptions options;
   options.method = method_from_string(arguments.method);
   if (!arguments.constraints.empty()) {
+    if (options.method != Method::kLcekf) {
+      throw CLI::ValidationError("--constraints", "lcekf alone has constraints, not " + arguments.method);
+    }
     options.constraints = constraint_set_from_string(arguments.constraints);
   }
   if (!arguments.assume_error.empty()) {
@@ -92,7 +96,7 @@ void print_summary(const RunSummary& s, const std::filesystem::path& folder) {
 void run(const RunArguments& arguments) {
   const Recording recording = read_recording(arguments.dataset);
   const RunOptions options = to_options(arguments, recording);
-  const OutputFolder folder(arguments.out);
+  require_writable_folder(arguments.out);
   RunRecord record;
   {
     const std::size_t total = recording.images.empty() ? recording.frames.size() : recording.images.size();
@@ -101,12 +105,15 @@ void run(const RunArguments& arguments) {
         run_recording(recording, options, frame_source(recording), [&](std::size_t n) { progress.done(n); });
   }
   const RunSummary summary = summarize(recording, options, record);
-  write_run_output(folder.path(), options, record, summary);
+  {
+    const Uninterrupted until_written;
+    write_run_output(arguments.out, options, record, summary);
+  }
   for (const std::string& note : record.notes) {
     print_note(note);
   }
-  print_summary(summary, folder.path());
-  make_report_beside(folder.path());
+  print_summary(summary, arguments.out);
+  make_report_beside(arguments.out);
 }
 
 }  // namespace
@@ -115,12 +122,13 @@ void add_run_command(CLI::App& app) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "Navigate through a recording with one method");
   command->add_option("DATASET", arguments->dataset, "Track log, EuRoC folder or KITTI odometry folder")
-      ->required();
+      ->required()
+      ->check(not_empty());
   command
       ->add_option("--method", arguments->method, "ekf, ekf-full, lcekf, soft, consider, mono-left or oracle")
       ->check(parsed_by(method_from_string))
       ->capture_default_str();
-  command->add_option("--out", arguments->out, "Folder for the results")->required();
+  command->add_option("--out", arguments->out, "Folder for the results")->required()->check(not_empty());
   command
       ->add_option("--constraints", arguments->constraints,
                    "lcekf: full, none, rotation, rotation+direction or a list of ax,ay,az,tx,ty,tz; default: "
@@ -137,8 +145,10 @@ void add_run_command(CLI::App& app) {
                    "Pixel noise [px]; default: the recording's, else 0.5 for images and 1 for tracks")
       ->check(positive());
   command->add_option("--seed", arguments->seed, "Of the start error with --init groundtruth")
+      ->check(whole_number())
       ->capture_default_str();
   command->add_option("--run", arguments->run, "Which draw of the start error, as in limber simulate")
+      ->check(whole_number())
       ->capture_default_str();
   command
       ->add_option("--init", arguments->start,
@@ -154,7 +164,7 @@ void add_run_command(CLI::App& app) {
   command
       ->add_option("--max-landmarks", arguments->max_landmarks,
                    "Size of the map; those unseen for longest go")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{100000}))
+      ->check(whole_number(1, 100'000))
       ->capture_default_str();
   command->footer(
       "\nWrites trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, refusals.csv, summary.json,\n"

@@ -9,6 +9,10 @@
 #include "limber/datasets/track_log.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
+#include "messages.hpp"
+#include "output_folder.hpp"
+#include "uninterrupted.hpp"
+#include "validators.hpp"
 
 namespace limber::app {
 namespace {
@@ -31,11 +35,19 @@ void simulate(const SimulateArguments& arguments) {
   if (arguments.out.empty()) {
     throw CLI::RequiredError("--out");
   }
+  require_writable_folder(arguments.out);
   const Recording recording = limber::simulate(scenario, arguments.seed, arguments.run);
-  write_track_log(recording, arguments.out);
+  {
+    const Uninterrupted until_written;
+    write_track_log(recording, arguments.out);
+  }
   std::size_t points = 0;
   for (const StereoFrame& frame : recording.frames) {
     points += frame.observations.size();
+  }
+  if (points == 0) {
+    print_warning("no camera sees any point: compare world, rig and trajectory in " +
+                  arguments.scenario.string());
   }
   fmt::print("{}: {} frames in {:.1f} s, {:.1f} points a frame, {} landmarks, written to {}\n", scenario.name,
              recording.frames.size(), scenario.duration,
@@ -49,10 +61,15 @@ void add_simulate_command(CLI::App& app) {
   auto arguments = std::make_shared<SimulateArguments>();
   CLI::App* command = app.add_subcommand("simulate", "Make a recording (track log) from a scenario");
   command->add_option("SCENARIO", arguments->scenario, "Scenario file (YAML), see scenarios/README.md")
-      ->required();
-  command->add_option("--out", arguments->out, "Folder for the track log");
-  command->add_option("--seed", arguments->seed, "Of everything random")->capture_default_str();
-  command->add_option("--run", arguments->run, "Which run of a Monte Carlo study")->capture_default_str();
+      ->required()
+      ->check(not_empty());
+  command->add_option("--out", arguments->out, "Folder for the track log")->check(not_empty());
+  command->add_option("--seed", arguments->seed, "Of everything random")
+      ->check(whole_number())
+      ->capture_default_str();
+  command->add_option("--run", arguments->run, "Which run of a Monte Carlo study")
+      ->check(whole_number())
+      ->capture_default_str();
   command->add_flag("--without-imu", arguments->without_imu, "Leave the IMU out, whatever the scenario says");
   command->add_flag("--print", arguments->print, "Print the scenario with every default filled in, and stop");
   command->footer("\nExample:\n  limber simulate scenarios/paper_ii.yaml --seed 1 --out data/paper_ii");

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string>
 
 /// Checks of option values that CLI11's own let pass (it takes "nan" for a number in any range).
@@ -26,6 +29,26 @@ inline CLI::Validator positive() {
 
 inline CLI::Validator not_negative() {
   return number_that("a number that is not negative", [](double value) { return value >= 0.0; });
+}
+
+/// Digits alone: CLI11 takes -1 for the largest number, and what is too large as well.
+inline CLI::Validator whole_number(std::uint64_t least = 0,
+                                   std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) {
+  return {[least, most](std::string& text) {
+            std::uint64_t value = 0;
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+            const bool good =
+                error == std::errc{} && end == text.data() + text.size() && value >= least && value <= most;
+            return good ? std::string()
+                        : "expected a whole number from " + std::to_string(least) + " to " +
+                              std::to_string(most) + ", found '" + text + "'";
+          },
+          ""};
+}
+
+inline CLI::Validator not_empty() {
+  return {[](std::string& text) { return text.empty() ? std::string("expected a name, found nothing") : ""; },
+          ""};
 }
 
 }  // namespace limber::app

@@ -8,6 +8,7 @@ packages=(
   libeigen3-dev                   # the filter
   libyaml-cpp-dev libfmt-dev nlohmann-json3-dev libcli11-dev  # datasets, simulator, program
   libopencv-dev                   # image front end
+  libsqlite3-dev libtbb-dev libopenmpi-dev openmpi-bin  # studies
   libgtest-dev libgmock-dev libbenchmark-dev  # tests and benchmarks
   clang-format python3            # scripts/
 )

@@ -74,6 +74,8 @@ def main():
     parser.add_argument("--sigma-px", help="pixel noise for all; default: what limber run chooses")
     parser.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
+    if not arguments.limber.exists():
+        sys.exit(f"{arguments.limber} is not there: build it with scripts/demo.sh, or name it with --limber")
     work = list(jobs(pathlib.Path(arguments.data), arguments.out))
     if arguments.sigma_px:
         work = [(*job[:4], [*job[4], "--sigma-px", arguments.sigma_px]) for job in work]

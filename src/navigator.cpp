@@ -286,14 +286,15 @@ FrameReport Navigator::process(const StereoFrame& raw) {
   report.observed = frame.observations.size();
 
   predict_to(frame.t_ns);
-  report.removed = forget_uncertain_returns(estimate_, frame, last_frame_ns_, rig_[0], options_.upkeep);
-  last_frame_ns_ = frame.t_ns;
+  rest_and_recall(estimate_, frame, last_frame_ns_, options_.upkeep);
   const bool bear_before = options_.birth.mode == BirthMode::kDiffuse;
   if (bear_before) {
     StereoCalibration here = calibration_;
     here.theta = operating_point(estimate_, frame, calibration_, options_.sigma_px);
     rig_ = mount(here);
   }
+  report.removed = forget_misplaced(estimate_, frame, last_frame_ns_, rig_[0], options_.upkeep);
+  last_frame_ns_ = frame.t_ns;
   Newborn newborn = bear_before ? bear(frame) : Newborn{};
   update_with(frame, newborn, report);
   if (!bear_before) {

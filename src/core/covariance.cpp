@@ -60,10 +60,11 @@ void Covariance::subtract_outer(const Eigen::Ref<const MatrixXd>& W) {
 
 void Covariance::add_symmetric_product(const Eigen::Ref<const MatrixXd>& U,
                                        const Eigen::Ref<const MatrixXd>& V) {
-  // 2 (U Vᵀ + V Uᵀ) = (U + V)(U + V)ᵀ − (U − V)(U − V)ᵀ: two symmetric updates, each on half of P.
-  auto P = data_.topLeftCorner(size_, size_).selfadjointView<Eigen::Lower>();
-  P.rankUpdate((U + V).eval(), 0.5);
-  P.rankUpdate((U - V).eval(), -0.5);
+  // [U V] [V U]ᵀ, so that P is walked over once.
+  MatrixXd left(size_, 2 * U.cols()), right(size_, 2 * U.cols());
+  left << U, V;
+  right << V, U;
+  data_.topLeftCorner(size_, size_).triangularView<Eigen::Lower>() += left * right.transpose();
 }
 
 void Covariance::transform_triplet(Index start, const Eigen::Matrix3d& M) {

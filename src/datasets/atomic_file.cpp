@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <ranges>
 #include <system_error>
 #include <utility>
 
@@ -56,6 +57,51 @@ void AtomicFile::commit() {
     throw DataError(path_.string(), 0, "a place where a file can be written", error.message());
   }
   temporary_.clear();
+}
+
+FolderUnlessEmpty::FolderUnlessEmpty(const std::filesystem::path& path) : FolderUnlessEmpty() {
+  for (auto folder = path; !folder.empty() && !std::filesystem::exists(folder);
+       folder = folder.parent_path()) {
+    made_.push_back(folder);
+  }
+  for (const auto& folder : made_ | std::views::reverse) {
+    std::filesystem::create_directory(folder);
+  }
+}
+
+FolderUnlessEmpty::~FolderUnlessEmpty() {
+  std::error_code ignored;
+  for (const auto& folder : made_) {
+    std::filesystem::remove(folder, ignored);
+  }
+}
+
+StagedFolder::StagedFolder(std::filesystem::path final_name)
+    : final_name_(std::move(final_name)), staging_(temporary_name_beside(final_name_)) {
+  std::filesystem::create_directory(staging_);
+}
+
+StagedFolder::~StagedFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(staging_, ignored);
+}
+
+void StagedFolder::replace() {
+  const std::filesystem::path old = temporary_name_beside(final_name_);
+  const bool replaces = std::filesystem::exists(final_name_);
+  if (replaces) {
+    std::filesystem::rename(final_name_, old);
+  }
+  std::filesystem::rename(staging_, final_name_);
+  if (replaces) {
+    std::filesystem::remove_all(old);
+  }
+}
+
+void StagedFolder::move_files(const std::vector<std::string>& names, const std::filesystem::path& folder) {
+  for (const std::string& name : names) {
+    std::filesystem::rename(staging_ / name, folder / name);
+  }
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view content) {

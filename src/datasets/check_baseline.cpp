@@ -9,16 +9,20 @@
 namespace limber::detail {
 namespace {
 
-constexpr double kSmallestBaseline = 1e-6;  // [m]
+constexpr double kSmallestBaseline = 1e-6, kLargestBaseline = 1e3;  // [m]
 
 }  // namespace
 
 std::string check_baseline(const RigParameters& theta, const std::filesystem::path& place, std::size_t line,
                            const std::string& hint) {
   const Eigen::Vector3d t = theta.tail<3>();
-  if (!(t.norm() > kSmallestBaseline)) {
+  if (t.norm() <= kSmallestBaseline) {
     throw DataError(place.string(), line, "two cameras that stand apart",
                     fmt::format("a baseline of zero ({:.3g} m)", t.norm()));
+  }
+  if (!(t.norm() < kLargestBaseline)) {
+    throw DataError(place.string(), line, fmt::format("cameras less than {} m apart", kLargestBaseline),
+                    fmt::format("a baseline of {:.3g} m", t.norm()));
   }
   Eigen::Index main_axis = 0;
   t.cwiseAbs().maxCoeff(&main_axis);

@@ -19,6 +19,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kIdentityTolerance = 1e-6;
+// Beyond these a column holds something else, or its sensor has failed.
+constexpr double kLargestRate = 1e4;   // [rad/s]
+constexpr double kLargestForce = 1e5;  // [m/s^2]
+constexpr double kLargestSpeed = 1e5;  // [m/s]
 
 // The sensors that limber expects in the body frame itself.
 void require_body_frame(const SensorYaml& yaml, const char* sensor) {
@@ -85,7 +89,8 @@ void read_imu(const fs::path& folder, Recording& recording) {
   TableReader table(folder / "data.csv",
                     {.names = {"timestamp [ns]", "w_x", "w_y", "w_z", "a_x", "a_y", "a_z"}, .counts = {7}});
   while (table.next()) {
-    recording.imu.push_back({table.increasing_time(), table.vector3(1), table.vector3(4)});
+    recording.imu.push_back(
+        {table.increasing_time(), table.vector3(1, kLargestRate), table.vector3(4, kLargestForce)});
   }
   table.require_a_row("IMU sample");
   read_imu_noise(folder, recording);
@@ -95,7 +100,8 @@ void read_odometry(const fs::path& folder, Recording& recording) {
   TableReader table(folder / "data.csv",
                     {.names = {"timestamp [ns]", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z"}, .counts = {7}});
   while (table.next()) {
-    recording.odometry.push_back({table.increasing_time(), table.vector3(1), table.vector3(4)});
+    recording.odometry.push_back(
+        {table.increasing_time(), table.vector3(1, kLargestSpeed), table.vector3(4, kLargestRate)});
   }
   table.require_a_row("odometry sample");
   const auto yaml = optional_yaml(folder);

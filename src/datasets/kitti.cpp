@@ -56,8 +56,8 @@ const ProjectionMatrix& rectified(const std::map<std::string, ProjectionMatrix>&
     throw DataError(path.string(), found->second.line, "a rectified projection (fu 0 cu, 0 fv cv, 0 0 1)",
                     "another 3x3 block");
   }
-  if (K(0, 0) <= 0.0 || K(1, 1) <= 0.0) {
-    throw DataError(path.string(), found->second.line, "positive focal lengths fu, fv [px]",
+  if (!is_focal_length(K(0, 0)) || !is_focal_length(K(1, 1))) {
+    throw DataError(path.string(), found->second.line, kFocalLengthsInWords,
                     fmt::format("{} and {}", K(0, 0), K(1, 1)));
   }
   return found->second;

@@ -125,6 +125,8 @@ std::optional<Eigen::Matrix3d> checked_quaternion(const Eigen::Vector4d& wxyz) {
   return Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized().toRotationMatrix();
 }
 
+bool is_focal_length(double f) { return f >= 1e-3 && f <= 1e6; }
+
 Eigen::Vector4d quaternion_wxyz(const Eigen::Matrix3d& R) {
   const Eigen::Quaterniond q = Eigen::Quaterniond(R).normalized();
   const Eigen::Vector4d wxyz(q.w(), q.x(), q.y(), q.z());

@@ -31,6 +31,10 @@ namespace limber::detail {
 /// Rotation of the quaternion (w x y z); nothing if its norm is further than 1e-2 from 1.
 [[nodiscard]] std::optional<Eigen::Matrix3d> checked_quaternion(const Eigen::Vector4d& wxyz);
 
+/// Whether a number can be a focal length [px].
+[[nodiscard]] bool is_focal_length(double f);
+inline constexpr const char* kFocalLengthsInWords = "positive focal lengths fu, fv [px], 0.001 to 1000000";
+
 /// Quaternion (w x y z) of R, w >= 0.
 [[nodiscard]] Eigen::Vector4d quaternion_wxyz(const Eigen::Matrix3d& R);
 

@@ -15,6 +15,7 @@ namespace limber::detail {
 namespace {
 
 constexpr double kLargestResolution = 100'000.0;
+constexpr double kLargestNoise = 1e6;  // whatever its unit
 constexpr double kBottomRowTolerance = 1e-6;
 
 std::size_t line_of(const YAML::Mark& mark) {
@@ -149,16 +150,18 @@ Pose SensorYaml::body_from_sensor() const {
 
 double SensorYaml::not_negative(const std::string& key) const {
   const double value = number(key);
-  if (value < 0.0) {
-    fail(key, key + " of zero or more", fmt::format("{}", value));
+  if (value < 0.0 || value > kLargestNoise) {
+    fail(key, fmt::format("{} of zero or more, at most {}", key, kLargestNoise), fmt::format("{}", value));
   }
   return value;
 }
 
 Eigen::Vector3d SensorYaml::not_negative3(const std::string& key) const {
   const auto values = numbers(key, 3);
-  if (*std::min_element(values.begin(), values.end()) < 0.0) {
-    fail(key, key + " of zero or more", fmt::format("[{}, {}, {}]", values[0], values[1], values[2]));
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  if (*least < 0.0 || *most > kLargestNoise) {
+    fail(key, fmt::format("{} of zero or more, at most {}", key, kLargestNoise),
+         fmt::format("[{}, {}, {}]", values[0], values[1], values[2]));
   }
   return {values[0], values[1], values[2]};
 }
@@ -180,9 +183,8 @@ Camera read_camera(const SensorYaml& yaml) {
   }
   Camera camera;
   const auto intrinsics = yaml.numbers("intrinsics", 4);
-  if (intrinsics[0] <= 0.0 || intrinsics[1] <= 0.0) {
-    yaml.fail("intrinsics", "positive focal lengths fu, fv [px]",
-              fmt::format("{} and {}", intrinsics[0], intrinsics[1]));
+  if (!is_focal_length(intrinsics[0]) || !is_focal_length(intrinsics[1])) {
+    yaml.fail("intrinsics", kFocalLengthsInWords, fmt::format("{} and {}", intrinsics[0], intrinsics[1]));
   }
   camera.fu = intrinsics[0];
   camera.fv = intrinsics[1];

@@ -133,16 +133,20 @@ std::int64_t TableReader::integer(std::size_t column) const {
   return *value;
 }
 
-double TableReader::number(std::size_t column) const {
+double TableReader::number(std::size_t column, double largest) const {
   const auto value = parse_number(fields_[column]);
   if (!value || !std::isfinite(*value)) {
     fail("a finite number for " + name(column), excerpt(fields_[column]));
   }
+  if (std::abs(*value) > largest) {
+    fail(fmt::format("{} within ±{}", name(column), largest), excerpt(fields_[column]));
+  }
   return *value;
 }
 
-Eigen::Vector3d TableReader::vector3(std::size_t first_column) const {
-  return {number(first_column), number(first_column + 1), number(first_column + 2)};
+Eigen::Vector3d TableReader::vector3(std::size_t first_column, double largest) const {
+  return {number(first_column, largest), number(first_column + 1, largest),
+          number(first_column + 2, largest)};
 }
 
 Eigen::Matrix3d TableReader::rotation(const Eigen::Vector4d& wxyz) const {

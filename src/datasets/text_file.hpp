@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,6 +30,8 @@ struct TableLayout {
 /// may be \n or \r\n. Throws DataError, which names file and line, for all that does not fit.
 class TableReader {
  public:
+  static constexpr double kUnlimited = std::numeric_limits<double>::max();
+
   TableReader(std::filesystem::path path, TableLayout layout);
 
   [[nodiscard]] bool next();  ///< moves to the next row; false at the end of the file
@@ -37,8 +40,9 @@ class TableReader {
   [[nodiscard]] std::size_t line() const { return line_; }
 
   [[nodiscard]] std::int64_t integer(std::size_t column) const;
-  [[nodiscard]] double number(std::size_t column) const;  ///< finite
-  [[nodiscard]] Eigen::Vector3d vector3(std::size_t first_column) const;
+  /// Finite, and not larger than `largest` in size: beyond it the column holds something else.
+  [[nodiscard]] double number(std::size_t column, double largest = kUnlimited) const;
+  [[nodiscard]] Eigen::Vector3d vector3(std::size_t first_column, double largest = kUnlimited) const;
   /// Rotation of a quaternion that this row holds. @throws DataError if its norm is far from 1
   [[nodiscard]] Eigen::Matrix3d rotation(const Eigen::Vector4d& wxyz) const;
 

@@ -14,10 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kLargestInImages = 10.0;  // a pixel this many images away is none
+
 /// Collects the rows of tracks0/data.csv into frames.
 class FrameCollector {
  public:
-  explicit FrameCollector(TableReader& table) : table_(table) {}
+  FrameCollector(TableReader& table, const StereoCalibration& calibration)
+      : table_(table), calibration_(calibration) {}
 
   void add_row() {
     const std::int64_t t_ns = table_.integer(0);
@@ -37,6 +40,11 @@ class FrameCollector {
  private:
   [[nodiscard]] bool is_empty(std::size_t column) const { return table_.field(column).empty(); }
 
+  [[nodiscard]] Eigen::Vector2d pixel(std::size_t column, const Camera& camera) const {
+    return {table_.number(column, kLargestInImages * camera.width),
+            table_.number(column + 1, kLargestInImages * camera.height)};
+  }
+
   void add_point(StereoFrame& frame) {
     StereoObservation point;
     point.track_id = table_.integer(1);
@@ -46,10 +54,10 @@ class FrameCollector {
       table_.fail("pixels in at least one camera", "none");
     }
     if (point.in_cam0) {
-      point.uv_cam0 = {table_.number(2), table_.number(3)};
+      point.uv_cam0 = pixel(2, calibration_.cam0);
     }
     if (point.in_cam1) {
-      point.uv_cam1 = {table_.number(4), table_.number(5)};
+      point.uv_cam1 = pixel(4, calibration_.cam1);
     }
     const auto [last_seen, is_new] = last_frame_.try_emplace(point.track_id, frame.t_ns);
     if (!is_new && std::exchange(last_seen->second, frame.t_ns) == frame.t_ns) {
@@ -59,6 +67,7 @@ class FrameCollector {
   }
 
   TableReader& table_;
+  const StereoCalibration& calibration_;
   std::vector<StereoFrame> frames_;
   std::unordered_map<std::int64_t, std::int64_t> last_frame_;  // track_id -> time of its last frame [ns]
   bool last_had_no_points_ = false;
@@ -93,7 +102,7 @@ Recording read_track_log(const fs::path& mav0) {
   TableReader table(
       path,
       {.names = {"timestamp [ns]", "track_id", "u0 [px]", "v0 [px]", "u1 [px]", "v1 [px]"}, .counts = {6}});
-  FrameCollector collector(table);
+  FrameCollector collector(table, calibration);
   while (table.next()) {
     collector.add_row();
   }

@@ -23,47 +23,28 @@ namespace {
 namespace fs = std::filesystem;
 using detail::TableText;
 
-/// A folder under a temporary name: renamed by commit(), removed without it.
-class StagedFolder {
+/// The folder mav0 in the making.
+class TrackLogFolder {
  public:
-  explicit StagedFolder(fs::path final_name)
-      : final_name_(std::move(final_name)), staging_(temporary_name_beside(final_name_)) {
-    fs::create_directory(staging_);
-  }
-  ~StagedFolder() {
-    std::error_code ignored;
-    fs::remove_all(staging_, ignored);
-  }
-  StagedFolder(const StagedFolder&) = delete;
-  StagedFolder& operator=(const StagedFolder&) = delete;
+  explicit TrackLogFolder(const fs::path& mav0) : mav0_(mav0), staged_(mav0) {}
 
   /// Writes a file in a subfolder, which is made if needed.
   void write(const char* subfolder, const char* name, std::string_view content) const {
-    fs::create_directories(staging_ / subfolder);
-    std::ofstream stream(staging_ / subfolder / name, std::ios::binary);
+    const fs::path folder = staged_.path() / subfolder;
+    fs::create_directories(folder);
+    std::ofstream stream(folder / name, std::ios::binary);
     stream.write(content.data(), static_cast<std::streamsize>(content.size()));
     stream.close();
     if (!stream) {
-      throw DataError((final_name_ / subfolder / name).string(), 0, "room to write the file",
-                      std::strerror(errno));
+      throw DataError((mav0_ / subfolder / name).string(), 0, "room to write the file", std::strerror(errno));
     }
   }
 
-  /// Takes the place of an older folder of the final name.
-  void commit() {
-    const fs::path old = temporary_name_beside(final_name_);
-    const bool replaces = fs::exists(final_name_);
-    if (replaces) {
-      fs::rename(final_name_, old);
-    }
-    fs::rename(staging_, final_name_);
-    if (replaces) {
-      fs::remove_all(old);
-    }
-  }
+  void commit() { staged_.replace(); }
 
  private:
-  fs::path final_name_, staging_;
+  fs::path mav0_;
+  StagedFolder staged_;
 };
 
 constexpr std::array<const char*, 8> kFolders = {
@@ -133,14 +114,14 @@ std::string camera_yaml(const Camera& camera, const Pose& T_body_cam) {
       distortion.coefficients);
 }
 
-void write_cameras(const StereoCalibration& calibration, const StagedFolder& mav0) {
+void write_cameras(const StereoCalibration& calibration, const TrackLogFolder& mav0) {
   const Pose T_body_cam0 = calibration.body == BodyFrame::kCam0 ? Pose{} : calibration.T_body_cam0;
   const Pose T_body_cam1 = T_body_cam0 * pose_from_rig(calibration.theta).inverse();
   mav0.write("cam0", "sensor.yaml", camera_yaml(calibration.cam0, T_body_cam0));
   mav0.write("cam1", "sensor.yaml", camera_yaml(calibration.cam1, T_body_cam1));
 }
 
-void write_imu(const Recording& recording, const StagedFolder& mav0) {
+void write_imu(const Recording& recording, const TrackLogFolder& mav0) {
   if (recording.imu.empty()) {
     return;
   }
@@ -167,7 +148,7 @@ void write_imu(const Recording& recording, const StagedFolder& mav0) {
   mav0.write("imu0", "sensor.yaml", yaml);
 }
 
-void write_odometry(const Recording& recording, const StagedFolder& mav0) {
+void write_odometry(const Recording& recording, const TrackLogFolder& mav0) {
   if (recording.odometry.empty()) {
     return;
   }
@@ -192,7 +173,7 @@ void add_pixel(TableText& table, bool is_seen, const Eigen::Vector2d& uv) {
   is_seen ? table.cells(uv) : table.empty_cells(2);
 }
 
-void write_tracks(const Recording& recording, const StagedFolder& mav0) {
+void write_tracks(const Recording& recording, const TrackLogFolder& mav0) {
   TableText table("write_track_log, tracks", ',');
   table.header("#timestamp [ns],track_id,u0 [px],v0 [px],u1 [px],v1 [px]");
   for (const StereoFrame& frame : recording.frames) {
@@ -217,7 +198,7 @@ void write_tracks(const Recording& recording, const StagedFolder& mav0) {
   }
 }
 
-void write_groundtruth(const Recording& recording, const StagedFolder& mav0) {
+void write_groundtruth(const Recording& recording, const TrackLogFolder& mav0) {
   if (recording.groundtruth.empty()) {
     return;
   }
@@ -248,7 +229,7 @@ void write_groundtruth(const Recording& recording, const StagedFolder& mav0) {
   mav0.write("state_groundtruth_estimate0", "data.csv", table.text());
 }
 
-void write_landmarks(const Recording& recording, const StagedFolder& mav0) {
+void write_landmarks(const Recording& recording, const TrackLogFolder& mav0) {
   if (recording.landmarks_true.empty()) {
     return;
   }
@@ -262,7 +243,7 @@ void write_landmarks(const Recording& recording, const StagedFolder& mav0) {
   mav0.write("landmarks0", "data.csv", table.text());
 }
 
-void write_calibration_truth(const Recording& recording, const StagedFolder& mav0) {
+void write_calibration_truth(const Recording& recording, const TrackLogFolder& mav0) {
   if (recording.calibration_true.empty()) {
     return;
   }
@@ -318,9 +299,9 @@ void require_writable_content(const Recording& recording) {
 void write_track_log(const Recording& recording, const fs::path& folder) {
   require_writable_content(recording);
   try {
-    fs::create_directories(folder);
+    const FolderUnlessEmpty outer(folder);
     require_replaceable(folder / "mav0");
-    StagedFolder mav0(folder / "mav0");
+    TrackLogFolder mav0(folder / "mav0");
     write_cameras(recording.calibration, mav0);
     write_imu(recording, mav0);
     write_odometry(recording, mav0);

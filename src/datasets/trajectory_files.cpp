@@ -20,6 +20,7 @@ using detail::TableReader;
 using detail::TableText;
 
 constexpr std::size_t kCsvColumns = 38;
+constexpr double kLargestPosition = 1e30;  // [m]; its powers still are numbers
 constexpr std::array<const char*, 17> kCsvStateColumns = {
     "t_ns",        "px [m]",      "py [m]",      "pz [m]",      "qw [-]",     "qx [-]",
     "qy [-]",      "qz [-]",      "vx [m/s]",    "vy [m/s]",    "vz [m/s]",   "bgx [rad/s]",
@@ -182,7 +183,7 @@ std::vector<StampedPose> read_tum(const std::filesystem::path& path) {
     }
     table.require_later(*t_ns);
     const Eigen::Vector4d wxyz(table.number(7), table.number(4), table.number(5), table.number(6));
-    poses.push_back({*t_ns, {table.rotation(wxyz), table.vector3(1)}});
+    poses.push_back({*t_ns, {table.rotation(wxyz), table.vector3(1, kLargestPosition)}});
   }
   table.require_a_row("pose");
   return poses;
@@ -210,7 +211,7 @@ std::vector<StampedPose> read_kitti_poses(const std::filesystem::path& path) {
   while (table.next()) {
     Eigen::Matrix<double, 3, 4> T;
     for (Eigen::Index k = 0; k < 12; ++k) {
-      T(k / 4, k % 4) = table.number(static_cast<std::size_t>(k));
+      T(k / 4, k % 4) = table.number(static_cast<std::size_t>(k), kLargestPosition);
     }
     if (!detail::checked_rotation(T.leftCols<3>())) {
       table.fail("a pose with a rotation in its left 3x3 block", "a matrix that is none");
@@ -231,7 +232,7 @@ GroundTruth read_euroc_groundtruth(const std::filesystem::path& path) {
     truth.has_biases = table.columns() == 17;
     GroundTruthState state;
     state.t_ns = table.increasing_time();
-    state.p_world_body = table.vector3(1);
+    state.p_world_body = table.vector3(1, kLargestPosition);
     state.R_world_body = table.rotation({table.number(4), table.number(5), table.number(6), table.number(7)});
     if (truth.has_velocity) {
       state.v_world_body = table.vector3(8);
@@ -266,7 +267,7 @@ std::vector<TrajectoryRow> read_trajectory_csv(const std::filesystem::path& path
     }
     TrajectoryRow row;
     row.t_ns = table.increasing_time();
-    row.T_world_body.p = table.vector3(1);
+    row.T_world_body.p = table.vector3(1, kLargestPosition);
     row.T_world_body.R = table.rotation({table.number(4), table.number(5), table.number(6), table.number(7)});
     row.v_world_body = optional_vector3(table, 8);
     row.bias_gyro = optional_vector3(table, 11);

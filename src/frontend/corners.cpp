@@ -4,20 +4,22 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <tuple>
+#include <optional>
 
 namespace limber::frontend {
 namespace {
 
-constexpr int kBlock = 7;        ///< [px] window of the structure tensor
+constexpr int kBlock = 5;        ///< [px] window of the structure tensor
+constexpr int kRefine = 5;       ///< [px] half the window of the sub-pixel refinement
 constexpr int kPerCell = 3;      ///< points that a cell holds when the texture is even
 constexpr int kMostPerCell = 6;  ///< and where it must stand in for empty ones
 
 struct Corner {
   cv::Point2f at;
   float strength = 0.0f;
-  int rank = 0;  ///< how many points its cell holds already
 };
+
+bool stronger(const Corner& x, const Corner& y) { return x.strength > y.strength; }
 
 /// Division of the image into equal cells, nearly square.
 struct Grid {
@@ -63,8 +65,7 @@ std::vector<Corner> corners_in(const cv::Mat& image, const cv::Rect& area, doubl
       }
     }
   }
-  std::stable_sort(corners.begin(), corners.end(),
-                   [](const Corner& x, const Corner& y) { return x.strength > y.strength; });
+  std::stable_sort(corners.begin(), corners.end(), stronger);
   return corners;
 }
 
@@ -74,49 +75,75 @@ bool is_free(const cv::Point2f& at, const std::vector<cv::Point2f>& points, doub
   });
 }
 
+/// The corners of a cell, strongest first, and how many points it holds already.
+struct Cell {
+  int held = 0;
+  std::vector<Corner> corners;
+  std::size_t next = 0;  ///< the first corner that was not looked at yet
+
+  /// The strongest corner that is away from the points; none if there is no such corner left.
+  std::optional<Corner> next_free(const std::vector<cv::Point2f>& points, double min_distance) {
+    while (next < corners.size()) {
+      const Corner& corner = corners[next++];
+      if (is_free(corner.at, points, min_distance)) return corner;
+    }
+    return std::nullopt;
+  }
+};
+
+struct Offer {
+  Cell* cell;
+  Corner corner;
+};
+
+/// The best corner of each cell that holds the fewest points of those that have a corner left. Empty if there
+/// is none.
+std::vector<Offer> emptiest_offer(std::vector<Cell>& cells, const std::vector<cv::Point2f>& points,
+                                  double min_distance) {
+  std::vector<Offer> offers;
+  for (int held = 0; held < kMostPerCell && offers.empty(); ++held) {
+    for (Cell& cell : cells) {
+      if (cell.held != held) continue;
+      if (const auto corner = cell.next_free(points, min_distance)) offers.push_back({&cell, *corner});
+    }
+  }
+  return offers;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector2d> new_corners(const cv::Mat& image, const std::vector<Eigen::Vector2d>& taken,
                                          const CornerOptions& options) {
-  const int missing = options.max_points - static_cast<int>(taken.size());
-  if (missing <= 0) return {};
+  const auto wanted = static_cast<std::size_t>(options.max_points);
+  if (taken.size() >= wanted) return {};
   const Grid grid(image.size(), options.max_points / kPerCell);
-  const cv::Rect inner(options.border, options.border, image.cols - 2 * options.border,
-                       image.rows - 2 * options.border);
-  std::vector<int> held(static_cast<std::size_t>(grid.columns * grid.rows), 0);
+  const int border = options.border + kRefine;
+  const cv::Rect inner(border, border, image.cols - 2 * border, image.rows - 2 * border);
+  std::vector<Cell> cells(static_cast<std::size_t>(grid.columns * grid.rows));
   std::vector<cv::Point2f> points;
   for (const Eigen::Vector2d& uv : taken) {
-    ++held[static_cast<std::size_t>(grid.cell(uv.x(), uv.y()))];
+    ++cells[static_cast<std::size_t>(grid.cell(uv.x(), uv.y()))].held;
     points.emplace_back(static_cast<float>(uv.x()), static_cast<float>(uv.y()));
   }
-
-  std::vector<Corner> candidates;
-  for (int cell = 0; cell < grid.columns * grid.rows; ++cell) {
-    int rank = held[static_cast<std::size_t>(cell)];
-    const cv::Rect area = grid.area(cell) & inner;
-    if (rank >= kMostPerCell || area.width < 3 || area.height < 3) continue;
-    std::vector<cv::Point2f> nearby = points;
-    for (Corner& corner : corners_in(image, area, options.min_strength)) {
-      if (rank >= kMostPerCell) break;
-      if (!is_free(corner.at, nearby, options.min_distance)) continue;
-      corner.rank = rank++;
-      nearby.push_back(corner.at);
-      candidates.push_back(corner);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const cv::Rect area = grid.area(static_cast<int>(i)) & inner;
+    if (cells[i].held >= kMostPerCell || area.width < 3 || area.height < 3) continue;
+    cells[i].corners = corners_in(image, area, options.min_strength);
+  }
+  while (points.size() < wanted) {
+    std::vector<Offer> offers = emptiest_offer(cells, points, options.min_distance);
+    if (offers.empty()) break;
+    std::stable_sort(offers.begin(), offers.end(),
+                     [](const Offer& x, const Offer& y) { return stronger(x.corner, y.corner); });
+    for (const Offer& offer : offers) {
+      if (points.size() == wanted || !is_free(offer.corner.at, points, options.min_distance)) continue;
+      points.push_back(offer.corner.at);
+      ++offer.cell->held;
     }
   }
-  // The emptiest cells first, the strongest corners first within them.
-  std::stable_sort(candidates.begin(), candidates.end(), [](const Corner& x, const Corner& y) {
-    return std::tie(x.rank, y.strength) < std::tie(y.rank, x.strength);
-  });
-  std::vector<cv::Point2f> fresh;
-  for (const Corner& corner : candidates) {
-    if (static_cast<int>(fresh.size()) >= missing) break;
-    if (!is_free(corner.at, points, options.min_distance)) continue;
-    points.push_back(corner.at);
-    fresh.push_back(corner.at);
-  }
+  std::vector<cv::Point2f> fresh(points.begin() + static_cast<std::ptrdiff_t>(taken.size()), points.end());
   if (fresh.empty()) return {};
-  cv::cornerSubPix(image, fresh, {3, 3}, {-1, -1},
+  cv::cornerSubPix(image, fresh, {kRefine, kRefine}, {-1, -1},
                    {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 10, 0.02});
   std::vector<Eigen::Vector2d> result;
   for (const cv::Point2f& p : fresh) result.emplace_back(p.x, p.y);

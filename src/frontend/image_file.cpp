@@ -4,6 +4,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
+#include <string_view>
 #include <system_error>
 
 #include "limber/core/errors.hpp"
@@ -13,6 +14,18 @@ namespace limber::frontend {
 std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height) + " px";
 }
+
+namespace {
+
+/// A PNG file without its end: cut off while it was written or copied.
+bool is_torn_png(std::string_view bytes) {
+  constexpr std::size_t kEndChunk = 12;
+  return bytes.starts_with("\x89PNG") &&
+         (bytes.size() < kEndChunk ||
+          bytes.substr(bytes.size() - kEndChunk).find("IEND") == std::string::npos);
+}
+
+}  // namespace
 
 cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera) {
   const std::string expected = "an image of " + size_text(camera.width, camera.height);
@@ -24,6 +37,7 @@ cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera) {
   std::ostringstream content;
   content << in.rdbuf();
   const std::string bytes = content.str();
+  if (is_torn_png(bytes)) throw DataError(file.string(), 0, expected, "a PNG file that was cut off");
   cv::Mat image;
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));

@@ -152,14 +152,15 @@ std::optional<UnspentRows> bear_inverse_depth(Estimate& estimate, const StereoOb
     return UnspentRows::kNone;
   }
   const Pose T_cam1_cam0 = between_cameras(rig);
-  const Landmark landmark = inverse_depth_landmark(observation, sighting.d0,
-                                                   start_inverse_depth(sighting, T_cam1_cam0), anchor, t_ns);
+  Landmark landmark = inverse_depth_landmark(observation, sighting.d0,
+                                             start_inverse_depth(sighting, T_cam1_cam0), anchor, t_ns);
   if (options.mode == BirthMode::kClassical) {
     if (!bear_classically(estimate, observation, rig, sigma_px, landmark, estimate.anchor_of(landmark))) {
       return std::nullopt;
     }
     return UnspentRows::kNone;
   }
+  landmark.rho_assumed = landmark.value.z();
   const double rho_sigma = options.inverse_depth_sigma_baselines / T_cam1_cam0.p.norm();
   Matrix3d P_ll = diffuse_covariance(rig, landmark, sigma_px, rho_sigma);
   if (rig[0].depends_on_theta) {

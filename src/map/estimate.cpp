@@ -4,6 +4,7 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "limber/core/so3.hpp"
 
@@ -20,10 +21,7 @@ namespace {
 constexpr double kCloneJitterPosition = 1e-6;  // [m]
 constexpr double kCloneJitterAttitude = 1e-7;  // [rad]
 
-void retract_pose(Pose& pose, const Vector3d& dp, const Vector3d& dtheta) {
-  pose.p += dp;
-  pose.R = so3_normalized(pose.R * so3_exp(dtheta));
-}
+void retract_attitude(Matrix3d& R, const Vector3d& dtheta) { R = so3_normalized(R * so3_exp(dtheta)); }
 
 }  // namespace
 
@@ -37,6 +35,7 @@ Estimate::Estimate(StateLayout layout, const NavigationState& nav_state, const M
                                 std::to_string(layout.body_size()) + " wide");
   }
   P.append(layout.map_begin());
+  frozen_end_ = layout.map_begin();
   P.set_diagonal_block(0, body_covariance);
   if (layout.has_theta) {
     P.set_diagonal_block(layout.theta(), theta_covariance);
@@ -59,7 +58,8 @@ const Anchor* Estimate::anchor_of(const Landmark& landmark) const {
 
 void Estimate::retract(const Eigen::VectorXd& dx) {
   transport(dx);
-  retract_pose(nav.T_world_body, dx.segment<3>(L::kPosition), dx.segment<3>(L::kAttitude));
+  nav.T_world_body.p += dx.segment<3>(L::kPosition);
+  retract_attitude(nav.T_world_body.R, dx.segment<3>(L::kAttitude));
   if (layout_.motion != MotionModel::kOdometry) {
     nav.v_world_body += dx.segment<3>(L::kVelocity);
   }
@@ -73,14 +73,32 @@ void Estimate::retract(const Eigen::VectorXd& dx) {
   if (layout_.has_theta) {
     theta += dx.segment<6>(layout_.theta());
   }
-  for (Anchor& anchor : anchors_) {
-    if (anchor.users > 0) {
-      retract_pose(anchor.T_world_body, dx.segment<3>(anchor.position_at), dx.segment<3>(anchor.attitude_at));
-    }
+  for (std::size_t k = 0; k < tenants_.size(); ++k) {
+    retract_triplet(tenants_[k], dx.segment<3>(layout_.map_begin() + kTriplet * static_cast<Index>(k)));
   }
-  for (Landmark& landmark : landmarks_) {
-    landmark.value += dx.segment<3>(landmark.at);
+  drift_ += dx.segment(layout_.map_begin(), drift_.size());
+}
+
+void Estimate::retract_triplet(Tenant tenant, const Vector3d& dx) {
+  switch (tenant.owner) {
+    case Owner::kLandmark:
+      landmarks_[tenant.index].value += dx;
+      break;
+    case Owner::kAnchorPosition:
+      anchors_[tenant.index].T_world_body.p += dx;
+      break;
+    case Owner::kAnchorAttitude:
+      retract_attitude(anchors_[tenant.index].T_world_body.R, dx);
+      break;
+    case Owner::kBodyClone:
+    case Owner::kBuried:
+      break;
   }
+}
+
+bool Estimate::is_world_vector(Tenant tenant) const {
+  return tenant.owner == Owner::kAnchorPosition ||
+         (tenant.owner == Owner::kLandmark && landmarks_[tenant.index].kind == LandmarkKind::kCartesian);
 }
 
 void Estimate::transport(const Eigen::VectorXd& dx) {
@@ -95,22 +113,23 @@ void Estimate::transport(const Eigen::VectorXd& dx) {
   if (layout_.motion != MotionModel::kOdometry) {
     couple(L::kVelocity);
   }
-  for (const Anchor& anchor : anchors_) {
-    if (anchor.users > 0) {
-      couple(anchor.position_at);
-      P.transform_triplet(anchor.attitude_at, so3_exp(-dx.segment<3>(anchor.attitude_at)));
-    }
-  }
-  for (const Landmark& landmark : landmarks_) {
-    if (landmark.kind == LandmarkKind::kCartesian) {
-      couple(landmark.at);
+  for (Index at = frozen_end_; at < size(); at += kTriplet) {
+    const Tenant tenant = tenants_[slot(at)];
+    if (tenant.owner == Owner::kAnchorAttitude) {
+      P.transform_triplet(at, so3_exp(-dx.segment<3>(at)));
+    } else if (is_world_vector(tenant)) {
+      couple(at);
     }
   }
   U.middleRows<kTriplet>(attitude) = turned_back - Matrix3d::Identity();
-  // (I + U Eᵀ) P (I + U Eᵀ)ᵀ, E: the columns of the body's attitude.
+  add_attitude_coupling(U);
+}
+
+/// P := (I + U Eᵀ) P (I + U Eᵀ)ᵀ, E: the columns of the body's attitude, U: size()×3.
+void Estimate::add_attitude_coupling(const MatrixXd& U) {
   MatrixXd G;
-  P.gather(std::array<Index, 1>{attitude}, G);
-  G += 0.5 * U * G.middleRows<kTriplet>(attitude).eval();
+  P.gather(std::array<Index, 1>{L::kAttitude}, G);
+  G += 0.5 * U * G.middleRows<kTriplet>(L::kAttitude).eval();
   P.add_symmetric_product(U, G);
 }
 
@@ -119,26 +138,37 @@ Index Estimate::append_triplet(Tenant tenant) {
   return P.append(kTriplet);
 }
 
-void Estimate::remove_triplet(Index at) {
-  const Index moved_from = P.remove_triplet(at);
-  const auto slot = [&](Index start) {
-    return static_cast<std::size_t>((start - layout_.map_begin()) / kTriplet);
-  };
-  const Tenant moved = tenants_[slot(moved_from)];
-  tenants_[slot(at)] = moved;
-  tenants_.pop_back();
-  if (moved_from == at) {
+void Estimate::remove_triplet(Index at, bool dormant) {
+  if (!dormant && at < frozen_end_) {
+    tenants_[slot(at)] = {Owner::kBuried, 0};
     return;
   }
-  switch (moved.owner) {
+  std::vector<Tenant>& tenants = dormant ? sleepers_ : tenants_;
+  const Index moved_from = dormant ? dormant_.remove(at) : P.remove_triplet(at);
+  const Tenant moved = tenants.back();
+  tenants.pop_back();
+  if (moved_from != at) {
+    move_in(moved, at, dormant);
+  }
+}
+
+/// Writes down, on both sides, where a tenant lives.
+void Estimate::move_in(Tenant tenant, Index at, bool dormant) {
+  (dormant ? sleepers_[static_cast<std::size_t>(at / kTriplet)] : tenants_[slot(at)]) = tenant;
+  switch (tenant.owner) {
     case Owner::kLandmark:
-      landmarks_[moved.index].at = at;
+      landmarks_[tenant.index].at = at;
+      landmarks_[tenant.index].dormant = dormant;
       break;
     case Owner::kAnchorPosition:
-      anchors_[moved.index].position_at = at;
+      anchors_[tenant.index].position_at = at;
+      anchors_[tenant.index].dormant = dormant;
       break;
     case Owner::kAnchorAttitude:
-      anchors_[moved.index].attitude_at = at;
+      anchors_[tenant.index].attitude_at = at;
+      break;
+    case Owner::kBodyClone:
+    case Owner::kBuried:
       break;
   }
 }
@@ -155,6 +185,7 @@ int Estimate::add_anchor(const Pose& T_body_cam0) {
   anchor.T_world_body = nav.T_world_body;
   anchor.T_body_cam0 = T_body_cam0;
   anchor.users = 0;
+  anchor.dormant = false;
   anchor.position_at = append_triplet({Owner::kAnchorPosition, index});
   anchor.attitude_at = append_triplet({Owner::kAnchorAttitude, index});
 
@@ -190,8 +221,9 @@ Landmark& Estimate::add_landmark(Landmark landmark, const Matrix3d& P_ll, const 
 }
 
 void Estimate::remove_anchor(int anchor) {
-  remove_triplet(anchors_[static_cast<std::size_t>(anchor)].attitude_at);
-  remove_triplet(anchors_[static_cast<std::size_t>(anchor)].position_at);
+  const bool dormant = anchors_[static_cast<std::size_t>(anchor)].dormant;
+  remove_triplet(anchors_[static_cast<std::size_t>(anchor)].attitude_at, dormant);
+  remove_triplet(anchors_[static_cast<std::size_t>(anchor)].position_at, dormant);
   free_anchors_.push_back(anchor);
 }
 
@@ -215,11 +247,11 @@ void Estimate::remove_landmark(std::int64_t track_id) {
   const std::size_t index = it->second;
   const Landmark removed = landmarks_[index];
   index_of_.erase(it);
-  remove_triplet(removed.at);
+  remove_triplet(removed.at, removed.dormant);
   if (index + 1 != landmarks_.size()) {
     landmarks_[index] = landmarks_.back();
     index_of_[landmarks_[index].track_id] = index;
-    tenants_[static_cast<std::size_t>((landmarks_[index].at - layout_.map_begin()) / kTriplet)].index = index;
+    move_in({Owner::kLandmark, index}, landmarks_[index].at, landmarks_[index].dormant);
   }
   landmarks_.pop_back();
   if (removed.kind == LandmarkKind::kInverseDepth) {
@@ -254,6 +286,12 @@ void Estimate::convert_to_cartesian(Landmark& landmark) {
   }
   columns.middleRows<kTriplet>(landmark.at) = 0.5 * (P_ll + P_ll.transpose());
   P.scatter(std::array<Index, 1>{landmark.at}, columns);
+  if (landmark.at < frozen_end_) {
+    const auto column = [&](Index at) { return at - layout_.map_begin(); };
+    dormant_.transform_column(column(landmark.at), J.rightCols<3>());
+    dormant_.couple_column(column(landmark.at), column(anchor.position_at), J.leftCols<3>());
+    dormant_.couple_column(column(landmark.at), column(anchor.attitude_at), J.middleCols<3>(3));
+  }
 
   landmark.value = world_position(landmark, &anchor);
   landmark.kind = LandmarkKind::kCartesian;
@@ -262,25 +300,30 @@ void Estimate::convert_to_cartesian(Landmark& landmark) {
   release_anchor(released);
 }
 
-Vector3d Estimate::landmark_position(const Landmark& landmark, Matrix3d* covariance) const {
-  const Anchor* anchor = anchor_of(landmark);
-  if (covariance != nullptr) {
-    if (anchor == nullptr) {
-      *covariance = P.diagonal_block<3>(landmark.at);
-    } else {
-      const Eigen::Matrix<double, 3, 9> J = world_position_jacobian(landmark, *anchor);
-      const std::array<Index, 3> sources = {anchor->position_at, anchor->attitude_at, landmark.at};
-      Eigen::Matrix<double, 9, 9> joint;
-      for (std::size_t i = 0; i < sources.size(); ++i) {
-        for (std::size_t j = 0; j < sources.size(); ++j) {
-          joint.block<3, 3>(3 * static_cast<Index>(i), 3 * static_cast<Index>(j)) =
-              P.triplet_block(sources[i], sources[j]);
-        }
-      }
-      *covariance = J * joint * J.transpose();
+Vector3d Estimate::landmark_position(const Landmark& stored, Matrix3d* covariance) const {
+  const Landmark landmark = current(stored);
+  if (landmark.kind == LandmarkKind::kCartesian) {
+    if (covariance != nullptr) {
+      *covariance = joint_block(landmark.at, landmark.dormant, landmark.at, landmark.dormant);
     }
+    return landmark.value;
   }
-  return world_position(landmark, anchor);
+  const Anchor anchor = current(*anchor_of(stored));
+  if (covariance != nullptr) {
+    const Eigen::Matrix<double, 3, 9> J = world_position_jacobian(landmark, anchor);
+    const std::array<std::pair<Index, bool>, 3> sources = {{{anchor.position_at, anchor.dormant},
+                                                            {anchor.attitude_at, anchor.dormant},
+                                                            {landmark.at, landmark.dormant}}};
+    Eigen::Matrix<double, 9, 9> joint;
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      for (std::size_t j = 0; j < sources.size(); ++j) {
+        joint.block<3, 3>(3 * static_cast<Index>(i), 3 * static_cast<Index>(j)) =
+            joint_block(sources[i].first, sources[i].second, sources[j].first, sources[j].second);
+      }
+    }
+    *covariance = J * joint * J.transpose();
+  }
+  return world_position(landmark, &anchor);
 }
 
 }  // namespace limber

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -14,12 +15,16 @@ using Eigen::Vector3d;
 
 namespace {
 
+double seconds_since(std::int64_t then_ns, std::int64_t now_ns) {
+  return 1e-9 * static_cast<double>(now_ns - then_ns);
+}
+
 std::vector<std::int64_t> to_remove(const Estimate& estimate, std::int64_t t_ns,
                                     const UpkeepOptions& options) {
   std::vector<std::int64_t> gone;
   std::vector<const Landmark*> unseen;
   for (const Landmark& landmark : estimate.landmarks()) {
-    const double unseen_s = 1e-9 * static_cast<double>(t_ns - landmark.last_seen_ns);
+    const double unseen_s = seconds_since(landmark.last_seen_ns, t_ns);
     if (landmark.refusals >= options.max_refusals || unseen_s > options.forget_after_s) {
       gone.push_back(landmark.track_id);
     } else if (landmark.last_seen_ns < t_ns) {
@@ -38,6 +43,17 @@ std::vector<std::int64_t> to_remove(const Estimate& estimate, std::int64_t t_ns,
     }
   }
   return gone;
+}
+
+/// Rewrites the landmarks seen at `seen_ns` that became linear enough.
+void convert_linear(Estimate& estimate, std::int64_t seen_ns, const UpkeepOptions& options) {
+  for (Landmark& landmark : estimate.landmarks()) {
+    if (landmark.kind == LandmarkKind::kInverseDepth && landmark.last_seen_ns == seen_ns &&
+        !landmark.dormant && !estimate.is_frozen(landmark) &&
+        linearity_index(estimate, landmark) < options.linearity_index) {
+      estimate.convert_to_cartesian(landmark);
+    }
+  }
 }
 
 }  // namespace
@@ -95,13 +111,26 @@ double projection_curvature(const Estimate& estimate, const Landmark& landmark, 
   return pixel * std::sqrt(std::max(covariance(2, 2), 0.0)) / depth;
 }
 
-std::size_t forget_uncertain_returns(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
-                                     const MountedCamera& cam0, const UpkeepOptions& options) {
+double depth_shift(const Estimate& estimate, const Landmark& landmark) {
+  if (landmark.kind != LandmarkKind::kInverseDepth || landmark.rho_assumed <= 0.0) {
+    return 0.0;
+  }
+  const double sigma = std::sqrt(estimate.P.diagonal_block<3>(landmark.at)(2, 2));
+  const double shift = std::abs(landmark.value.z() - landmark.rho_assumed);
+  return shift > sigma ? shift / landmark.rho_assumed : 0.0;
+}
+
+std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
+                             const MountedCamera& cam0, const UpkeepOptions& options) {
   std::size_t forgotten = 0;
   for (const StereoObservation& observation : frame.observations) {
     const Landmark* landmark = estimate.find(observation.track_id);
-    if (landmark != nullptr && landmark->last_seen_ns < previous_ns &&
-        projection_curvature(estimate, *landmark, cam0) > options.max_curvature_px) {
+    if (landmark == nullptr) {
+      continue;
+    }
+    const bool returns = landmark->last_seen_ns < previous_ns;
+    if ((returns && projection_curvature(estimate, *landmark, cam0) > options.max_curvature_px) ||
+        depth_shift(estimate, *landmark) > options.max_depth_shift) {
       estimate.remove_landmark(observation.track_id);
       ++forgotten;
     }
@@ -109,13 +138,37 @@ std::size_t forget_uncertain_returns(Estimate& estimate, const StereoFrame& fram
   return forgotten;
 }
 
-std::size_t keep_up(Estimate& estimate, std::int64_t t_ns, const UpkeepOptions& options) {
-  for (Landmark& landmark : estimate.landmarks()) {
-    if (landmark.kind == LandmarkKind::kInverseDepth && landmark.last_seen_ns == t_ns &&
-        linearity_index(estimate, landmark) < options.linearity_index) {
-      estimate.convert_to_cartesian(landmark);
+void rest_and_recall(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
+                     const UpkeepOptions& options) {
+  std::vector<std::int64_t> recalled;
+  for (const StereoObservation& observation : frame.observations) {
+    const Landmark* landmark = estimate.find(observation.track_id);
+    if (landmark != nullptr && landmark->dormant) {
+      recalled.push_back(observation.track_id);
     }
   }
+  if (recalled.empty() && seconds_since(estimate.epoch_began_ns(), frame.t_ns) < options.rest_after_s) {
+    return;
+  }
+  std::unordered_set<std::int64_t> seen;
+  for (const StereoObservation& observation : frame.observations) {
+    seen.insert(observation.track_id);
+  }
+  std::vector<std::int64_t> retired;
+  for (const Landmark& landmark : estimate.landmarks()) {
+    if (!landmark.dormant && !seen.contains(landmark.track_id) &&
+        seconds_since(landmark.last_seen_ns, frame.t_ns) > options.rest_after_s) {
+      retired.push_back(landmark.track_id);
+    }
+  }
+  if (estimate.has_frozen() || !retired.empty()) {
+    estimate.change_epoch(retired, recalled);
+    convert_linear(estimate, previous_ns, options);
+  }
+}
+
+std::size_t keep_up(Estimate& estimate, std::int64_t t_ns, const UpkeepOptions& options) {
+  convert_linear(estimate, t_ns, options);
   const std::vector<std::int64_t> gone = to_remove(estimate, t_ns, options);
   for (const std::int64_t track_id : gone) {
     estimate.remove_landmark(track_id);

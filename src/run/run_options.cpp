@@ -16,6 +16,9 @@ constexpr double kPaperBaseline = 2.0;  // [m]
 constexpr double kPaperWalk = 1e-6;     // [rad^2], [m^2] per prediction step, Table 1
 constexpr double kPaperStepsPerSecond = 100.0;
 constexpr double kSmallestBaseline = 1e-4;  // [m]
+constexpr double kLargestError = 10.0;      // of an assumed calibration, in baselines
+constexpr double kLargestAngle = 180.0;     // [deg]
+constexpr double kSmallestSigmaPx = 1e-6, kLargestSigmaPx = 1e3;
 // Pixel noise where the recording says nothing: limber's own front end, and somebody's tracks.
 constexpr double kImageSigmaPx = 0.5;
 constexpr double kTrackSigmaPx = 1.0;
@@ -82,6 +85,27 @@ void choose_noise(const Recording& recording, const RunOptions& options, RunSetu
     take(recording.pixel_noise, navigator.sigma_px, fmt::format("pixel noise not given: {} px", sigma),
          setup);
   }
+  if (navigator.sigma_px.minCoeff() < kSmallestSigmaPx || navigator.sigma_px.maxCoeff() > kLargestSigmaPx) {
+    throw std::invalid_argument(fmt::format("pixel noise: expected {} to {} px, found {} to {} px",
+                                            kSmallestSigmaPx, kLargestSigmaPx, navigator.sigma_px.minCoeff(),
+                                            navigator.sigma_px.maxCoeff()));
+  }
+}
+
+/// The error that is added must leave something that can still be called this rig.
+void check_assumed(const StereoCalibration& given, const StereoCalibration& assumed) {
+  const Eigen::Vector3d t = given.theta.tail<3>(), t_assumed = assumed.theta.tail<3>();
+  if (!(assumed.baseline() > kSmallestBaseline) || t.dot(t_assumed) <= 0.0) {
+    throw std::invalid_argument(fmt::format(
+        "--assume-error: expected an error that leaves cam1 on its side of cam0, found one that turns the "
+        "baseline [{:.4g}, {:.4g}, {:.4g}] m into [{:.4g}, {:.4g}, {:.4g}] m",
+        t.x(), t.y(), t.z(), t_assumed.x(), t_assumed.y(), t_assumed.z()));
+  }
+  if ((t_assumed - t).norm() > kLargestError * given.baseline()) {
+    throw std::invalid_argument(
+        fmt::format("--assume-error: expected at most {} baselines of {:.4g} m, found {:.4g} m",
+                    kLargestError, given.baseline(), (t_assumed - t).norm()));
+  }
 }
 
 void check(const Recording& recording, const RunOptions& options) {
@@ -105,11 +129,7 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   setup.notes = recording.notes;
   setup.calibration = recording.calibration;
   setup.calibration.theta += options.assume_error;
-  if (!(setup.calibration.baseline() > kSmallestBaseline)) {
-    throw std::invalid_argument(
-        fmt::format("the assumed baseline with its error is {} m, expected a positive one",
-                    setup.calibration.baseline()));
-  }
+  check_assumed(recording.calibration, setup.calibration);
   NavigatorOptions& navigator = setup.navigator;
   navigator.method = options.method;
   navigator.motion = choose_motion(recording, setup);
@@ -134,7 +154,7 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
 RigParameters parse_rig_error(const std::string& text, double baseline) {
   const auto fail = [&] {
     throw std::invalid_argument(
-        "expected six numbers ax,ay,az,tx,ty,tz (degrees and metres, or % of the baseline), "
+        "expected six numbers ax,ay,az,tx,ty,tz (degrees within ±180; metres, or % of the baseline), "
         "found '" +
         text + "'");
   };
@@ -154,7 +174,8 @@ RigParameters parse_rig_error(const std::string& text, double baseline) {
     } catch (const std::exception&) {
       fail();
     }
-    if (k >= 6 || used != item.size() || !std::isfinite(value) || (percent && k < 3)) {
+    if (k >= 6 || used != item.size() || !std::isfinite(value) || (percent && k < 3) ||
+        (k < 3 && std::abs(value) > kLargestAngle)) {
       fail();
     }
     out(k) = k < 3 ? value * kDegree : (percent ? 0.01 * value * baseline : value);

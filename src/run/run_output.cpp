@@ -242,27 +242,33 @@ RunSummary summarize(const Recording& recording, const RunOptions& options, cons
 
 void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
                       const RunSummary& summary) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw DataError(folder.string(), 0, "a folder that can be made and written",
-                    error ? error.message() : "something else");
-  }
   std::vector<StampedPose> poses;
   for (const TrajectoryRow& row : record.trajectory) {
     poses.push_back({row.t_ns, row.T_world_body});
   }
-  write_tum(folder / "trajectory.tum", poses);
-  write_trajectory_csv(folder / "trajectory.csv", record.trajectory);
-  if (summary.truth.empty()) {
-    std::filesystem::remove(folder / "truth.tum", error);  // an older run's would be taken for this one's
-  } else {
-    write_tum(folder / "truth.tum", summary.truth);
+  try {
+    const FolderUnlessEmpty outer(folder);
+    StagedFolder staged(folder / "results");
+    std::vector<std::string> names = {"trajectory.tum", "trajectory.csv", "landmarks.ply", "frames.csv",
+                                      "refusals.csv"};
+    write_tum(staged.path() / "trajectory.tum", poses);
+    write_trajectory_csv(staged.path() / "trajectory.csv", record.trajectory);
+    write_landmarks_ply(staged.path() / "landmarks.ply", record.landmarks);
+    write_file_atomically(staged.path() / "frames.csv", frames_csv(record));
+    write_file_atomically(staged.path() / "refusals.csv", refusals_csv(record));
+    if (!summary.truth.empty()) {
+      write_tum(staged.path() / "truth.tum", summary.truth);
+      names.emplace_back("truth.tum");
+    }
+    write_file_atomically(staged.path() / "summary.json", to_json(options, record, summary).dump(2) + "\n");
+    names.emplace_back("summary.json");
+    // An older run's must not stand beside new files.
+    std::filesystem::remove(folder / "summary.json");
+    std::filesystem::remove(folder / "truth.tum");
+    staged.move_files(names, folder);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw DataError(folder.string(), 0, "a folder that can be made and written", error.code().message());
   }
-  write_landmarks_ply(folder / "landmarks.ply", record.landmarks);
-  write_file_atomically(folder / "frames.csv", frames_csv(record));
-  write_file_atomically(folder / "refusals.csv", refusals_csv(record));
-  write_file_atomically(folder / "summary.json", to_json(options, record, summary).dump(2) + "\n");
 }
 
 }  // namespace limber

@@ -11,42 +11,63 @@
 
 #include "limber/datasets/interpolate.hpp"
 #include "limber/simulate/simulator.hpp"
+#include "remarks.hpp"
 
 namespace limber {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using detail::covered_by_frames;
+using detail::covered_seconds;
+using detail::frame_count;
+using detail::frame_time;
 
 constexpr std::int64_t kWindowNs = 600'000'000;  // what an automatic start looks at
 constexpr double kUnknownBiasGyro = 0.1;         // [rad/s], truth without biases
 constexpr double kUnknownBiasAccel = 0.2;        // [m/s^2]
+constexpr double kLargestPosition = 1e9;         // [m]
 constexpr double kUnknownVelocity = 0.1;         // [m/s], truth without velocity: differences
 
 double milliseconds(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double, std::milli>(end - begin).count();
 }
 
-std::size_t frame_count(const Recording& recording) {
-  return recording.images.empty() ? recording.frames.size() : recording.images.size();
-}
-
-std::int64_t frame_time(const Recording& recording, std::size_t n) {
-  return recording.images.empty() ? recording.frames[n].t_ns : recording.images[n].t_ns;
+/// The first and the last time of the inputs that drive the prediction; nothing if it needs none.
+std::optional<std::pair<std::int64_t, std::int64_t>> input_times(const Recording& recording,
+                                                                 MotionModel motion) {
+  switch (motion) {
+    case MotionModel::kImu:
+      return std::pair(recording.imu.front().t_ns, recording.imu.back().t_ns);
+    case MotionModel::kOdometry:
+      return std::pair(recording.odometry.front().t_ns, recording.odometry.back().t_ns);
+    case MotionModel::kConstantVelocity:
+      break;
+  }
+  return std::nullopt;
 }
 
 /// The first frame that the prediction's inputs reach, and for a ground truth start the truth.
 std::size_t first_frame(const Recording& recording, const RunOptions& options, MotionModel motion) {
+  const auto inputs = input_times(recording, motion);
+  const bool from_truth = options.start == StartMode::kGroundTruth;
   for (std::size_t n = 0; n < frame_count(recording); ++n) {
     const std::int64_t t = frame_time(recording, n);
-    const bool driven =
-        motion == MotionModel::kConstantVelocity ||
-        (motion == MotionModel::kImu ? recording.imu.front().t_ns : recording.odometry.front().t_ns) <= t;
-    if (driven && (options.start == StartMode::kAuto || groundtruth_at(recording.groundtruth, t))) {
+    const bool driven = !inputs || (inputs->first <= t && t <= inputs->second);
+    if (driven && (!from_truth || groundtruth_at(recording.groundtruth, t))) {
       return n;
     }
   }
-  throw std::invalid_argument(recording.name +
-                              ": no frame lies within the time of the inputs and of the truth");
+  std::string covered = "the frames cover " + covered_by_frames(recording);
+  if (inputs) {
+    covered += fmt::format(", the {} {}", motion == MotionModel::kImu ? "IMU" : "odometry",
+                           covered_seconds(inputs->first, inputs->second));
+  }
+  if (from_truth) {
+    covered += ", ground truth " +
+               covered_seconds(recording.groundtruth.front().t_ns, recording.groundtruth.back().t_ns);
+  }
+  throw std::invalid_argument(recording.name + ": no frame to start from: " + covered +
+                              "; do they have the same clock?");
 }
 
 template <typename Sample>
@@ -172,9 +193,9 @@ TrajectoryRow row_of(const Navigator& navigator) {
   return row;
 }
 
-bool is_finite(const TrajectoryRow& row) {
-  return row.T_world_body.p.allFinite() && row.T_world_body.R.allFinite() && row.v_world_body->allFinite() &&
-         row.covariance->allFinite();
+bool is_sane(const TrajectoryRow& row) {
+  return row.T_world_body.p.norm() < kLargestPosition && row.T_world_body.R.allFinite() &&
+         row.v_world_body->allFinite() && row.covariance->allFinite();
 }
 
 void take_map(const Navigator& navigator, RunRecord& record) {
@@ -182,6 +203,28 @@ void take_map(const Navigator& navigator, RunRecord& record) {
     record.landmarks[landmark.track_id] = navigator.estimate().landmark_position(landmark);
   }
   record.theta = navigator.estimate().theta;
+}
+
+[[noreturn]] void fail_diverged(Method method, std::size_t frame, std::int64_t t_ns,
+                                const std::vector<std::string>& remarks) {
+  std::string message =
+      fmt::format("{} diverged: the state after frame {} at {} ns is not finite, or further than {:g} m away",
+                  to_string(method), frame, t_ns, kLargestPosition);
+  for (const std::string& remark : remarks) {
+    message += "; " + remark;
+  }
+  throw std::runtime_error(message);
+}
+
+void count(const StereoFrame& frame, detail::PointCount& points) {
+  for (const StereoObservation& point : frame.observations) {
+    points.left += point.in_cam0 ? 1 : 0;
+    points.right += point.in_cam1 ? 1 : 0;
+  }
+}
+
+void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
+  notes.insert(notes.end(), more.begin(), more.end());
 }
 
 }  // namespace
@@ -202,17 +245,21 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   RunRecord record;
   record.notes = setup.notes;
   record.motion = setup.navigator.motion;
+  const auto remarks = detail::remarks_on_input(recording, record.motion, setup.navigator.gravity);
+  append(record.notes, remarks);
   if (first > 0) {
     record.notes.push_back(fmt::format("{} frames skipped: before the first input{}", first,
                                        from_truth ? " or ground truth" : ""));
   }
   InputFeed feed(recording);
+  detail::PointCount points;
   for (std::size_t n = first; n < frame_count(recording); ++n) {
     const std::size_t k = n - first;
     const auto begin_source = Clock::now();
     const StereoFrame frame = k < ahead.frames.size() ? std::move(ahead.frames[k]) : frames(n);
     const auto begin_filter = Clock::now();
     record.source_ms.push_back(k < ahead.ms.size() ? ahead.ms[k] : milliseconds(begin_source, begin_filter));
+    count(frame, points);
     feed.feed(navigator, frame.t_ns);
     if (options.method == Method::kOracle) {
       navigator.assume_theta(calibration_at(recording.calibration_true, frame.t_ns));
@@ -220,9 +267,8 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     record.frames.push_back(navigator.process(frame));
     record.trajectory.push_back(row_of(navigator));
     record.frame_ms.push_back(milliseconds(begin_filter, Clock::now()));
-    if (!is_finite(record.trajectory.back())) {
-      throw std::runtime_error(fmt::format("{} diverged: the state is not finite after frame {} at {} ns",
-                                           to_string(options.method), n, frame.t_ns));
+    if (!is_sane(record.trajectory.back())) {
+      fail_diverged(options.method, n, frame.t_ns, remarks);
     }
     if (observe) {
       observe(navigator, record.frames.back());
@@ -232,6 +278,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     }
   }
   take_map(navigator, record);
+  append(record.notes, detail::remarks_on_measurements(record, options.method, points));
   return record;
 }
 

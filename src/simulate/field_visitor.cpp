@@ -383,7 +383,10 @@ void read_fields(const std::string& text, const std::string& file, const FieldVi
   } catch (const YAML::Exception& e) {
     throw DataError(file, line_of(e.mark), "valid YAML", e.msg);
   }
-  if (documents.size() != 1) {
+  if (documents.empty()) {
+    throw DataError(file, 0, "a YAML mapping (key: value)", "an empty file");
+  }
+  if (documents.size() > 1) {
     throw DataError(file, 0, "one YAML document", fmt::format("{}", documents.size()));
   }
   if (!documents.front().IsMap()) {

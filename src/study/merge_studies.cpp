@@ -81,7 +81,7 @@ class Merger {
     std::string definition;
     there.get(definition);
     if (definition != from.definition) {
-      throw std::runtime_error(fmt::format("{} holds another scenario '{}' than the parts before it:\n{}",
+      throw std::runtime_error(fmt::format("{} holds '{}' with other settings than the parts before it:\n{}",
                                            part.path().string(), from.name,
                                            detail::differing_lines(definition, from.definition)));
     }

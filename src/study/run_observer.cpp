@@ -35,7 +35,7 @@ std::size_t RunObserver::slot_of(std::int64_t t_ns) const {
 Divergence RunObserver::divergence(const std::string& reason) const {
   const std::size_t n = std::min(observed_, recording_.frames.size() - 1);
   const std::int64_t t_ns = recording_.frames[n].t_ns;
-  return {slot_of(t_ns), 1e-9 * static_cast<double>(t_ns), reason};
+  return {slot_of(t_ns), static_cast<double>(t_ns) / 1e9, reason};
 }
 
 void RunObserver::set(CurveQuantity quantity, double value) {

@@ -93,7 +93,7 @@ std::string definition_of(const StudyCase& study_case) {
 std::vector<double> frame_times(const Scenario& scenario) {
   std::vector<double> times;
   for (const std::int64_t t_ns : sample_times(scenario.stereo_rate, scenario.duration)) {
-    times.push_back(1e-9 * static_cast<double>(t_ns));
+    times.push_back(static_cast<double>(t_ns) / 1e9);
   }
   return times;
 }

@@ -196,7 +196,7 @@ void StudyStore::take_up_case(std::size_t index, const StudyCase& study_case) {
   stored.get(text);
   if (text != definition) {
     throw std::runtime_error(fmt::format(
-        "{} holds another scenario '{}' than this one:\n{}use another --out, or give the scenario another "
+        "{} holds '{}' with other settings than these:\n{}use another --out, or give the scenario another "
         "'name:'",
         file_.path().string(), name, differing_lines(text, definition)));
   }

@@ -199,8 +199,8 @@ std::vector<MethodSummary> summarize_case(const StudyDatabase& database, std::si
 
 std::string format_case_table(const StudyDatabase& database, std::size_t study_case) {
   std::vector<Row> rows = {{"method", "runs", "position RMSE [m]", "worst [m]", "final [m]",
-                            "attitude RMSE [deg]", "landmarks [m]", "ANEES", "position", "attitude",
-                            "95 % bounds", "within", "NIS/dof", "scale", "ms/frame"}};
+                            "attitude RMSE [deg]", "landmarks [m]", "ANEES", "of position", "of attitude",
+                            "95 % bounds", "inside", "NIS/dof", "scale", "ms/frame"}};
   for (const MethodSummary& summary : summarize_case(database, study_case)) {
     rows.push_back(row_of(summary));
   }

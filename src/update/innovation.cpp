@@ -2,6 +2,7 @@
 #include "limber/update/innovation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string>
 
@@ -37,16 +38,15 @@ void check(const Covariance& P, const LinearMeasurement& z) {
   }
 }
 
-/// The distinct columns that H touches, sorted.
-std::vector<Index> touched_columns(const SparseJacobian& H) {
-  std::vector<Index> columns;
-  columns.reserve(H.blocks.size());
-  for (const SparseJacobian::Block& block : H.blocks) {
-    columns.push_back(block.col);
+/// Blocks of H in the order of their columns, divided by the noise of their rows.
+std::vector<SparseJacobian::Block> whitened_by_column(const LinearMeasurement& z,
+                                                      const Eigen::VectorXd& weight) {
+  std::vector<SparseJacobian::Block> blocks = z.H.blocks;
+  for (SparseJacobian::Block& block : blocks) {
+    block.value = weight.segment<2>(block.row).asDiagonal() * block.value;
   }
-  std::sort(columns.begin(), columns.end());
-  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-  return columns;
+  std::stable_sort(blocks.begin(), blocks.end(), [](const auto& a, const auto& b) { return a.col < b.col; });
+  return blocks;
 }
 
 }  // namespace
@@ -59,35 +59,29 @@ Innovation form_innovation(const Covariance& P, const LinearMeasurement& z) {
   out.r = z.residual.cwiseProduct(weight);
   out.D = z.D.cols() > 0 ? MatrixXd(weight.asDiagonal() * z.D) : MatrixXd(m, 0);
 
-  const std::vector<Index> columns = touched_columns(z.H);
-  std::vector<Index> place(static_cast<std::size_t>(P.size()), -1);
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    place[static_cast<std::size_t>(columns[k])] = kTriplet * static_cast<Index>(k);
-  }
-  MatrixXd gathered;
-  P.gather(columns, gathered);
-
-  std::vector<Eigen::Matrix<double, 2, kTriplet>> whitened;
-  whitened.reserve(z.H.blocks.size());
+  const std::vector<SparseJacobian::Block> blocks = whitened_by_column(z, weight);
   out.PHt.setZero(P.size(), m);
-  for (const SparseJacobian::Block& block : z.H.blocks) {
-    whitened.push_back(weight.segment<2>(block.row).asDiagonal() * block.value);
-    const Index at = place[static_cast<std::size_t>(block.col)];
+  MatrixXd columns;  // of P, one triplet at a time
+  Index gathered = -1;
+  for (const SparseJacobian::Block& block : blocks) {
+    if (block.col != gathered) {
+      gathered = block.col;
+      P.gather(std::array<Index, 1>{gathered}, columns);
+    }
     out.PHt.middleCols<2>(block.row).noalias() +=
-        gathered.middleCols<kTriplet>(at).lazyProduct(whitened.back().transpose());
+        columns.leftCols<kTriplet>().lazyProduct(block.value.transpose());
   }
 
   // S = (P Hᵀ)ᵀ Hᵀ + I, from the few rows of P Hᵀ that H touches.
-  MatrixXd rows(m, kTriplet * static_cast<Index>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    rows.middleCols<kTriplet>(kTriplet * static_cast<Index>(k)) =
-        out.PHt.middleRows<kTriplet>(columns[k]).transpose();
-  }
   out.S.setIdentity(m, m);
-  for (std::size_t b = 0; b < z.H.blocks.size(); ++b) {
-    const Index at = place[static_cast<std::size_t>(z.H.blocks[b].col)];
-    out.S.middleCols<2>(z.H.blocks[b].row).noalias() +=
-        rows.middleCols<kTriplet>(at).lazyProduct(whitened[b].transpose());
+  Eigen::Matrix<double, Eigen::Dynamic, kTriplet> rows(m, kTriplet);
+  gathered = -1;
+  for (const SparseJacobian::Block& block : blocks) {
+    if (block.col != gathered) {
+      gathered = block.col;
+      rows = out.PHt.middleRows<kTriplet>(gathered).transpose();
+    }
+    out.S.middleCols<2>(block.row).noalias() += rows.lazyProduct(block.value.transpose());
   }
   return out;
 }

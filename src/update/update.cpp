@@ -34,7 +34,8 @@ void add_white_covariance(Innovation& innovation, const ParameterTreatment& trea
 }
 
 /// Eigen calls a factor with NaN on its diagonal a success.
-bool is_positive_definite(const Eigen::LLT<MatrixXd>& llt) {
+template <typename Matrix>
+bool is_positive_definite(const Eigen::LLT<Matrix>& llt) {
   return llt.info() == Eigen::Success && llt.matrixLLT().diagonal().allFinite();
 }
 
@@ -66,15 +67,15 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
     rank = projection.rank();
     projection.apply_left(innovation.r);
     projection.apply_right(innovation.PHt);
-    projection.apply_right(innovation.S);
-    projection.apply_left(Eigen::Ref<MatrixXd>(innovation.S));
+    projection.apply_both(innovation.S);
   }
   const Index dof = m - rank;
   if (dof == 0) {
     return untouched(UpdateStatus::kEmpty, P.size());
   }
 
-  const Eigen::LLT<MatrixXd> llt(innovation.S.topLeftCorner(dof, dof));
+  Eigen::Ref<MatrixXd> S = innovation.S.topLeftCorner(dof, dof);
+  const Eigen::LLT<Eigen::Ref<MatrixXd>> llt(S);  // in place
   if (!is_positive_definite(llt)) {
     return untouched(UpdateStatus::kSingularInnovation, P.size());
   }

@@ -223,7 +223,8 @@ TEST(EvaluateCommand, FailsOnBadFilesAndLeavesNothingBehind) {
                             "ELF\0\1\2",
                             7),
                 "expected "},
-        BadFile{"0 0 0 0 9 0 0 1\n", ":1: "}}) {
+        BadFile{"0 0 0 0 9 0 0 1\n", ":1: "},
+        BadFile{"0 1e300 0 0 0 0 0 1\n", ":1: expected tx [m] within"}}) {
     const fs::path file = write_text(folder.path() / "bad.txt", bad.content);
     for (const auto& arguments : {std::vector<std::string>{file.string(), good}, {good, file.string()}}) {
       const auto result = run_limber({"evaluate", arguments[0], arguments[1], "--out", out});

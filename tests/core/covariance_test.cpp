@@ -141,6 +141,11 @@ TEST(Covariance, EveryAccessorReadsTheSymmetricMatrix) {
     }
   }
   EXPECT_EQ(pair.covariance.diagonal_block<6>(9), (P.block<6, 6>(9, 9)));
+  for (Index row = 0; row < 21; row += 3) {
+    for (Index col = 0; col < 21; col += 3) {
+      EXPECT_EQ(pair.covariance.triplet_block(row, col), (P.block<3, 3>(row, col)));
+    }
+  }
 }
 
 TEST(Covariance, DiagonalBlockIsSetFromTheLowerTriangleAlone) {
@@ -203,7 +208,7 @@ TEST(Covariance, CrossPropagationLeavesTheLeadingBlockAlone) {
 std::string random_step(Generator& generator, Pair& pair) {
   Covariance& P = pair.covariance;
   MatrixXd& dense = pair.twin.P;
-  switch (random_index(generator, 0, 5)) {
+  switch (random_index(generator, 0, 7)) {
     case 0: {
       const Index count = kTriplet * random_index(generator, 1, 4);
       P.append(count);
@@ -242,6 +247,23 @@ std::string random_step(Generator& generator, Pair& pair) {
       P.propagate_leading(Phi, Q);
       pair.twin.propagate(Phi, Q);
       return "propagate";
+    }
+    case 5: {
+      const Index k = random_index(generator, 1, 4);
+      const MatrixXd U = 0.1 * random_matrix(generator, P.size(), k);
+      const MatrixXd V = 0.1 * random_matrix(generator, P.size(), k);
+      P.add_symmetric_product(U, V);
+      dense += U * V.transpose() + V * U.transpose();
+      return "add symmetric product";
+    }
+    case 6: {
+      const Index start = kTriplet * random_index(generator, 0, P.size() / kTriplet - 1);
+      const Eigen::Matrix3d M = 0.5 * random_matrix(generator, kTriplet, kTriplet);
+      P.transform_triplet(start, M);
+      MatrixXd T = MatrixXd::Identity(dense.rows(), dense.rows());
+      T.block<3, 3>(start, start) = M;
+      dense = (T * dense * T.transpose()).eval();
+      return "transform";
     }
     default: {
       const Index start = kTriplet * random_index(generator, 0, P.size() / kTriplet - 1);

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "edits.hpp"
 #include "files.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/track_log.hpp"
@@ -16,38 +17,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using testing::append;
+using testing::cut_end;
 using testing::data_error_of;
+using testing::Edit;
+using testing::header_only;
 using testing::read_text;
-using testing::replaced;
+using testing::replace;
+using testing::replace_between;
 using testing::small_recording;
 using testing::TemporaryFolder;
 using testing::write_text;
-
-using Edit = std::function<std::string(const std::string&)>;
-
-Edit replace(const std::string& from, const std::string& to) {
-  return [=](const std::string& text) { return replaced(text, from, to); };
-}
-
-// Replaces what stands between `begin` and the next `end`.
-Edit replace_between(const std::string& begin, const std::string& end, const std::string& to) {
-  return [=](const std::string& text) {
-    const std::size_t from = text.find(begin) + begin.size();
-    return text.substr(0, from) + to + text.substr(text.find(end, from));
-  };
-}
-
-Edit append(const std::string& tail) {
-  return [=](const std::string& text) { return text + tail; };
-}
-
-Edit cut_end(std::size_t bytes) {
-  return [=](const std::string& text) { return text.substr(0, text.size() - bytes); };
-}
-
-Edit header_only() {
-  return [](const std::string& text) { return text.substr(0, text.find('\n') + 1); };
-}
 
 struct BadFile {
   const char* name;
@@ -70,6 +50,8 @@ std::vector<BadFile> bad_files() {
   return {
       {"TrackWithNan", kTracks, replace("20.5", "nan"), 3, "finite number for u0 [px], found 'nan'"},
       {"TrackWithInfinity", kTracks, replace("20.5", "-inf"), 3, "found '-inf'"},
+      {"TrackFarOutsideTheImage", kTracks, replace("20.5", "1e308"), 3,
+       "u0 [px] within ±7520, found '1e308'"},
       {"TrackThatOverflows", kTracks, replace("20.5", "1e999"), 3, "found '1e999'"},
       {"TrackWithLetters", kTracks, replace("30.25", "30.25px"), 3,
        "finite number for v0 [px], found '30.25px'"},
@@ -103,6 +85,11 @@ std::vector<BadFile> bad_files() {
       {"ImuWithHeaderOnly", "imu0/data.csv", header_only(), 0, "at least one IMU sample"},
       {"ImuElsewhere", "imu0/sensor.yaml", replace("data: [1, 0, 0, 0,", "data: [1, 0, 0, 0.1,"), 3,
        "the IMU must be in the body frame"},
+      {"ImuRateOfNoGyro", "imu0/data.csv",
+       replace(kT0 + std::string(","), kT0 + std::string(",1e200,0,0,0,0,0\n#")), 2,
+       "w_x within ±10000, found '1e200'"},
+      {"ImuNoiseHuge", "imu0/sensor.yaml", replace("_random_walk: ", "_random_walk: 1e200 #"), 7,
+       "at most 1000000, found 1e+200"},
       {"ImuNoiseNegative", "imu0/sensor.yaml", replace("_random_walk: ", "_random_walk: -"), 7,
        "of zero or more"},
       {"ImuNoiseNoNumber", "imu0/sensor.yaml", replace("_random_walk: ", "_random_walk: x"), 7,
@@ -139,7 +126,9 @@ std::vector<BadFile> bad_files() {
       {"NoCameraModel", kCam1, replace("camera_model", "model"), 0,
        "the key camera_model, found no such key"},
       {"FocalLengthZero", kCam1, replace("457.587", "0"), 8,
-       "positive focal lengths fu, fv [px], found 0 and 456"},
+       "positive focal lengths fu, fv [px], 0.001 to 1000000, found 0 and 456"},
+      {"FocalLengthTiny", kCam1, replace("456.134", "1e-200"), 8, "positive focal lengths"},
+      {"FocalLengthHuge", kCam1, replace("456.134", "1e200"), 8, "positive focal lengths"},
       {"FocalLengthNegative", kCam1, replace("456.134", "-456"), 8, "positive focal lengths"},
       {"FocalLengthNan", kCam1, replace("456.134", ".nan"), 8, "a finite number in intrinsics, found '.nan'"},
       {"ThreeIntrinsics", kCam1, replace("457.587, ", ""), 8, "intrinsics as a list of 4 numbers"},
@@ -214,6 +203,10 @@ TEST(Baseline, MustNotHaveCam1ToTheLeft) {
   const std::string message = error_with_baseline({0.11, 0.001, 0});
   EXPECT_NE(message.find("swapped"), std::string::npos) << message;
   EXPECT_NE(message.find("inverted"), std::string::npos) << message;
+}
+
+TEST(Baseline, MustNotBeEndless) {
+  EXPECT_NE(error_with_baseline({-1e200, 0, 0}).find("cameras less than 1000 m apart"), std::string::npos);
 }
 
 TEST(Baseline, MayBeVerticalButThenThereIsANote) {

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
-#include <sys/resource.h>
-
 #include <cmath>
-#include <csignal>
 #include <iterator>
 
 #include "files.hpp"
@@ -77,31 +74,11 @@ TEST(AtomicFile, NamesAPlaceThatCannotBeWritten) {
   EXPECT_EQ(entries(folder.path()), 0);
 }
 
-// A limit on the size of files stands in for a full disk.
-class SmallDisk {
- public:
-  SmallDisk() {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{1000, before_.rlim_max};
-    std::signal(SIGXFSZ, SIG_IGN);
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~SmallDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, SIG_DFL);
-  }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-
- private:
-  rlimit before_{};
-};
-
 TEST(AtomicFile, LeavesNothingOnAFullDisk) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "out.csv";
   {
-    const SmallDisk disk;
+    const testing::SmallDisk disk;
     EXPECT_EQ(data_error_of([&] { write_file_atomically(path, std::string(100'000, 'x')); }).file(),
               path.string());
     EXPECT_EQ(data_error_of([&] { write_file_atomically(path, std::string(1'001, 'x')); }).file(),
@@ -119,11 +96,33 @@ TEST(TrackLogWriter, LeavesNothingOnAFullDisk) {
     recording.frames.back().observations.push_back({1000 + k, {1, 2}, {3, 4}, true, true});
   }
   {
-    const SmallDisk disk;
+    const testing::SmallDisk disk;
     EXPECT_EQ(data_error_of([&] { write_track_log(recording, folder.path()); }).file(),
               (folder.path() / "mav0/tracks0/data.csv").string());
   }
   EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(FolderUnlessEmpty, GoesAwayWithTheParentsItMadeUnlessSomethingIsInIt) {
+  const TemporaryFolder folder;
+  { const FolderUnlessEmpty made(folder.path() / "a" / "b" / "c"); }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+  {
+    const FolderUnlessEmpty made(folder.path() / "a" / "b");
+    testing::write_text(folder.path() / "a" / "file", "kept");
+  }
+  EXPECT_TRUE(fs::exists(folder.path() / "a" / "file"));
+  EXPECT_FALSE(fs::exists(folder.path() / "a" / "b"));
+  { const FolderUnlessEmpty older(folder.path() / "a"); }
+  EXPECT_TRUE(fs::exists(folder.path() / "a"));
+}
+
+TEST(FolderUnlessEmpty, LeavesNothingWhereItCannotBeMade) {
+  const TemporaryFolder folder;
+  testing::write_text(folder.path() / "file", "mine");
+  EXPECT_THROW(FolderUnlessEmpty(folder.path() / "file" / "below"), fs::filesystem_error);
+  EXPECT_THROW(FolderUnlessEmpty(folder.path() / "a" / std::string(300, 'x')), fs::filesystem_error);
+  EXPECT_EQ(entries(folder.path()), 1);
 }
 
 TEST(LandmarksPly, HoldsIdAndPositionOfEachPoint) {

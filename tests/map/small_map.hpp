@@ -71,9 +71,22 @@ struct Snapshot {
   Eigen::MatrixXd P;
 
   bool operator==(const Snapshot& other) const {
-    return track_ids == other.track_ids && mean == other.mean && P == other.P;
+    return track_ids == other.track_ids && mean.size() == other.mean.size() && mean == other.mean &&
+           P.rows() == other.P.rows() && P == other.P;
   }
 };
+
+/// The covariance of what is awake, without the clone that an epoch begins with (then the body twice).
+inline Eigen::MatrixXd awake_covariance(const Estimate& estimate) {
+  const Eigen::Index body = estimate.layout().map_begin();
+  std::vector<Eigen::Index> places;
+  for (Eigen::Index k = 0; k < estimate.size(); ++k) {
+    if (k < body || k >= 2 * body || !estimate.has_frozen()) {
+      places.push_back(k);
+    }
+  }
+  return estimate.P.dense()(places, places);
+}
 
 /// @param without  landmarks to leave out
 inline Snapshot snapshot(const Estimate& estimate, const std::vector<std::int64_t>& without = {}) {

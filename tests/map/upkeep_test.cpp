@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 
 #include "small_map.hpp"
 
@@ -119,7 +120,7 @@ TEST(ProjectionCurvature, IsInfiniteWhereThePointDoesNotProject) {
             std::numeric_limits<double>::infinity());
 }
 
-TEST(ForgetUncertainReturns, RemovesOnlyWhatWasAbsentAndCurved) {
+TEST(ForgetMisplaced, RemovesOfTheReturningOnlyWhatIsCurved) {
   StereoFrame frame;
   frame.t_ns = kNow + 2 * kSecond;
   frame.observations.resize(2);
@@ -131,7 +132,7 @@ TEST(ForgetUncertainReturns, RemovesOnlyWhatWasAbsentAndCurved) {
     options.max_curvature_px = 0.25;
     StereoFrame seen = frame;
     seen.observations[0].track_id = observed ? 1 : 2;
-    const std::size_t count = forget_uncertain_returns(estimate, seen, previous_ns, camera(), options);
+    const std::size_t count = forget_misplaced(estimate, seen, previous_ns, camera(), options);
     EXPECT_EQ(estimate.find(1) == nullptr, count == 1);
     return count;
   };
@@ -139,6 +140,36 @@ TEST(ForgetUncertainReturns, RemovesOnlyWhatWasAbsentAndCurved) {
   EXPECT_EQ(forgotten(1.0, kNow + kSecond, true), 0U);   // 0.2 px
   EXPECT_EQ(forgotten(1.5, kNow, true), 0U);             // seen in the frame before
   EXPECT_EQ(forgotten(1.5, kNow + kSecond, false), 0U);  // not back
+}
+
+/// Born 5 m away under a doubtful calibration; now at `depth`.
+Estimate moved_to(double depth, double sigma_rho) {
+  Estimate estimate = before_a_point(depth, sigma_rho);
+  estimate.find(1)->rho_assumed = 0.2;
+  return estimate;
+}
+
+TEST(DepthShift, IsTheShareByWhichTheInverseDepthMoved) {
+  const auto shift = [](const Estimate& estimate) { return depth_shift(estimate, *estimate.find(1)); };
+  EXPECT_NEAR(shift(moved_to(4.0, 0.01)), 0.25, 1e-12);
+  EXPECT_NEAR(shift(moved_to(8.0, 0.01)), 0.375, 1e-12);
+  EXPECT_EQ(shift(moved_to(4.0, 0.06)), 0.0);  // not known better than it moved
+  EXPECT_EQ(shift(before_a_point(4.0, 0.01)), 0.0);
+  Estimate cartesian = moved_to(4.0, 0.01);
+  cartesian.convert_to_cartesian(*cartesian.find(1));
+  EXPECT_EQ(shift(cartesian), 0.0);
+}
+
+TEST(ForgetMisplaced, RemovesWhatTurnsOutToLieElsewhere) {
+  StereoFrame frame;
+  frame.t_ns = kNow;
+  frame.observations.resize(1);
+  frame.observations[0].track_id = 1;
+  for (const auto& [depth, gone] : {std::pair{5.4, 0U}, {5.6, 1U}, {4.6, 0U}, {4.4, 1U}}) {
+    Estimate estimate = moved_to(depth, 0.001);
+    EXPECT_EQ(forget_misplaced(estimate, frame, kNow, camera(), UpkeepOptions{}), gone) << depth;
+    EXPECT_EQ(estimate.find(1) == nullptr, gone == 1) << depth;
+  }
 }
 
 std::vector<std::int64_t> ids(const Estimate& estimate) { return testing::snapshot(estimate).track_ids; }

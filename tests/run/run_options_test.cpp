@@ -4,10 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <numbers>
-#include <stdexcept>
 
+#include "message_of.hpp"
 #include "run/short_recording.hpp"
 
 namespace limber {
@@ -15,21 +14,12 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using testing::message_of;
 using testing::short_recording;
 using testing::vision_only;
 using testing::without_imu;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-
-std::string message_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "no std::invalid_argument";
-  return "";
-}
 
 TEST(ParseRigError, ReadsDegreesAndMetres) {
   const RigParameters error = parse_rig_error("0.01,-0.05,90,0.1,-1e-2,5", 2.0);
@@ -145,6 +135,28 @@ TEST(SetUpRun, RefusesAnErrorThatMakesTheBaselineVanish) {
   RunOptions options;
   options.assume_error = -recording.calibration.theta;
   EXPECT_THAT(message_of([&] { (void)set_up_run(recording, options); }), HasSubstr("baseline"));
+}
+
+TEST(SetUpRun, RefusesAnErrorThatLeavesNoSuchRig) {
+  const Recording recording = short_recording();
+  RunOptions options;
+  options.assume_error[3] = 3.0;  // the baseline is 2 m
+  EXPECT_THAT(message_of([&] { (void)set_up_run(recording, options); }),
+              HasSubstr("turns the baseline [-2, 0, 0] m into [1, 0, 0] m"));
+  options.assume_error[3] = -21.0;
+  EXPECT_THAT(message_of([&] { (void)set_up_run(recording, options); }),
+              HasSubstr("at most 10 baselines of 2 m, found 21 m"));
+  options.assume_error[3] = -19.0;
+  EXPECT_NO_THROW((void)set_up_run(recording, options));
+}
+
+TEST(SetUpRun, RefusesPixelNoiseThatNoPixelHas) {
+  const Recording recording = short_recording();
+  for (const double sigma : {1e-7, 1001.0}) {
+    RunOptions options;
+    options.sigma_px = sigma;
+    EXPECT_THAT(message_of([&] { (void)set_up_run(recording, options); }), HasSubstr("pixel noise"));
+  }
 }
 
 TEST(SetUpRun, LetsTheRigWalkInProportionToItsBaseline) {

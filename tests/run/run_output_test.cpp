@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 
 using ::testing::UnorderedElementsAre;
 using Json = nlohmann::json;
+using testing::files_in;
 using testing::short_recording;
 using testing::TemporaryFolder;
 
@@ -39,14 +40,6 @@ Recording without_truth() {
   Recording recording = short_recording();
   recording.groundtruth.clear();
   return recording;
-}
-
-std::vector<std::string> names_in(const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    names.push_back(entry.path().filename().string());
-  }
-  return names;
 }
 
 TEST(Summarize, ComparesWithTheGroundTruth) {
@@ -112,7 +105,7 @@ TEST(WriteRunOutput, WritesEveryFileAndNothingElse) {
   const Judged run(short_recording());
   const fs::path out = folder.path() / "a" / "b";
   write_run_output(out, run.options, run.record, run.summary);
-  EXPECT_THAT(names_in(out), UnorderedElementsAre("trajectory.tum", "trajectory.csv", "landmarks.ply",
+  EXPECT_THAT(files_in(out), UnorderedElementsAre("trajectory.tum", "trajectory.csv", "landmarks.ply",
                                                   "frames.csv", "refusals.csv", "summary.json"));
   const std::vector<TrajectoryRow> rows = read_trajectory_csv(out / "trajectory.csv");
   ASSERT_EQ(rows.size(), run.record.trajectory.size());
@@ -183,20 +176,40 @@ TEST(WriteRunOutput, RefusesAFolderThatCannotBeMade) {
         testing::data_error_of([&] { write_run_output(out, run.options, run.record, run.summary); });
     EXPECT_EQ(error.file(), out.string());
   }
-  EXPECT_THAT(names_in(folder.path()), UnorderedElementsAre("file"));
+  EXPECT_THAT(files_in(folder.path()), UnorderedElementsAre("file"));
   EXPECT_EQ(testing::read_text(file), "mine");
 }
 
-TEST(WriteRunOutput, LeavesNoTemporaryFileWhereOneFileCannotBeWritten) {
+TEST(WriteRunOutput, WritesNothingWhereOneFileCannotBeWritten) {
   const TemporaryFolder folder;
   const Judged run(short_recording());
   // A folder stands where the last file should go: no summary without the rest, and no half of one.
   fs::create_directories(folder.path() / "summary.json" / "occupied");
   (void)testing::data_error_of(
       [&] { write_run_output(folder.path(), run.options, run.record, run.summary); });
-  EXPECT_THAT(names_in(folder.path()),
-              UnorderedElementsAre("trajectory.tum", "trajectory.csv", "landmarks.ply", "frames.csv",
-                                   "refusals.csv", "summary.json"));
+  EXPECT_THAT(files_in(folder.path()), UnorderedElementsAre("summary.json"));
+}
+
+TEST(WriteRunOutput, LeavesNothingOnAFullDisk) {
+  const TemporaryFolder folder;
+  const Judged run(short_recording());
+  {
+    const testing::SmallDisk disk;
+    const DataError error = testing::data_error_of(
+        [&] { write_run_output(folder.path() / "new", run.options, run.record, run.summary); });
+    EXPECT_NE(std::string(error.what()).find("room to write the file"), std::string::npos) << error.what();
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(WriteRunOutput, ReplacesTheResultsOfAnOlderRunAndLeavesOtherFilesAlone) {
+  const TemporaryFolder folder;
+  testing::write_text(folder.path() / "summary.json", "old");
+  testing::write_text(folder.path() / "notes.txt", "mine");
+  const Judged run(short_recording());
+  write_run_output(folder.path(), run.options, run.record, run.summary);
+  EXPECT_EQ(Json::parse(testing::read_text(folder.path() / "summary.json"))["frames"], 41);
+  EXPECT_EQ(testing::read_text(folder.path() / "notes.txt"), "mine");
 }
 
 }  // namespace

@@ -8,13 +8,17 @@
 #include <stdexcept>
 
 #include "limber/datasets/interpolate.hpp"
+#include "message_of.hpp"
 #include "run/short_recording.hpp"
 
 namespace limber {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using testing::message_of;
+using ::testing::Not;
 using testing::short_recording;
 using testing::vision_only;
 using testing::without_imu;
@@ -130,7 +134,89 @@ TEST(RunRecording, RefusesARecordingWhoseInputsComeAfterAllFrames) {
   Recording recording = short_recording();
   std::erase_if(recording.frames, [](const StereoFrame& f) { return f.t_ns > 400'000'000; });
   std::erase_if(recording.imu, [](const ImuSample& s) { return s.t_ns < 480'000'000; });
-  EXPECT_THROW((void)run(recording, {}), std::invalid_argument);
+  EXPECT_THAT(
+      message_of([&] { (void)run(recording, {}); }),
+      HasSubstr("the frames cover 0.000 s to 0.400 s, the IMU 0.480 s to 2.000 s; do they have the same"));
+}
+
+TEST(RunRecording, RefusesARecordingWhoseInputsEndBeforeAllFrames) {
+  Recording recording = short_recording();
+  std::erase_if(recording.frames, [](const StereoFrame& f) { return f.t_ns < 400'000'000; });
+  std::erase_if(recording.imu, [](const ImuSample& s) { return s.t_ns >= 300'000'000; });
+  EXPECT_THAT(message_of([&] { (void)run(recording, {}); }), HasSubstr("the IMU 0.000 s to 0.290 s"));
+}
+
+TEST(RunRecording, SaysWhereTheImuHasNoSamples) {
+  Recording recording = short_recording();
+  std::erase_if(recording.imu, [](const ImuSample& s) {
+    return (s.t_ns > 500'000'000 && s.t_ns < 900'000'000) || s.t_ns > 1'800'000'000;
+  });
+  EXPECT_THAT(
+      run(recording, {}).notes,
+      Contains("the IMU has no sample for 0.40 s from 0.500 s on, and 1 more such gaps: the motion there "
+               "is guessed"));
+  EXPECT_THAT(run(short_recording(), {}).notes, Not(Contains(HasSubstr("guessed"))));
+}
+
+TEST(RunRecording, DoubtsAnAccelerometerThatDoesNotShowGravity) {
+  Recording recording = short_recording();
+  for (ImuSample& sample : recording.imu) {
+    sample.accel_imu /= 9.81;
+  }
+  const auto notes = run(recording, {}).notes;
+  EXPECT_THAT(notes, Contains(HasSubstr("the accelerometer shows 1.0")));
+  EXPECT_THAT(run(short_recording(), {}).notes, Not(Contains(HasSubstr("shows"))));
+}
+
+TEST(RunRecording, SaysWhereTheMeasurementsContradictTheModel) {
+  RunOptions options;
+  options.sigma_px = 0.1;  // 0.5 in truth
+  EXPECT_THAT(run(short_recording(), options).notes, Contains(HasSubstr("NIS per degree of freedom is")));
+  EXPECT_THAT(run(short_recording(), {}).notes, Not(Contains(HasSubstr("NIS"))));
+}
+
+TEST(RunRecording, SaysThatItDivergedAndWhatMayBeTheCause) {
+  Recording recording = short_recording();
+  for (ImuSample& sample : recording.imu) {
+    sample.omega_imu.x() += 20.0;
+  }
+  try {
+    (void)run(recording, {});
+    FAIL() << "did not diverge";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("lcekf diverged: the state after frame "));
+    EXPECT_THAT(error.what(), HasSubstr("the gyroscope shows 20 rad/s on average: is its unit rad/s?"));
+  }
+}
+
+TEST(RunRecording, SaysThatNoErrorsAreKnownWhereTheTruthIsOfAnotherTime) {
+  Recording recording = short_recording();
+  for (GroundTruthState& state : recording.groundtruth) {
+    state.t_ns += 1'000'000'000'000;
+  }
+  EXPECT_THAT(
+      run(recording, {}).notes,
+      Contains("ground truth covers 1000.000 s to 1002.000 s, the frames 0.000 s to 2.000 s: no errors are "
+               "known"));
+}
+
+TEST(RunRecording, SaysWhichCameraSawNothing) {
+  Recording blind = short_recording(), left = blind, right = blind;
+  for (std::size_t k = 0; k < blind.frames.size(); ++k) {
+    blind.frames[k].observations.clear();
+    for (StereoObservation& point : left.frames[k].observations) {
+      point.in_cam1 = false;
+    }
+    for (StereoObservation& point : right.frames[k].observations) {
+      point.in_cam0 = false;
+    }
+  }
+  EXPECT_THAT(run(blind, {}).notes, Contains(HasSubstr("dead reckoning")));
+  EXPECT_THAT(run(right, {}).notes, Contains(HasSubstr("dead reckoning")));
+  EXPECT_THAT(run(left, {}).notes, Contains(HasSubstr("the left camera alone")));
+  RunOptions mono;
+  mono.method = Method::kMonoLeft;
+  EXPECT_THAT(run(left, mono).notes, Not(Contains(HasSubstr("the left camera alone"))));
 }
 
 TEST(RunRecording, RunsOnOdometryAlone) {

@@ -113,6 +113,23 @@ TEST(NullSpaceProjection, ActsOnColumnsAsOnRows) {
   }
 }
 
+TEST(NullSpaceProjection, ActsOnBothSidesOfASymmetricMatrixAtOnce) {
+  Generator generator(8);
+  for (const Case& c : cases(generator)) {
+    const Index m = c.D.rows();
+    const NullSpaceProjection projection(c.D);
+    const MatrixXd A = random_matrix(generator, m, m);
+    const MatrixXd S = A + A.transpose();
+    MatrixXd expected = S;
+    projection.apply_left(expected);
+    projection.apply_right(expected);
+    MatrixXd found = S;
+    projection.apply_both(found);
+    const MatrixXd lower = (found - expected).triangularView<Eigen::Lower>();
+    EXPECT_LE(lower.cwiseAbs().maxCoeff(), 1e-12) << c.name << ", " << m << " rows";
+  }
+}
+
 TEST(NullSpaceProjection, LeavesDirectionsAloneThatMoveNoPixelByAThousandthOfItsNoise) {
   Generator generator(5);
   const MatrixXd U =

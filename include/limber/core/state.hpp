@@ -71,6 +71,7 @@ struct Anchor {
   Pose T_body_cam0;                               ///< a number fixed at birth, not part of the state
   Eigen::Index position_at = 0, attitude_at = 0;  ///< their triplets in the error state
   int users = 0;                                  ///< landmarks that stand on it; 0: free to reuse
+  bool dormant = false;                           ///< its triplets are rows of the dormant block
 };
 
 /// How a landmark's triplet is to be read.
@@ -87,6 +88,9 @@ struct Landmark {
   Eigen::Matrix3d R_cam0_chart = Eigen::Matrix3d::Identity();  ///< its third axis is the bearing at birth
   int anchor = -1;                                             ///< index of its anchor; kInverseDepth only
   Eigen::Index at = 0;                                         ///< its triplet in the error state
+  bool dormant = false;                                        ///< `at` is a row of the dormant block
+  double rho_assumed =
+      0.0;  ///< inverse depth at birth if the right pixel under a doubtful theta gave it, else 0
   std::int64_t last_seen_ns = 0;
   int refusals = 0;  ///< frames in a row in which it was refused
 };

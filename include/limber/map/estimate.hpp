@@ -8,6 +8,7 @@
 
 #include "limber/core/covariance.hpp"
 #include "limber/core/state.hpp"
+#include "limber/map/dormant_block.hpp"
 #include "limber/measure/stereo_model.hpp"
 #include "limber/sensors/calibration.hpp"
 
@@ -15,6 +16,10 @@ namespace limber {
 
 /// @brief Mean and covariance of everything the filter knows: body, theta (if in the state), anchors,
 /// landmarks. Keeps mean and covariance in step while the map grows and shrinks.
+///
+/// Landmarks out of view can be laid to rest: they leave P and cost nothing until they are recalled, and the
+/// result is the same (DormantBlock). While any are dormant, P also holds a clone of the body, and landmarks
+/// of the current epoch are frozen: they are corrected, but not redefined or taken out of P before it ends.
 class Estimate {
  public:
   /// @param body_covariance   layout.body_size() wide
@@ -38,7 +43,8 @@ class Estimate {
   /// The covariance is carried along: it keeps its meaning as that of the right-invariant error (Exp(phi)
   /// acting on all world vectors), so that what nobody can observe, position and heading of the world, stays
   /// unobserved though the Jacobians are taken at a new point every time. Without, the filter learns a
-  /// heading from nothing. [Barrau2015], [Hao2022].
+  /// heading from nothing. [Barrau2015], [Hao2022]. Frozen and dormant landmarks are carried along when their
+  /// epoch ends.
   void retract(const Eigen::VectorXd& dx);
 
   /// Clones the body's pose into the state as a new anchor; returns its index. A whisker of noise (1 µm, 0.1
@@ -47,6 +53,19 @@ class Estimate {
 
   /// Removes an anchor that no landmark came to stand on; -1 is nobody.
   void drop_unused_anchor(int anchor);
+
+  /// @brief Ends the epoch: the landmarks `retired` go dormant, the dormant ones `recalled` come back.
+  /// Anchors go and come with the landmarks that stand on them.
+  void change_epoch(const std::vector<std::int64_t>& retired, const std::vector<std::int64_t>& recalled);
+
+  /// Something is or was dormant in this epoch.
+  [[nodiscard]] bool has_frozen() const { return frozen_end_ > layout_.map_begin(); }
+  /// Time of the last change of epoch.
+  [[nodiscard]] std::int64_t epoch_began_ns() const { return epoch_began_ns_; }
+  /// A frozen landmark must not be redefined (convert_to_cartesian) now; it may be right after change_epoch.
+  [[nodiscard]] bool is_frozen(const Landmark& landmark) const {
+    return landmark.at < frozen_end_ && !drift_.isZero(0.0);
+  }
 
   /// Appends a landmark with covariance P_ll (3×3) and cross-covariance P_xl (n×3, n the size before; zero
   /// rows: none).
@@ -67,7 +86,7 @@ class Estimate {
   Covariance P;
 
  private:
-  enum class Owner : std::uint8_t { kLandmark, kAnchorPosition, kAnchorAttitude };
+  enum class Owner : std::uint8_t { kLandmark, kAnchorPosition, kAnchorAttitude, kBodyClone, kBuried };
   struct Tenant {
     Owner owner;
     std::size_t index;
@@ -75,17 +94,43 @@ class Estimate {
 
   /// Carries the covariance along with the correction dx: see retract.
   void transport(const Eigen::VectorXd& dx);
+  void add_attitude_coupling(const Eigen::MatrixXd& U);
   Eigen::Index append_triplet(Tenant tenant);
-  void remove_triplet(Eigen::Index at);
+  void remove_triplet(Eigen::Index at, bool dormant);
+  void move_in(Tenant tenant, Eigen::Index at, bool dormant);
   void remove_anchor(int anchor);
   void release_anchor(int anchor);
+  [[nodiscard]] std::size_t slot(Eigen::Index at) const {
+    return static_cast<std::size_t>((at - layout_.map_begin()) / kTriplet);
+  }
+
+  // Epochs: src/map/epoch.cpp.
+  struct Move {
+    Tenant tenant;
+    Eigen::Vector3d displacement;  // since the covariance was last carried along
+  };
+  void retract_triplet(Tenant tenant, const Eigen::Vector3d& dx);
+  [[nodiscard]] bool is_world_vector(Tenant tenant) const;
+  [[nodiscard]] std::vector<bool> anchors_in_use(const std::vector<bool>& resting) const;
+  void carry_active(const std::vector<Move>& kept);
+  void carry_dormant(const std::vector<Move>& sleepers);
+  void wake(const std::vector<std::int64_t>& recalled);
+  [[nodiscard]] Eigen::Matrix3d joint_block(Eigen::Index row, bool row_dormant, Eigen::Index col,
+                                            bool col_dormant) const;
+  [[nodiscard]] Landmark current(const Landmark& landmark) const;
+  [[nodiscard]] Anchor current(const Anchor& anchor) const;
 
   StateLayout layout_;
   std::vector<Anchor> anchors_;
   std::vector<int> free_anchors_;
   std::vector<Landmark> landmarks_;
   std::unordered_map<std::int64_t, std::size_t> index_of_;
-  std::vector<Tenant> tenants_;  // who lives in each triplet of the map, in state order
+  std::vector<Tenant> tenants_;   // who lives in each triplet of the map, in state order
+  std::vector<Tenant> sleepers_;  // who lives in each triplet of the dormant block
+  DormantBlock dormant_;
+  Eigen::Index frozen_end_ = 0;  // P is [body | frozen | born since]; map_begin if nothing is frozen
+  Eigen::VectorXd drift_;        // sum of the corrections of the frozen part since the epoch began
+  std::int64_t epoch_began_ns_ = 0;
 };
 
 /// Derivative of an inverse-depth landmark's world position: with respect to anchor position, anchor attitude

@@ -14,13 +14,20 @@ namespace limber {
 struct UpkeepOptions {
   std::size_t max_landmarks = 300;  ///< beyond it, those unseen for longest go
   double forget_after_s = 1e9;  ///< unseen for longer: gone (tracks of an image front end never come back)
-  int max_refusals = 3;         ///< refused by the gate in this many frames in a row: gone
+  /// Unseen for longer: laid to rest at no cost per frame until seen again (compressed filter). Infinite:
+  /// never.
+  double rest_after_s = 0.5;
+  int max_refusals = 3;  ///< refused by the gate in this many frames in a row: gone
   /// Inverse-depth landmarks become Cartesian when the linearity index of [Civera2008], Eq. (30) falls below.
   double linearity_index = 0.1;
   /// A point that comes back into view after an absence is taken for a new one if its projection bends by
   /// more than this over one standard deviation [px]: a linear update would put it in a wrong place with
   /// great confidence.
   double max_curvature_px = 0.25;
+  /// A point born under a doubtful calibration is taken for a new one once its inverse depth turns out to lie
+  /// this share away from what was assumed at birth [-], and is known better than that: its first frames
+  /// were linearised at the wrong place.
+  double max_depth_shift = 0.1;
 };
 
 /// Linearity index of an inverse-depth landmark seen from the current pose: 4 sigma_d / d |cos(alpha)| [-],
@@ -33,11 +40,22 @@ struct UpkeepOptions {
 [[nodiscard]] double projection_curvature(const Estimate& estimate, const Landmark& landmark,
                                           const MountedCamera& cam0);
 
-/// @brief Forgets observed landmarks that were absent for a while and whose place has become too uncertain.
+/// How far the inverse depth has moved since a birth under a doubtful calibration, as a share of what was
+/// assumed then [-]; zero while it is not known better than that, and for all other landmarks.
+[[nodiscard]] double depth_shift(const Estimate& estimate, const Landmark& landmark);
+
+/// @brief Forgets observed landmarks that are to be born anew: those that were absent for a while and whose
+/// place has become too uncertain, and those whose depth turned out to be another.
 /// @param previous_ns  time of the frame before: landmarks seen then are not absent
 /// @return number of removed landmarks
-std::size_t forget_uncertain_returns(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
-                                     const MountedCamera& cam0, const UpkeepOptions& options);
+std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
+                             const MountedCamera& cam0, const UpkeepOptions& options);
+
+/// @brief Lays landmarks to rest that were not seen for a while and recalls those that `frame` sees.
+/// Does something only if a dormant landmark is seen, or every rest_after_s.
+/// @param previous_ns  time of the frame before
+void rest_and_recall(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
+                     const UpkeepOptions& options);
 
 /// @brief Converts landmarks that became linear enough and removes those that broke a rule.
 /// Only landmarks seen in `t_ns` are looked at for conversion.

@@ -47,8 +47,8 @@ struct RunSummary {
                                    const RunRecord& record);
 
 /// @brief Writes trajectory.tum, trajectory.csv, truth.tum (where the truth is known), landmarks.ply,
-/// frames.csv, refusals.csv and summary.json, in this order, each whole or not at all. `folder` is made if
-/// needed.
+/// frames.csv, refusals.csv and summary.json: all of them or none; a folder without summary.json holds no
+/// finished run. `folder` is made if needed.
 /// @throws DataError if the folder cannot be written
 void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
                       const RunSummary& summary);

@@ -31,6 +31,9 @@ class NullSpaceProjection {
   /// X := X Q Πᵀ for each row of X.
   void apply_right(Eigen::Ref<Eigen::MatrixXd> x) const;
 
+  /// S := Π Qᵀ S Q Πᵀ for symmetric S, both triangles given; afterwards only the lower one is valid.
+  void apply_both(Eigen::Ref<Eigen::MatrixXd> S) const;
+
  private:
   void order_tail(Eigen::Index rows);
 

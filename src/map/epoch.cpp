@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+// Estimate's epochs: who goes dormant, who comes back, and the transport of the covariance that waited for
+// it.
+#include <algorithm>
+#include <array>
+#include <unordered_set>
+#include <utility>
+
+#include "limber/core/so3.hpp"
+#include "limber/map/estimate.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using L = StateLayout;
+
+/// Which anchors some landmark that does not rest stands on. @param resting  by landmark
+std::vector<bool> Estimate::anchors_in_use(const std::vector<bool>& resting) const {
+  std::vector<bool> in_use(anchors_.size(), false);
+  for (std::size_t k = 0; k < landmarks_.size(); ++k) {
+    if (landmarks_[k].anchor >= 0 && !resting[k]) {
+      in_use[static_cast<std::size_t>(landmarks_[k].anchor)] = true;
+    }
+  }
+  return in_use;
+}
+
+void Estimate::change_epoch(const std::vector<std::int64_t>& retired,
+                            const std::vector<std::int64_t>& recalled) {
+  std::vector<bool> resting(landmarks_.size());
+  std::transform(landmarks_.begin(), landmarks_.end(), resting.begin(),
+                 [](const Landmark& landmark) { return landmark.dormant; });
+  for (const std::int64_t id : retired) {
+    resting[index_of_.at(id)] = true;
+  }
+  const std::vector<bool> in_use = anchors_in_use(resting);
+
+  EpochChange change;
+  const Eigen::VectorXd corrections = dormant_.correction(drift_);
+  std::vector<Move> kept, sleepers;
+  for (std::size_t k = 0; k < sleepers_.size(); ++k) {
+    sleepers.push_back({sleepers_[k], corrections.segment<kTriplet>(kTriplet * static_cast<Index>(k))});
+  }
+  for (std::size_t k = 0; k < tenants_.size(); ++k) {
+    const Tenant tenant = tenants_[k];
+    const Index place = kTriplet * static_cast<Index>(k), at = layout_.map_begin() + place;
+    const Vector3d displacement =
+        at < frozen_end_ ? Vector3d(drift_.segment<kTriplet>(place)) : Vector3d::Zero();
+    if (tenant.owner == Owner::kBodyClone || tenant.owner == Owner::kBuried) {
+      change.dropped.push_back(at);
+    } else if (tenant.owner == Owner::kLandmark ? resting[tenant.index] : !in_use[tenant.index]) {
+      change.retired.push_back(at);
+      sleepers.push_back({tenant, displacement});
+    } else {
+      change.kept.push_back(at);
+      kept.push_back({tenant, displacement});
+    }
+  }
+  const std::size_t slept_before = sleepers_.size();
+  if (!dormant_.change_epoch(P, layout_.map_begin(), change)) {
+    return;  // P is not positive definite: nothing can be said about what it holds
+  }
+  for (std::size_t k = 0; k < slept_before; ++k) {
+    retract_triplet(sleepers[k].tenant, sleepers[k].displacement);
+  }
+  const Index clones = dormant_.z_size() > 0 ? layout_.map_begin() / kTriplet : 0;
+  tenants_.assign(static_cast<std::size_t>(clones) + kept.size(), {Owner::kBodyClone, 0});
+  sleepers_.resize(sleepers.size());
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    move_in(kept[k].tenant, layout_.map_begin() + kTriplet * (clones + static_cast<Index>(k)), false);
+  }
+  for (std::size_t k = 0; k < sleepers.size(); ++k) {
+    move_in(sleepers[k].tenant, kTriplet * static_cast<Index>(k), true);
+  }
+  carry_active(kept);
+  carry_dormant(sleepers);
+  wake(recalled);
+  frozen_end_ = dormant_.z_size() > 0 ? P.size() : layout_.map_begin();
+  drift_.setZero(frozen_end_ - layout_.map_begin());
+  epoch_began_ns_ = nav.t_ns;
+}
+
+/// What transport() does for the rest of the state, for those whose displacement has gathered since.
+void Estimate::carry_active(const std::vector<Move>& kept) {
+  MatrixXd U = MatrixXd::Zero(size(), kTriplet);
+  const Index first = size() - kTriplet * static_cast<Index>(kept.size());
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const Index at = first + kTriplet * static_cast<Index>(k), column = at - layout_.map_begin();
+    if (kept[k].tenant.owner == Owner::kAnchorAttitude) {
+      const Matrix3d turned_back = so3_exp(-kept[k].displacement);
+      P.transform_triplet(at, turned_back);
+      dormant_.transform_column(column, turned_back);
+    } else if (is_world_vector(kept[k].tenant)) {
+      const Matrix3d C = -skew(kept[k].displacement) * nav.T_world_body.R;
+      U.middleRows<kTriplet>(at) = C;
+      dormant_.couple_column(column, L::kAttitude, C);
+    }
+  }
+  add_attitude_coupling(U);
+}
+
+void Estimate::carry_dormant(const std::vector<Move>& sleepers) {
+  for (std::size_t k = 0; k < sleepers.size(); ++k) {
+    const Index row = kTriplet * static_cast<Index>(k);
+    if (sleepers[k].tenant.owner == Owner::kAnchorAttitude) {
+      dormant_.transform_row(row, so3_exp(-sleepers[k].displacement));
+    } else if (is_world_vector(sleepers[k].tenant)) {
+      dormant_.couple_row(row, L::kAttitude, -skew(sleepers[k].displacement) * nav.T_world_body.R);
+    }
+  }
+}
+
+/// Recalls landmarks and those of their anchors that are dormant too.
+void Estimate::wake(const std::vector<std::int64_t>& recalled) {
+  std::vector<Index> rows;
+  std::unordered_set<int> anchors;
+  for (const std::int64_t id : recalled) {
+    const Landmark& landmark = landmarks_[index_of_.at(id)];
+    rows.push_back(landmark.at);
+    const Anchor* anchor = anchor_of(landmark);
+    if (anchor != nullptr && anchor->dormant && anchors.insert(landmark.anchor).second) {
+      rows.push_back(anchor->position_at);
+      rows.push_back(anchor->attitude_at);
+    }
+  }
+  if (rows.empty()) {
+    return;
+  }
+  dormant_.recall(P, layout_.map_begin(), rows);
+  std::vector<Tenant> woken;
+  std::vector<bool> leaves(sleepers_.size(), false);
+  for (const Index row : rows) {
+    const auto k = static_cast<std::size_t>(row / kTriplet);
+    woken.push_back(sleepers_[k]);
+    leaves[k] = true;
+  }
+  std::vector<Tenant> rest;
+  for (std::size_t k = 0; k < sleepers_.size(); ++k) {
+    if (!leaves[k]) {
+      rest.push_back(sleepers_[k]);
+    }
+  }
+  sleepers_ = rest;
+  for (std::size_t k = 0; k < rest.size(); ++k) {
+    move_in(rest[k], kTriplet * static_cast<Index>(k), true);
+  }
+  for (const Tenant tenant : woken) {
+    tenants_.push_back(tenant);
+    move_in(tenant, layout_.map_begin() + kTriplet * static_cast<Index>(tenants_.size() - 1), false);
+  }
+}
+
+Matrix3d Estimate::joint_block(Index row, bool row_dormant, Index col, bool col_dormant) const {
+  if (row_dormant && col_dormant) {
+    return dormant_.triplet_block(P, layout_.map_begin(), row, col);
+  }
+  if (row_dormant) {
+    return dormant_.cross(P, layout_.map_begin(), row).middleCols<kTriplet>(col);
+  }
+  return col_dormant ? joint_block(col, true, row, false).transpose() : P.triplet_block(row, col);
+}
+
+/// With the corrections that a dormant landmark's mean has not been given yet.
+Landmark Estimate::current(const Landmark& landmark) const {
+  Landmark out = landmark;
+  if (landmark.dormant) {
+    out.value += dormant_.correction(landmark.at, drift_);
+  }
+  return out;
+}
+
+Anchor Estimate::current(const Anchor& anchor) const {
+  Anchor out = anchor;
+  if (anchor.dormant) {
+    out.T_world_body.p += dormant_.correction(anchor.position_at, drift_);
+    out.T_world_body.R = out.T_world_body.R * so3_exp(dormant_.correction(anchor.attitude_at, drift_));
+  }
+  return out;
+}
+
+}  // namespace limber

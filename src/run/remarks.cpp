@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+#include "remarks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace limber::detail {
+namespace {
+
+constexpr double kGapInIntervals = 5.0;  // of the usual interval between samples
+constexpr std::int64_t kGapNs = 100'000'000;
+constexpr double kLeastForce = 0.5, kLargestForce = 1.5;  // mean specific force, in gravities
+constexpr double kLargestRate = 10.0;                     // [rad/s] mean, of anything that carries cameras
+constexpr double kSuspiciousNis = 3.0;                    // per degree of freedom
+
+double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
+
+/// Where samples are missing between the first and the last frame.
+template <typename Sample>
+void remark_on_gaps(const std::vector<Sample>& samples, std::int64_t begin_ns, std::int64_t end_ns,
+                    const char* sensor, std::vector<std::string>& remarks) {
+  std::vector<std::int64_t> intervals;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    intervals.push_back(samples[k].t_ns - samples[k - 1].t_ns);
+  }
+  double usual = 0.0;
+  if (!intervals.empty()) {
+    const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+    std::nth_element(intervals.begin(), middle, intervals.end());
+    usual = static_cast<double>(*middle);
+  }
+  std::size_t gaps = 0;
+  std::int64_t longest = 0, from = 0;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const std::int64_t a = std::max(samples[k].t_ns, begin_ns);
+    const std::int64_t b = std::min(k + 1 < samples.size() ? samples[k + 1].t_ns : end_ns, end_ns);
+    if (b - a <= kGapNs || static_cast<double>(b - a) <= kGapInIntervals * usual) {
+      continue;
+    }
+    ++gaps;
+    if (b - a > longest) {
+      longest = b - a;
+      from = a;
+    }
+  }
+  if (gaps > 0) {
+    remarks.push_back(fmt::format(
+        "the {} has no sample for {:.2f} s from {:.3f} s on{}: the motion there is guessed", sensor,
+        seconds(longest), seconds(from), gaps > 1 ? fmt::format(", and {} more such gaps", gaps - 1) : ""));
+  }
+}
+
+void remark_on_units(const std::vector<ImuSample>& imu, double gravity, std::vector<std::string>& remarks) {
+  double force = 0.0, rate = 0.0;
+  for (const ImuSample& sample : imu) {
+    force += sample.accel_imu.norm();
+    rate += sample.omega_imu.norm();
+  }
+  force /= static_cast<double>(imu.size());
+  rate /= static_cast<double>(imu.size());
+  if (force < kLeastForce * gravity || force > kLargestForce * gravity) {
+    remarks.push_back(
+        fmt::format("the accelerometer shows {:.3g} m/s^2 on average, expected about {:.3g}, gravity: are "
+                    "its columns the last three, its unit m/s^2?",
+                    force, gravity));
+  }
+  if (rate > kLargestRate) {
+    remarks.push_back(fmt::format("the gyroscope shows {:.3g} rad/s on average: is its unit rad/s?", rate));
+  }
+}
+
+}  // namespace
+
+std::size_t frame_count(const Recording& recording) {
+  return recording.images.empty() ? recording.frames.size() : recording.images.size();
+}
+
+std::int64_t frame_time(const Recording& recording, std::size_t n) {
+  return recording.images.empty() ? recording.frames[n].t_ns : recording.images[n].t_ns;
+}
+
+std::string covered_seconds(std::int64_t begin_ns, std::int64_t end_ns) {
+  return fmt::format("{:.3f} s to {:.3f} s", seconds(begin_ns), seconds(end_ns));
+}
+
+std::string covered_by_frames(const Recording& recording) {
+  return covered_seconds(frame_time(recording, 0), frame_time(recording, frame_count(recording) - 1));
+}
+
+std::vector<std::string> remarks_on_input(const Recording& recording, MotionModel motion, double gravity) {
+  std::vector<std::string> remarks;
+  const std::int64_t begin_ns = frame_time(recording, 0);
+  const std::int64_t end_ns = frame_time(recording, frame_count(recording) - 1);
+  if (motion == MotionModel::kImu) {
+    remark_on_gaps(recording.imu, begin_ns, end_ns, "IMU", remarks);
+    remark_on_units(recording.imu, gravity, remarks);
+  }
+  if (motion == MotionModel::kOdometry) {
+    remark_on_gaps(recording.odometry, begin_ns, end_ns, "odometry", remarks);
+  }
+  const auto& truth = recording.groundtruth;
+  if (!truth.empty() && (truth.back().t_ns < begin_ns || truth.front().t_ns > end_ns)) {
+    remarks.push_back(fmt::format("ground truth covers {}, the frames {}: no errors are known",
+                                  covered_seconds(truth.front().t_ns, truth.back().t_ns),
+                                  covered_by_frames(recording)));
+  }
+  return remarks;
+}
+
+std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method method,
+                                                 const PointCount& points) {
+  std::vector<std::string> remarks;
+  std::size_t used = 0;
+  double nis = 0.0, dof = 0.0;
+  for (const FrameReport& frame : record.frames) {
+    used += frame.used;
+    nis += frame.nis;
+    dof += static_cast<double>(frame.dof);
+  }
+  if (points.left == 0) {
+    remarks.emplace_back("the left camera saw no point in any frame: this is dead reckoning");
+  } else if (used == 0) {
+    remarks.emplace_back("no point could be used in any frame: this is dead reckoning");
+  } else if (points.right == 0 && method != Method::kMonoLeft) {
+    remarks.emplace_back(
+        "the right camera saw no point in any frame: this is navigation with the left camera alone");
+  }
+  if (dof > 0.0 && nis > kSuspiciousNis * dof) {
+    remarks.push_back(fmt::format(
+        "NIS per degree of freedom is {:.3g}, 1 is expected: the measurements contradict the model; is the "
+        "calibration wrong, or the noise larger than assumed (--sigma-px)?",
+        nis / dof));
+  }
+  return remarks;
+}
+
+}  // namespace limber::detail

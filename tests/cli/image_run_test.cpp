@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// `limber run` on images: an EuRoC folder of a painted room that a small rig flies through.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "cli/run_program.hpp"
+#include "frontend/painted_room.hpp"
+#include "limber/datasets/track_log.hpp"
+
+namespace limber {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using testing::read_text;
+using testing::write_text;
+
+constexpr std::int64_t kFrames = 6, kPeriodNs = 50'000'000;
+
+class ImageFolder : public ::testing::Test {
+ protected:
+  ImageFolder() {
+    Recording recording;
+    recording.calibration = testing::small_rig();
+    recording.frames.push_back({0, {}});
+    for (std::int64_t k = 0; k < kFrames; ++k) {
+      const Pose T_world_cam0 = testing::flight(static_cast<int>(k));
+      recording.groundtruth.push_back({k * kPeriodNs, T_world_cam0.R, T_world_cam0.p, {}, {}, {}});
+    }
+    write_track_log(recording, root_.path());
+    fs::remove_all(mav0() / "tracks0");
+    const Pose T_cam0_cam1 = pose_from_rig(recording.calibration.theta).inverse();
+    write_images("cam0", recording.calibration.cam0, Pose{});
+    write_images("cam1", recording.calibration.cam1, T_cam0_cam1);
+  }
+
+  [[nodiscard]] fs::path mav0() const { return root_.path() / "mav0"; }
+  [[nodiscard]] fs::path out() const { return root_.path() / "out"; }
+  [[nodiscard]] fs::path image(const char* camera, std::int64_t k) const {
+    return mav0() / camera / "data" / (std::to_string(k * kPeriodNs) + ".png");
+  }
+  [[nodiscard]] testing::ProgramResult run() const {
+    return testing::run_limber({"run", root_.path().string(), "--out", out().string()});
+  }
+  void expect_refused(const fs::path& place, const std::string& words) const {
+    const auto result = run();
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, ::testing::StartsWith("limber: error: " + place.string()));
+    EXPECT_THAT(result.err, HasSubstr(words));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(out()));
+  }
+
+ private:
+  void write_images(const char* name, const Camera& camera, const Pose& T_cam0_cam) const {
+    std::string list = "#timestamp [ns],filename\n";
+    fs::create_directories(mav0() / name / "data");
+    for (std::int64_t k = 0; k < kFrames; ++k) {
+      testing::Image picture = testing::photograph(camera, testing::flight(static_cast<int>(k)) * T_cam0_cam,
+                                                   {1.0, 0.0, 1.0, static_cast<std::uint64_t>(k)});
+      const cv::Mat matrix(picture.height, picture.width, CV_8U, picture.pixels.data());
+      cv::imwrite(image(name, k).string(), matrix);
+      list += std::to_string(k * kPeriodNs) + "," + image(name, k).filename().string() + "\n";
+    }
+    write_text(mav0() / name / "data.csv", list);
+  }
+
+  testing::TemporaryFolder root_;
+};
+
+TEST_F(ImageFolder, IsNavigated) {
+  const auto result = run();
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("pixel noise not given: 0.5 px"));
+  const auto summary = nlohmann::json::parse(read_text(out() / "summary.json"));
+  EXPECT_EQ(summary["frames"], kFrames);
+  EXPECT_GT(summary["points_per_frame"], 60.0);
+  EXPECT_LT(summary["ate_m"]["se3"], 0.05);
+}
+
+TEST_F(ImageFolder, IsRefusedWhereAnImageIsMissing) {
+  fs::remove(image("cam1", 2));
+  expect_refused(mav0() / "cam1/data.csv:4", "expected the image 100000000.png");
+}
+
+TEST_F(ImageFolder, IsRefusedWhereAnImageIsTornEvenHalfWay) {
+  const std::string whole = read_text(image("cam0", 4));
+  write_text(image("cam0", 4), whole.substr(0, whole.size() / 2));
+  expect_refused(image("cam0", 4), "expected an image of 376 x 240 px, found a PNG file that was cut off");
+}
+
+TEST_F(ImageFolder, IsRefusedWhereAnImageIsNoneOrOfAnotherSize) {
+  write_text(image("cam1", 4), "this is no image");
+  expect_refused(image("cam1", 4), "found nothing that can be decoded as an image");
+  const cv::Mat small(100, 120, CV_8U, cv::Scalar(9));
+  cv::imwrite(image("cam1", 4).string(), small);
+  expect_refused(image("cam1", 4), "found 120 x 100 px");
+}
+
+}  // namespace
+}  // namespace limber

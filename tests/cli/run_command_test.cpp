@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
+
+#include "cli/small_log.hpp"
+#include "limber/datasets/trajectory_files.hpp"
+
+namespace limber {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+using ::testing::StartsWith;
+using ::testing::UnorderedElementsAre;
+using Json = nlohmann::json;
+using testing::expect_refused;
+using testing::files_below;
+using testing::ProgramResult;
+using testing::read_text;
+using testing::write_text;
+
+using RunCommand = testing::SmallLog;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+Json summary_in(const fs::path& folder) { return Json::parse(read_text(folder / "summary.json")); }
+
+/// All that a run wrote, without what a clock says.
+std::string content_without_times(const fs::path& folder) {
+  std::string content;
+  for (const char* const name : {"trajectory.tum", "trajectory.csv", "landmarks.ply", "refusals.csv"}) {
+    content += read_text(folder / name);
+  }
+  // The last two columns of frames.csv are times.
+  content += std::regex_replace(read_text(folder / "frames.csv"), std::regex(",[0-9.]+,[0-9.]+\n"), "\n");
+  Json summary = summary_in(folder);
+  for (const char* const key : {"ms_per_frame", "realtime_factor", "peak_rss_mb"}) {
+    summary.erase(key);
+  }
+  return content + summary.dump();
+}
+
+TEST_F(RunCommand, WritesItsSixFilesWellFormed) {
+  ASSERT_EQ(run().exit_code, 0);
+  EXPECT_THAT(files_below(out()), UnorderedElementsAre("trajectory.tum", "trajectory.csv", "landmarks.ply",
+                                                       "frames.csv", "refusals.csv", "summary.json"));
+  const auto rows = read_trajectory_csv(out() / "trajectory.csv");
+  const auto poses = read_tum(out() / "trajectory.tum");
+  ASSERT_EQ(rows.size(), 41u);
+  ASSERT_EQ(poses.size(), 41u);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    EXPECT_EQ(rows[k].t_ns, static_cast<std::int64_t>(k) * 50'000'000);
+    EXPECT_EQ(poses[k].t_ns, rows[k].t_ns);
+    EXPECT_EQ(poses[k].T_world_body.p, rows[k].T_world_body.p);
+    EXPECT_TRUE(rows[k].v_world_body && rows[k].bias_gyro && rows[k].bias_accel && rows[k].covariance);
+  }
+  const auto ply = lines_of(read_text(out() / "landmarks.ply"));
+  ASSERT_GT(ply.size(), 40u);
+  EXPECT_EQ(ply[3], "element vertex " + std::to_string(ply.size() - 9));
+  EXPECT_EQ(lines_of(read_text(out() / "frames.csv")).size(), 42u);
+  const Json summary = summary_in(out());
+  EXPECT_EQ(summary["method"], "lcekf");
+  EXPECT_EQ(summary["dataset"], "log");
+  EXPECT_EQ(summary["frames"], 41);
+  EXPECT_LT(summary["ate_m"]["se3"], 0.2);
+  EXPECT_TRUE(summary["health"].is_null());
+}
+
+TEST_F(RunCommand, PrintsTheResultToStdoutAndNotesToStderrWithoutAnyAnimation) {
+  const ProgramResult result = run();
+  EXPECT_THAT(result.out, StartsWith("lcekf on log\n  frames          41 in 2.0 s"));
+  EXPECT_THAT(result.out, HasSubstr("results in      " + out().string()));
+  EXPECT_THAT(lines_of(result.err), Each(MatchesRegex("limber: [a-zA-Z].*")));
+  EXPECT_THAT(result.err, HasSubstr("constraints full: the scale comes from the IMU"));
+  for (const std::string& text : {result.out, result.err}) {
+    EXPECT_THAT(text, AllOf(Not(HasSubstr("\r")), Not(HasSubstr("\x1b"))));
+  }
+}
+
+TEST_F(RunCommand, GivesTheSameBitsTwiceAndOthersForAnotherSeedOrRun) {
+  const std::vector<std::string> start = {"--init", "groundtruth", "--seed", "5", "--run", "2"};
+  for (const char* const name : {"a", "b"}) {
+    ASSERT_EQ(run_into(folder() / name, start).exit_code, 0);
+  }
+  const std::string content = content_without_times(folder() / "a");
+  EXPECT_EQ(content, content_without_times(folder() / "b"));
+  ASSERT_EQ(run_into(folder() / "c", {"--init", "groundtruth", "--seed", "6", "--run", "2"}).exit_code, 0);
+  ASSERT_EQ(run_into(folder() / "d", {"--init", "groundtruth", "--seed", "5", "--run", "3"}).exit_code, 0);
+  EXPECT_NE(content, content_without_times(folder() / "c"));
+  EXPECT_NE(content, content_without_times(folder() / "d"));
+}
+
+TEST_F(RunCommand, KnowsEveryMethod) {
+  for (const std::string method : {"ekf", "ekf-full", "lcekf", "soft", "consider", "mono-left", "oracle"}) {
+    const ProgramResult result = run({"--method", method});
+    EXPECT_EQ(result.exit_code, 0) << method << result.err;
+    EXPECT_EQ(summary_in(out())["method"], method);
+  }
+}
+
+TEST_F(RunCommand, AssumesTheErrorItIsTold) {
+  const auto error_of = [this](const std::string& method, const std::string& error) {
+    const fs::path folder = this->folder() / (method + error);
+    EXPECT_EQ(
+        run_into(folder, {"--method", method, "--assume-error", error, "--init", "groundtruth"}).exit_code,
+        0);
+    return summary_in(folder)["position_rmse_m"].get<double>();
+  };
+  const std::string none = "0,0,0,0,0,0", wrong = "0,0.5,0,20%,0,0";
+  EXPECT_GT(error_of("ekf", wrong), 2.0 * error_of("ekf", none));
+  EXPECT_LT(error_of("lcekf", wrong), 0.5 * error_of("ekf", wrong));
+  const auto theta = summary_in(folder() / ("ekf" + wrong))["theta"];  // 2 m, and 20 % of it shorter
+  EXPECT_NEAR(theta[1].get<double>(), 0.5 * M_PI / 180.0, 1e-12);
+  EXPECT_NEAR(theta[3].get<double>(), -1.6, 1e-12);
+}
+
+TEST_F(RunCommand, ObeysItsOtherOptions) {
+  ASSERT_EQ(run_into(folder() / "default").exit_code, 0);
+  const std::string usual = content_without_times(folder() / "default");
+  for (const std::vector<std::string>& options : {std::vector<std::string>{"--constraints", "rotation"},
+                                                  {"--constraints", "ax,tx"},
+                                                  {"--sigma-px", "0.7"},
+                                                  {"--landmarks", "cartesian"},
+                                                  {"--max-landmarks", "3"},
+                                                  {"--init", "groundtruth"}}) {
+    const ProgramResult result = run(options);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(content_without_times(out()), usual) << options[0] << " " << options[1];
+  }
+  // Two of the pixels are wrong by 60 px: the gate refuses those points, without it nobody does.
+  std::string tracks = read_text(mav0() / "tracks0/data.csv");
+  const std::size_t frame = tracks.find("\n1000000000,");
+  write_text(mav0() / "tracks0/data.csv",
+             tracks.substr(0, frame) +
+                 "\n1000000000,90001,100,100,160,160\n1000000000,90002,300,300,200,340" +
+                 tracks.substr(frame));
+  ASSERT_EQ(run_into(folder() / "on", {"--gate", "on"}).exit_code, 0);
+  ASSERT_EQ(run_into(folder() / "off", {"--gate", "off"}).exit_code, 0);
+  EXPECT_GT(summary_in(folder() / "on")["points_refused"], summary_in(folder() / "off")["points_refused"]);
+}
+
+TEST_F(RunCommand, RefusesOptionsThatMakeNoSenseAsWrongUsage) {
+  struct BadOption {
+    std::vector<std::string> arguments;
+    std::string words;
+  };
+  for (const BadOption& bad : {
+           BadOption{{"--method", "ekff"}, "unknown method 'ekff', expected one of ekf, ekf-full, lcekf"},
+           {{"--constraints", "bx"}, "unknown constraint set 'bx', expected full, none, rotation"},
+           {{"--constraints", ""}, "unknown constraint set ''"},
+           {{"--method", "ekf", "--constraints", "full"}, "lcekf alone has constraints, not ekf"},
+           {{"--assume-error", "1,2,3"}, "expected six numbers ax,ay,az,tx,ty,tz"},
+           {{"--assume-error", "0,0,0,nan,0,0"}, "found '0,0,0,nan,0,0'"},
+           {{"--assume-error", "200,0,0,0,0,0"}, "degrees within ±180"},
+           {{"--assume-error", "5%,0,0,0,0,0"}, "found '5%,0,0,0,0,0'"},
+           {{"--sigma-px", "0"}, "--sigma-px: expected a positive number, found '0'"},
+           {{"--sigma-px", "nan"}, "--sigma-px: expected a positive number, found 'nan'"},
+           {{"--seed", "-1"}, "--seed: expected a whole number from 0"},
+           {{"--seed", "99999999999999999999"}, "--seed: expected a whole number"},
+           {{"--run", "1.5"}, "--run: expected a whole number"},
+           {{"--max-landmarks", "0"}, "--max-landmarks: expected a whole number from 1 to 100000, found '0'"},
+           {{"--init", "truth"}, "auto"},
+           {{"--landmarks", "spherical"}, "inverse-depth"},
+           {{"--gate", "maybe"}, "on"},
+           {{"--method", "ekf", "--method", "lcekf"}, "--method is given more than once"},
+           {{"--method"}, "--method needs a value"},
+           {{"--metod", "ekf"}, "unknown option --metod"},
+           {{"more"}, "unexpected argument: more"},
+       }) {
+    const ProgramResult result = run(bad.arguments);
+    expect_refused(result, 2, bad.words);
+    EXPECT_THAT(result.err, HasSubstr("try: limber run --help"));
+    EXPECT_FALSE(fs::exists(out()));
+  }
+  expect_refused(testing::run_limber({"run", log().string()}), 2, "--out is required");
+  expect_refused(testing::run_limber({"run", log().string(), "--out", ""}), 2, "--out: expected a name");
+}
+
+TEST_F(RunCommand, RefusesWhatTheRecordingCannotGive) {
+  fs::remove_all(mav0() / "calibration_truth0");
+  fs::remove_all(mav0() / "state_groundtruth_estimate0");
+  expect_refused(run({"--init", "groundtruth"}), 1, "log has no ground truth; use --init auto");
+  expect_refused(run({"--method", "oracle"}), 1, "log does not say what the true calibration is");
+  expect_refused(run({"--assume-error", "0,0,0,100%,0,0"}), 1, "leaves cam1 on its side of cam0");
+  expect_refused(run({"--sigma-px", "1e-300"}), 1, "pixel noise: expected 1e-06 to 1000 px");
+  EXPECT_FALSE(fs::exists(out()));
+}
+
+TEST_F(RunCommand, RunsOnOdometryAndOnVisionAloneAndSaysWhatItAssumes) {
+  fs::remove_all(mav0() / "imu0");
+  EXPECT_THAT(run().err, HasSubstr("constraints full: the scale comes from the odometry"));
+  fs::remove_all(mav0() / "odometry0");
+  const ProgramResult result = run();
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("neither IMU nor odometry: constant-velocity model"));
+  EXPECT_THAT(result.err, HasSubstr("constraints rotation+direction"));
+  fs::remove_all(mav0() / "state_groundtruth_estimate0");
+  EXPECT_THAT(run().out, HasSubstr("ATE             SE(3) unknown, Sim(3) unknown, scale unknown"));
+}
+
+TEST_F(RunCommand, DoesNotMindLineEndsOfWindowsOrAByteOrderMark) {
+  ASSERT_EQ(run_into(folder() / "plain").exit_code, 0);
+  for (const std::string& name : files_below(mav0())) {
+    if (fs::is_regular_file(mav0() / name)) {
+      write_text(mav0() / name,
+                 "\xef\xbb\xbf" + std::regex_replace(read_text(mav0() / name), std::regex("\n"), "\r\n"));
+    }
+  }
+  ASSERT_EQ(run_into(folder() / "windows").exit_code, 0);
+  EXPECT_EQ(content_without_times(folder() / "plain"), content_without_times(folder() / "windows"));
+}
+
+TEST_F(RunCommand, TakesALogOfOneFrameOrOnePoint) {
+  const auto lines = lines_of(read_text(mav0() / "tracks0/data.csv"));
+  std::string one_frame;
+  for (const std::string& line : lines) {
+    one_frame += line.starts_with('#') || line.starts_with("0,") ? line + "\n" : "";
+  }
+  write_text(mav0() / "tracks0/data.csv", one_frame);
+  EXPECT_THAT(run().out, HasSubstr("frames          1 in 0.0 s"));
+  write_text(mav0() / "tracks0/data.csv", lines[0] + "\n" + lines[1] + "\n");
+  EXPECT_THAT(run().out, HasSubstr("frames          1 in 0.0 s"));
+}
+
+TEST_F(RunCommand, FailsBeforeTheWorkWhereTheOutputCannotBeWritten) {
+  const fs::path file = write_text(folder() / "file", "mine");
+  for (const fs::path& place : {file, file / "below", fs::path("/proc/limber/run"), fs::path("/dev/null")}) {
+    expect_refused(run_into(place), 1, place.string() + ": expected a folder that can be made and written");
+  }
+  EXPECT_EQ(read_text(file), "mine");
+  EXPECT_THAT(files_below(folder()), Not(::testing::Contains(HasSubstr("partial"))));
+}
+
+TEST_F(RunCommand, LeavesNothingAndOlderResultsAloneWhenItFails) {
+  ASSERT_EQ(run().exit_code, 0);
+  const std::string before = content_without_times(out());
+  const testing::SmallDisk disk;
+  expect_refused(run({"--method", "ekf"}), 1, "room to write the file");
+  expect_refused(run_into(folder() / "new" / "nested"), 1, "room to write the file");
+  EXPECT_EQ(content_without_times(out()), before);
+  EXPECT_EQ(files_below(out()).size(), 6u);
+  EXPECT_FALSE(fs::exists(folder() / "new"));
+}
+
+TEST(KilledRun, LeavesNothingBehind) {
+  const testing::TemporaryFolder folder;
+  Scenario scenario = testing::short_scenario();
+  scenario.duration = 60.0;  // takes seconds
+  write_track_log(simulate(scenario, 1), folder.path() / "log");
+  const fs::path out = folder.path() / "new" / "out";
+  for (const int signal : {SIGKILL, SIGTERM, SIGINT}) {
+    ASSERT_TRUE(testing::start_and_kill_limber(
+        {"run", (folder.path() / "log").string(), "--out", out.string()}, signal, 500));
+    EXPECT_FALSE(fs::exists(folder.path() / "new"));
+  }
+}
+
+}  // namespace
+}  // namespace limber

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "limber/study/study_item.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "limber/run/run_output.hpp"
+#include "limber/simulate/simulator.hpp"
+#include "study/tiny_study.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::kHopeless;
+using testing::tiny_plan;
+
+std::map<CurveQuantity, std::vector<double>> series_of(const MethodResult& result) {
+  std::map<CurveQuantity, std::vector<double>> out;
+  for (const RunSeries& series : result.series) {
+    out[series.quantity] = series.values;
+  }
+  return out;
+}
+
+double root_mean(const std::vector<double>& squares) {
+  double sum = 0.0;
+  for (const double square : squares) {
+    sum += square;
+  }
+  return std::sqrt(sum / static_cast<double>(squares.size()));
+}
+
+TEST(ComputeItem, JudgesEachMethodAsARunOnTheSameRecordingWouldBe) {
+  const StudyPlan plan = tiny_plan(5);
+  const ItemResult item = compute_item(plan, 0, 3);
+  EXPECT_EQ(item.study_case, 0u);
+  EXPECT_EQ(item.run, 3u);
+  ASSERT_EQ(item.methods.size(), 3u);
+  const Recording recording = simulate(plan.cases[0].scenario, plan.seed, 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const RunOptions options = run_options(plan.cases[0].scenario, plan.cases[0].methods[k], plan.seed, 3);
+    const RunSummary summary =
+        summarize(recording, options, run_recording(recording, options, matched_frames(recording)));
+    const StudyRun& run = item.methods[k].run;
+    EXPECT_EQ(run.run, 3u);
+    EXPECT_FALSE(run.diverged);
+    EXPECT_EQ(run.figures.position_rmse_m, summary.position_rmse_m);
+    EXPECT_EQ(run.figures.attitude_rmse_deg, summary.attitude_rmse_deg);
+    EXPECT_EQ(run.figures.anees, summary.anees);
+    EXPECT_EQ(run.figures.ate_sim3_m, summary.ate_sim3_m);
+    EXPECT_EQ(run.figures.nis, summary.nis);
+    EXPECT_EQ(run.figures.frames, 21);
+  }
+}
+
+TEST(ComputeItem, KeepsSeriesThatAgreeWithTheFigures) {
+  const ItemResult item = compute_item(tiny_plan(1), 0, 0);
+  for (const MethodResult& method : item.methods) {
+    const auto series = series_of(method);
+    const RunFigures& figures = method.run.figures;
+    EXPECT_NEAR(root_mean(series.at(CurveQuantity::kPositionSquaredError)), *figures.position_rmse_m, 1e-12);
+    EXPECT_NEAR(root_mean(series.at(CurveQuantity::kAttitudeSquaredError)) * 180.0 / M_PI,
+                *figures.attitude_rmse_deg, 1e-12);
+    EXPECT_NEAR(std::sqrt(series.at(CurveQuantity::kLandmarkSquaredError).back()), *figures.landmark_rmse_m,
+                1e-12);
+    EXPECT_NEAR(std::sqrt(series.at(CurveQuantity::kPositionSquaredError).back()), *figures.position_final_m,
+                1e-12);
+    // Frames later than 1 s enter ANEES: here none.
+    EXPECT_FALSE(figures.anees);
+    for (const auto& [quantity, values] : series) {
+      EXPECT_EQ(values.size(), 21u) << name_of(quantity);
+    }
+  }
+}
+
+TEST(ComputeItem, FollowsThetaWhereItIsInTheState) {
+  const ItemResult item = compute_item(tiny_plan(1), 0, 0);
+  EXPECT_EQ(series_of(item.methods[0]).count(CurveQuantity::kDeltaTx), 0u);
+  EXPECT_EQ(series_of(item.methods[2]).count(CurveQuantity::kDeltaTx), 0u);
+  const auto full = series_of(item.methods[1]);
+  const RigParameters delta = paper_decalibration();
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    const auto k = static_cast<Eigen::Index>(axis);
+    const double estimate = full.at(theta_axis(CurveQuantity::kDeltaAx, axis)).back();
+    const double squared_error = full.at(theta_axis(CurveQuantity::kThetaSquaredErrorAx, axis)).back();
+    EXPECT_NEAR(squared_error, (estimate - delta(k)) * (estimate - delta(k)), 1e-15);
+    EXPECT_GT(full.at(theta_axis(CurveQuantity::kThetaVarianceAx, axis)).back(), 0.0);
+  }
+  EXPECT_NEAR(full.at(CurveQuantity::kDeltaAz).back(), delta(2), 0.05 * M_PI / 180.0);
+}
+
+TEST(ComputeItem, KeepsThePathOfTheFirstRunOnly) {
+  const StudyPlan plan = tiny_plan(2, "ekf");
+  EXPECT_EQ(compute_item(plan, 0, 0).methods[0].positions.size(), 21u);
+  EXPECT_TRUE(compute_item(plan, 0, 1).methods[0].positions.empty());
+}
+
+TEST(ComputeItem, LeavesGapsWhereFramesAreLost) {
+  StudyPlan plan = tiny_plan(1, "ekf");
+  plan.cases[0].scenario.dropout.frames = 0.5;
+  const ItemResult item = compute_item(plan, 0, 0);
+  const auto& values = series_of(item.methods[0]).at(CurveQuantity::kPositionVariance);
+  ASSERT_EQ(values.size(), 21u);
+  const auto present = std::count_if(values.begin(), values.end(), [](double v) { return !std::isnan(v); });
+  EXPECT_EQ(present, *item.methods[0].run.figures.frames);
+  EXPECT_LT(present, 21);
+}
+
+TEST(ComputeItem, RecordsWhenAndWhyAMethodDivergedAndGoesOnWithTheOthers) {
+  const ItemResult item = compute_item(tiny_plan(1, kHopeless + ",ekf"), 0, 0);
+  const StudyRun& lost = item.methods[0].run;
+  ASSERT_TRUE(lost.diverged);
+  EXPECT_GE(lost.diverged->frame, 1u);
+  EXPECT_LE(lost.diverged->frame, 20u);
+  EXPECT_DOUBLE_EQ(lost.diverged->t, 0.05 * static_cast<double>(lost.diverged->frame));
+  EXPECT_FALSE(lost.diverged->reason.empty());
+  EXPECT_FALSE(lost.figures.position_rmse_m);
+  EXPECT_FALSE(lost.figures.frames);
+  EXPECT_FALSE(item.methods[1].run.diverged);
+  // Its series end before the frame in which it was lost.
+  for (const auto& [quantity, values] : series_of(item.methods[0])) {
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      EXPECT_EQ(std::isnan(values[k]), k >= lost.diverged->frame) << name_of(quantity) << " " << k;
+    }
+  }
+}
+
+TEST(ComputeItem, TakesAnAbsurdErrorForADivergence) {
+  StudyPlan plan = tiny_plan(1, "ekf");
+  plan.cases[0].scenario.initial.position = 5000.0;
+  const StudyRun run = compute_item(plan, 0, 0).methods[0].run;
+  ASSERT_TRUE(run.diverged);
+  EXPECT_EQ(run.diverged->frame, 0u);
+  EXPECT_THAT(run.diverged->reason, HasSubstr("the position is"));
+}
+
+TEST(ComputeItem, IsAPureFunctionButForTimings) {
+  const StudyPlan plan = testing::two_cases(2);
+  for (const std::size_t study_case : {0u, 1u}) {
+    ItemResult a = compute_item(plan, study_case, 0), b = compute_item(plan, study_case, 0);
+    for (ItemResult* const item : {&a, &b}) {
+      for (MethodResult& method : item->methods) {
+        method.run.figures.ms_per_frame_mean.reset();
+        method.run.figures.ms_per_frame_p50.reset();
+        method.run.figures.ms_per_frame_p99.reset();
+      }
+    }
+    EXPECT_EQ(to_bytes(a), to_bytes(b));
+  }
+}
+
+TEST(ComputeItem, StopsWhenItIsTold) {
+  int frames = 0;
+  EXPECT_THROW((void)compute_item(tiny_plan(1), 0, 0, [&] { return ++frames < 5; }), ItemCancelled);
+  EXPECT_EQ(frames, 5);
+}
+
+TEST(ItemResult, GoesThroughBytesAndBack) {
+  const ItemResult item = compute_item(tiny_plan(1, "ekf-full," + kHopeless), 0, 0);
+  const std::string bytes = to_bytes(item);
+  EXPECT_EQ(to_bytes(item_from_bytes(bytes)), bytes);
+  EXPECT_EQ(item_from_bytes(bytes).methods[1].run.diverged->reason, item.methods[1].run.diverged->reason);
+  EXPECT_THROW((void)item_from_bytes(bytes.substr(0, bytes.size() - 1)), std::invalid_argument);
+  EXPECT_THROW((void)item_from_bytes(bytes + "x"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace limber
