@@ -109,10 +109,9 @@ class Claims {
     if (study_case == nullptr) {
       return std::nullopt;
     }
-    const auto ekf = find_method(*study_case, PaperMethod::kEkf);
-    const auto ekf_full = find_method(*study_case, PaperMethod::kEkfFull);
-    const auto lcekf = find_method(*study_case, PaperMethod::kLcekf);
-    return ekf && ekf_full && lcekf ? std::optional(Trio{*ekf, *ekf_full, *lcekf}) : std::nullopt;
+    return Trio{*find_method(*study_case, PaperMethod::kEkf),
+                *find_method(*study_case, PaperMethod::kEkfFull),
+                *find_method(*study_case, PaperMethod::kLcekf)};
   }
 
   static Outcome missing(const std::vector<PaperCase>& cases) {

@@ -141,11 +141,16 @@ PaperStudy::PaperStudy(const StudyResults& study) : results(study) {
   }
 }
 
+bool has_paper_methods(const StudyCaseResults& study_case) {
+  return find_method(study_case, PaperMethod::kEkf) && find_method(study_case, PaperMethod::kEkfFull) &&
+         find_method(study_case, PaperMethod::kLcekf);
+}
+
 const StudyCaseResults* find_case(const PaperStudy& study, const PaperCase& paper_case) {
   const StudyCaseResults* found = nullptr;
   for (std::size_t k = 0; k < study.cases.size(); ++k) {
     const StudyCaseResults& candidate = study.results.cases[k];
-    if (study.cases[k] == paper_case &&
+    if (study.cases[k] == paper_case && has_paper_methods(candidate) &&
         candidate.info.finished > (found == nullptr ? 0 : found->info.finished)) {
       found = &candidate;
     }

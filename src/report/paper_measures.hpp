@@ -46,13 +46,16 @@ struct PaperStudy {
   std::vector<std::optional<PaperCase>> cases;
 };
 
-/// The case of a study that is this case of the paper, the one with most runs if there are several; nullptr
-/// if there is none with a finished run.
+/// The case of a study that is this case of the paper and has its three methods, the one with most runs if
+/// there are several; nullptr if there is none with a finished run.
 [[nodiscard]] const StudyCaseResults* find_case(const PaperStudy& study, const PaperCase& paper_case);
 
 /// The paper's method in a case: lcekf with all six parameters constrained, ekf-full with the scenario's
 /// walk. Nothing if it is not there.
 [[nodiscard]] std::optional<Measured> find_method(const StudyCaseResults& study_case, PaperMethod method);
+
+/// Whether a case has all three of them.
+[[nodiscard]] bool has_paper_methods(const StudyCaseResults& study_case);
 
 /// ekf-full with this walk per 10 ms (Table 1) in any sinus case without IMU.
 [[nodiscard]] std::optional<Measured> find_walk(const PaperStudy& study, double rotation_rad2,

@@ -141,7 +141,7 @@ ReportFigure calibration_figure(const CaseContext& context, std::size_t first, c
     }
   }
   std::erase_if(figure.variants,
-                [](const FigureVariant& v) { return v.label != "paper" && v.label != "all"; });
+                [](const FigureVariant& v) { return v.label == "without ekf" || v.label == "lcekf alone"; });
   if (estimated) {
     figure.caption += " Estimates: mean over the runs; dotted: 3σ around it.";
   }
@@ -222,6 +222,15 @@ std::vector<FigureVariant> method_variants(const StudyCaseResults& results) {
   std::vector<FigureVariant> variants = {show("paper", {ekf->label(), ekf_full->label(), lcekf->label()}),
                                          show("without ekf", {ekf_full->label(), lcekf->label()}),
                                          show("lcekf alone", {lcekf->label()})};
+  std::vector<std::string> walks = {lcekf->label()};
+  for (const StudyMethodResults& method : results.methods) {
+    if (method.variant.method == Method::kEkfFull) {
+      walks.push_back(method.summary.label);
+    }
+  }
+  if (walks.size() > 2) {  // Figures 15 to 18
+    variants.push_back(show("walks", walks));
+  }
   if (variants.front().hidden_styles.empty()) {
     variants.front() = all;
   } else {

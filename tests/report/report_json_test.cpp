@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -13,10 +14,15 @@ namespace limber {
 namespace {
 
 using Json = nlohmann::json;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::small_document;
 
 Json parsed(const ReportDocument& document) { return Json::parse(report_json(document)); }
+
+std::vector<float> series(const Json& json, const Json& index) {
+  return testing::decoded(json["series"][index.get<std::size_t>()]);
+}
 
 ReportFigure& first_figure(ReportDocument& document) {
   return std::get<ReportFigure>(document.sections[0].blocks[1]);
@@ -59,7 +65,7 @@ TEST(ReportJson, FiguresSayWhatIsDrawnAndHow) {
   EXPECT_EQ(figure["traces"][1]["panel"], 1);
   EXPECT_EQ(figure["note"], "");
   const Json& path = json["sections"][1]["blocks"][0]["traces"][0];
-  EXPECT_EQ(json["series"][path["z"].get<std::size_t>()], Json::array({5.0, 6.0}));
+  EXPECT_THAT(series(json, path["z"]), ElementsAre(5.0f, 6.0f));
 }
 
 TEST(ReportJson, StoresEqualSeriesOnce) {
@@ -71,13 +77,18 @@ TEST(ReportJson, StoresEqualSeriesOnce) {
   EXPECT_NE(traces[0]["y"], traces[1]["y"]);
 }
 
-TEST(ReportJson, RoundsToSixDigitsAndLeavesGapsNull) {
+TEST(ReportJson, KeepsSevenDigitsAndGaps) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   ReportDocument document = small_document();
-  first_figure(document).traces[0].y = {1.23456789e-7, std::numeric_limits<double>::quiet_NaN()};
-  first_figure(document).traces[1].y = {-123456.789, std::numeric_limits<double>::infinity()};
-  const std::string text = report_json(document);
-  EXPECT_THAT(text, HasSubstr("[1.23457e-07,null]"));
-  EXPECT_THAT(text, HasSubstr("[-123457.0,null]"));
+  ReportTrace& trace = first_figure(document).traces[0];
+  trace.y = {1.23456789e-7, -123456.789, std::numeric_limits<double>::quiet_NaN(), kInfinity, -1e300};
+  trace.x = {0.0, 0.05, 0.1, 0.15, 0.2};
+  const Json json = parsed(document);
+  const std::vector<float> y = series(json, json["sections"][0]["blocks"][1]["traces"][0]["y"]);
+  ASSERT_EQ(y.size(), 5u);
+  EXPECT_FLOAT_EQ(y[0], 1.23456789e-7f);
+  EXPECT_FLOAT_EQ(y[1], -123456.789f);
+  EXPECT_TRUE(std::isnan(y[2]) && std::isnan(y[3]) && std::isnan(y[4]));
 }
 
 TEST(ReportJson, ThinsLongTracesAndSaysSo) {
@@ -93,10 +104,10 @@ TEST(ReportJson, ThinsLongTracesAndSaysSo) {
   const Json json = parsed(document);
   const Json& figure = json["sections"][0]["blocks"][1];
   EXPECT_THAT(figure["note"].get<std::string>(), HasSubstr("50000"));
-  const std::vector<double> y = json["series"][figure["traces"][0]["y"].get<std::size_t>()];
+  const std::vector<float> y = series(json, figure["traces"][0]["y"]);
   EXPECT_LE(y.size(), kMaxCurvePoints);
   EXPECT_GT(y.size(), kMaxCurvePoints / 2);
-  EXPECT_EQ(*std::max_element(y.begin(), y.end()), 7.0);
+  EXPECT_EQ(*std::max_element(y.begin(), y.end()), 7.0f);
   EXPECT_EQ(figure["traces"][1]["name"], "lcekf");
 }
 

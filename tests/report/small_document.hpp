@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <vector>
+
 #include "limber/report/document.hpp"
 
 namespace limber::testing {
@@ -33,6 +38,29 @@ inline ReportDocument small_document() {
             "Second",
             {space, claims, ReportListing{"File", "key: 1\n"}, ReportFacts{"", {{"a", "b"}}}}}},
           "Made by a test."};
+}
+
+/// The numbers of a series as report_json writes them.
+inline std::vector<float> decoded(const std::string& base64) {
+  const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<std::uint8_t> bytes;
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const char letter : base64.substr(0, base64.find('='))) {
+    bits = bits << 6 | static_cast<std::uint32_t>(letters.find(letter));
+    count += 6;
+    if (count >= 8) {
+      count -= 8;
+      bytes.push_back(static_cast<std::uint8_t>(bits >> count & 0xffu));
+    }
+  }
+  std::vector<float> values;
+  for (std::size_t k = 0; k + 3 < bytes.size(); k += 4) {
+    values.push_back(std::bit_cast<float>(bytes[k] | std::uint32_t{bytes[k + 1]} << 8 |
+                                          std::uint32_t{bytes[k + 2]} << 16 |
+                                          std::uint32_t{bytes[k + 3]} << 24));
+  }
+  return values;
 }
 
 }  // namespace limber::testing

@@ -9,7 +9,7 @@
 #include <vector>
 
 /// What a report says, before it becomes a page: plain data. All text is UTF-8 and is shown as it is, never
-/// as markup. Numbers in traces are drawn in the unit of their axis; NaN is a gap in a curve.
+/// as markup. Numbers in traces are drawn in the unit of their axis; NaN and infinity are gaps in a curve.
 namespace limber {
 
 /// A name and a value, e.g. {"position RMSE", "0.041 m"}.

@@ -139,8 +139,17 @@ function drawForPrint(page) {
   window.addEventListener('afterprint', () => setTheme(before, page));
 }
 
+/** 32-bit floats, little-endian, from base64; NaN is a gap. */
+function decodeSeries(text) {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const view = new DataView(bytes.buffer);
+  return Float32Array.from({ length: bytes.length / 4 }, (_, k) => view.getFloat32(4 * k, true));
+}
+
 function start() {
-  const page = new Page(JSON.parse(document.getElementById('report-data').textContent));
+  const data = JSON.parse(document.getElementById('report-data').textContent);
+  data.series = data.series.map(decodeSeries);
+  const page = new Page(data);
   document.documentElement.dataset.theme = darkSystem.matches ? 'dark' : 'light';
   page.build();
   setTheme(currentTheme(), page);

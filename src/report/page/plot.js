@@ -69,7 +69,7 @@ function extentOf(figure, series, direction) {
   let [low, high] = [Infinity, -Infinity];
   for (const trace of figure.traces) {
     for (const value of series[trace[direction]]) {
-      if (value !== null) {
+      if (Number.isFinite(value)) {
         [low, high] = [Math.min(low, value), Math.max(high, value)];
       }
     }

@@ -21,10 +21,10 @@ export function meanOf(curves, id, method, quantity) {
     .map((row) => [Number(row.t), row[quantity] === '' ? null : Number(row[quantity])]);
 }
 
-/** The page keeps six digits; `slack` is for what is computed from rounded numbers. */
+/** The page keeps 32-bit floats; null stands for a gap, NaN on the page. `slack` is for what is computed from rounded numbers. */
 export function isNear(value, expected, slack = 0) {
-  return value === null || expected === null ? value === expected
-    : Math.abs(value - expected) <= 5.1e-6 * Math.abs(expected) + 1e-12 + slack;
+  return expected === null ? !Number.isFinite(value)
+    : Math.abs(value - expected) <= 1.2e-7 * Math.abs(expected) + 1e-12 + slack;
 }
 
 /** Rotation vector from estimate to truth, quaternions w x y z, for small angles: 2 * vector part. */

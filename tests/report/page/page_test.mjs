@@ -37,7 +37,7 @@ async function curvesOf(page, id) {
   return page.evaluate(async (figure) => {
     await window.limberReport.draw(figure);
     const plot = window.limberReport.plot(figure);
-    return plot.data.map(({ name, x, y, visible, yaxis }) => ({ name, x, y, visible, yaxis: yaxis ?? 'y' }));
+    return plot.data.map(({ name, x, y, visible, yaxis }) => ({ name, x: [...x], y: [...y], visible, yaxis: yaxis ?? 'y' }));
   }, id);
 }
 
