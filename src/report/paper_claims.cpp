@@ -247,7 +247,8 @@ void add_with_and_without_imu(Claims& claims) {
   claims.about_each(
       cases_of(kNoises, {true, false}),
       {"With and without IMU, the LCEKF was able to maintain the scale: it did not drift.",
-       "4.4, Figures 11 to 14", "Sim(3) scale departs from 1 by at most 2 %, root mean square over runs"},
+       "4.4, Figures 11 to 14",
+       "Sim(3) scale, mean over runs, and how far it is from 1 in the root mean square: at most 2 %"},
       [](const Trio& t) { return keeps_scale(t.lcekf); });
   claims.about_each(cases_of(kNoises, {true, false}),
                     {"The LCEKF was for each case more robust than the EKFfull.", "4.4, Figures 11 to 14",

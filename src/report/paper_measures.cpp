@@ -2,11 +2,12 @@
 #include "paper_measures.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <numbers>
 
 #include "limber/study/study_plan.hpp"
 
@@ -98,7 +99,9 @@ Outcome compare(const Measured& a, const Measured& b, ScoreOf score_of, Rule rul
   if (!x || !y) {
     return {(x ? b : a).label() + " not measured", std::nullopt};
   }
-  return {case_prefix(a, b) + x->text + ", " + case_prefix(b, a) + y->text, rule(x->value, y->value)};
+  return {case_prefix(a, b) + x->text + (a.study_case == b.study_case ? ", " : "; ") + case_prefix(b, a) +
+              y->text,
+          rule(x->value, y->value)};
 }
 
 bool within(double factor, double a, double b) {
@@ -216,18 +219,22 @@ Outcome same_localization(const Measured& a, const Measured& b) {
 }
 
 Outcome same_position(const std::vector<Measured>& all, double factor) {
-  Outcome out{"", true};
+  std::vector<std::string> texts;
   double smallest = kInfinity, largest = 0.0;
+  bool known = true;
   for (const Measured& m : all) {
     const MaybeScore s = position_score(m);
-    out.measured += (out.measured.empty() ? "" : ", ") +
-                    case_prefix(m, &m == &all.front() ? all.back() : all.front()) +
-                    (s ? s->text : m.label() + " not known");
+    const Measured& beside = &m == &all.front() ? all.back() : all.front();
+    texts.push_back(case_prefix(m, beside) + (s ? s->text : m.label() + " not measured"));
     smallest = std::min(smallest, s ? s->value : kInfinity);
     largest = std::max(largest, s ? s->value : kInfinity);
+    known = known && s;
   }
-  out.holds = within(factor, smallest, largest);
-  return out;
+  if (std::adjacent_find(texts.begin(), texts.end(), std::not_equal_to<>()) == texts.end()) {
+    texts.resize(1);  // one and the same
+  }
+  return {fmt::format("{}", fmt::join(texts, "; ")),
+          known ? std::optional(within(factor, smallest, largest)) : std::nullopt};
 }
 
 Outcome landmarks_start_better(const Measured& a, const Measured& b) {
@@ -252,14 +259,14 @@ Outcome diverges(const Measured& m) {
   if (s.diverged == 0 && instants == 0) {
     return {m.label() + " not measured", std::nullopt};
   }
-  std::string text = fmt::format("{}: {} of {} runs diverged", m.label(), s.diverged, s.runs);
+  std::string text = m.label();
+  if (const MaybeScore position = position_score(m)) {
+    text = position->text;  // with the runs that diverged
+  }
   double share = 0.0;
   if (instants > 0) {
     share = static_cast<double>(outside) / static_cast<double>(instants);
-    text += fmt::format(", mean squared error beyond 3 sigma at {:.0f} % of the instants", 100.0 * share);
-  }
-  if (const MaybeScore position = position_score(m); position && s.diverged == 0) {
-    text += fmt::format(", position RMSE {:.3g} m", position->value);
+    text += fmt::format(", beyond 3σ at {:.0f} % of the instants", 100.0 * share);
   }
   return {text, s.diverged > 0 || share > 0.5};
 }
@@ -305,8 +312,7 @@ Outcome keeps_scale(const Measured& m) {
     return {m.label() + " not measured", std::nullopt};
   }
   const double departure = std::sqrt(squares / count);
-  return {fmt::format("{}: scale {:.4f} in the mean, {:.2f} % off in the root mean square over {:.0f} runs",
-                      m.label(), sum / count, 100.0 * departure, count),
+  return {fmt::format("{}: scale {:.4f} ({:.2f} % off)", m.label(), sum / count, 100.0 * departure),
           departure <= kScaleTolerance};
 }
 

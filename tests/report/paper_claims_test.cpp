@@ -117,7 +117,7 @@ TEST(PaperClaims, AFilterDivergesWhereItsErrorLeavesThreeSigma) {
   const ReportClaim broken =
       claim(one_case(strong, got("ekf", 0.2), full, got("lcekf", 0.1)), "very strong noise");
   EXPECT_EQ(broken.verdict, kYes);
-  EXPECT_THAT(broken.measured, HasSubstr("1 of 10 runs diverged"));
+  EXPECT_THAT(broken.measured, HasSubstr("diverged in 1 of 10 runs"));
 }
 
 TEST(PaperClaims, AMethodThatDivergedIsNeverTheBetterOne) {
