@@ -199,8 +199,10 @@ bool is_sane(const TrajectoryRow& row) {
 }
 
 void take_map(const Navigator& navigator, RunRecord& record) {
-  for (const Landmark& landmark : navigator.estimate().landmarks()) {
-    record.landmarks[landmark.track_id] = navigator.estimate().landmark_position(landmark);
+  const Estimate& estimate = navigator.estimate();
+  const std::vector<Eigen::Vector3d> positions = estimate.landmark_positions();
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    record.landmarks[estimate.landmarks()[k].track_id] = positions[k];
   }
   record.theta = navigator.estimate().theta;
 }
