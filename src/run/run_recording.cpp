@@ -102,7 +102,7 @@ InitialState start_from_truth(const Recording& recording, const RunOptions& opti
     truth.v_world_body = differenced_velocity(recording, t_ns);
     sigma.velocity = std::max(sigma.velocity, kUnknownVelocity);
   }
-  InitialSigmas drawn{sigma.position, sigma.attitude, sigma.velocity, sigma.bias_accel, sigma.bias_gyro};
+  InitialSigma drawn = sigma;
   if (!recording.groundtruth_has_biases) {
     drawn.bias_accel = drawn.bias_gyro = 0.0;
     sigma.bias_accel = std::max(sigma.bias_accel, kUnknownBiasAccel);
