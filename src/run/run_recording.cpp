@@ -104,7 +104,7 @@ InitialState start_from_truth(const Recording& recording, const RunOptions& opti
     sigma.velocity = std::max(sigma.velocity, kUnknownVelocity);
     error.velocity = std::max(error.velocity, kUnknownVelocity);
   }
-  InitialSigmas drawn{error.position, error.attitude, error.velocity, error.bias_accel, error.bias_gyro};
+  InitialSigma drawn = error;
   if (!recording.groundtruth_has_biases) {
     drawn.bias_accel = drawn.bias_gyro = 0.0;
     sigma.bias_accel = std::max(sigma.bias_accel, kUnknownBiasAccel);
