@@ -78,6 +78,7 @@ std::string plan_to_bytes(const StudyPlan& plan) {
   out.put(std::uint64_t{plan.cases.size()});
   for (const StudyCase& study_case : plan.cases) {
     out.put(format_scenario(study_case.scenario));
+    out.put(definition_of(study_case));
     out.put(study_case.runs);
     out.put(std::uint64_t{study_case.methods.size()});
     for (const MethodVariant& method : study_case.methods) {
@@ -91,15 +92,20 @@ StudyPlan plan_from_bytes(const std::string& bytes) {
   detail::ByteReader in(bytes);
   StudyPlan plan;
   in.get(plan.seed);
-  std::string text;
+  std::string text, definition;
   for (auto cases = in.get<std::uint64_t>(); cases > 0; --cases) {
     StudyCase study_case;
     in.get(text);
     study_case.scenario = parse_scenario(text, "plan.yaml");
+    in.get(definition);
     in.get(study_case.runs);
     for (auto methods = in.get<std::uint64_t>(); methods > 0; --methods) {
       in.get(text);
       study_case.methods.push_back(method_variant_from_string(text));
+    }
+    if (definition_of(study_case) != definition) {
+      throw std::runtime_error("case '" + study_case.scenario.name +
+                               "': the trajectory file of this machine is not that of rank 0");
     }
     plan.cases.push_back(std::move(study_case));
   }

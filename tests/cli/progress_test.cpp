@@ -59,6 +59,18 @@ TEST(Progress, DrawsOnATerminalAndClearsTheLineAtTheEnd) {
   EXPECT_EQ(terminal.written(), "\r\x1b[K");
 }
 
+TEST(Progress, ShowsADetailBehindThePercentage) {
+  setenv("TERM", "xterm", 1);
+  const Terminal terminal;
+  if (terminal.stream() == nullptr) {
+    GTEST_SKIP() << "no pseudo-terminal to be had";
+  }
+  Progress progress("study.sqlite", 10, terminal.stream());
+  progress.done(5, "3 of 6 runs, 0.5 runs/s");
+  EXPECT_EQ(terminal.written(),
+            "\r\x1b[Kstudy.sqlite [###############...............]  50 %, 3 of 6 runs, 0.5 runs/s");
+}
+
 TEST(Progress, IsQuietWhenPiped) {
   std::FILE* file = std::tmpfile();
   ASSERT_NE(file, nullptr);
