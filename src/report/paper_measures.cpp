@@ -2,11 +2,12 @@
 #include "paper_measures.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <numbers>
 
 #include "limber/study/study_plan.hpp"
 
@@ -64,12 +65,31 @@ std::optional<double> mean_between(const Measured& m, CurveQuantity quantity, do
   return count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt;
 }
 
+/// Median over the runs of the median time per frame [ms].
+std::optional<double> median_ms(const Measured& m) {
+  std::vector<double> times;
+  for (const StudyRun& run : m.method->runs) {
+    if (run.figures.ms_per_frame_p50) {
+      times.push_back(*run.figures.ms_per_frame_p50);
+    }
+  }
+  if (times.empty()) {
+    return std::nullopt;
+  }
+  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+  std::nth_element(times.begin(), middle, times.end());
+  return *middle;
+}
+
 double last_time(const Measured& m) { return m.study_case->info.frame_times.back(); }
 
 /// "(i) none, with IMU: " before a score that stands beside one of another case.
 std::string case_prefix(const Measured& m, const Measured& beside) {
+  if (m.study_case == beside.study_case) {
+    return "";
+  }
   const auto paper_case = paper_case_of(m.study_case->info.scenario);
-  return m.study_case == beside.study_case || !paper_case ? "" : to_string(*paper_case) + ": ";
+  return paper_case ? to_string(*paper_case) + ": " : "";
 }
 
 /// Compares two scores with a rule; not known where one is missing.
@@ -79,7 +99,9 @@ Outcome compare(const Measured& a, const Measured& b, ScoreOf score_of, Rule rul
   if (!x || !y) {
     return {(x ? b : a).label() + " not measured", std::nullopt};
   }
-  return {case_prefix(a, b) + x->text + ", " + case_prefix(b, a) + y->text, rule(x->value, y->value)};
+  return {case_prefix(a, b) + x->text + (a.study_case == b.study_case ? ", " : "; ") + case_prefix(b, a) +
+              y->text,
+          rule(x->value, y->value)};
 }
 
 bool within(double factor, double a, double b) {
@@ -101,8 +123,12 @@ bool below(double a, double b) { return a < b; }
 Outcome all_of(const std::vector<Outcome>& outcomes) {
   Outcome out{"", true};
   for (const Outcome& outcome : outcomes) {
-    out.measured += (out.measured.empty() ? "" : "; ") + outcome.measured;
-    out.holds = out.holds && outcome.holds ? std::optional(*out.holds && *outcome.holds) : std::nullopt;
+    out.measured += (out.measured.empty() ? "" : "\n") + outcome.measured;
+    if (outcome.holds == false || out.holds == false) {
+      out.holds = false;
+    } else if (!outcome.holds) {
+      out.holds.reset();
+    }
   }
   return out;
 }
@@ -112,11 +138,23 @@ const StudyCurve* Measured::curve(CurveQuantity quantity) const {
   return it == method->curves.end() ? nullptr : &it->second;
 }
 
-const StudyCaseResults* find_case(const StudyResults& results, const PaperCase& paper_case) {
+PaperStudy::PaperStudy(const StudyResults& study) : results(study) {
+  for (const StudyCaseResults& study_case : results.cases) {
+    cases.push_back(paper_case_of(study_case.info.scenario));
+  }
+}
+
+bool has_paper_methods(const StudyCaseResults& study_case) {
+  return find_method(study_case, PaperMethod::kEkf) && find_method(study_case, PaperMethod::kEkfFull) &&
+         find_method(study_case, PaperMethod::kLcekf);
+}
+
+const StudyCaseResults* find_case(const PaperStudy& study, const PaperCase& paper_case) {
   const StudyCaseResults* found = nullptr;
-  for (const StudyCaseResults& candidate : results.cases) {
-    if (candidate.info.finished > (found == nullptr ? 0 : found->info.finished) &&
-        paper_case_of(candidate.info.scenario) == paper_case) {
+  for (std::size_t k = 0; k < study.cases.size(); ++k) {
+    const StudyCaseResults& candidate = study.results.cases[k];
+    if (study.cases[k] == paper_case && has_paper_methods(candidate) &&
+        candidate.info.finished > (found == nullptr ? 0 : found->info.finished)) {
       found = &candidate;
     }
   }
@@ -132,20 +170,20 @@ std::optional<Measured> find_method(const StudyCaseResults& study_case, PaperMet
   return std::nullopt;
 }
 
-std::optional<Measured> find_walk(const StudyResults& results, double rotation_rad2, double translation_mm2) {
+std::optional<Measured> find_walk(const PaperStudy& study, double rotation_rad2, double translation_mm2) {
   const auto is_near = [](double value, double wanted) {
     return std::abs(value - wanted) <= kWalkTolerance * wanted;
   };
-  for (const StudyCaseResults& study_case : results.cases) {
-    if (study_case.info.finished == 0 ||
-        paper_case_of(study_case.info.scenario) != PaperCase{PaperNoise::kSinus, false}) {
+  for (std::size_t k = 0; k < study.cases.size(); ++k) {
+    const StudyCaseResults& study_case = study.results.cases[k];
+    if (study_case.info.finished == 0 || study.cases[k] != PaperCase{PaperNoise::kSinus, false}) {
       continue;
     }
     for (const StudyMethodResults& method : study_case.methods) {
       if (method.variant.method != Method::kEkfFull) {
         continue;
       }
-      const RunOptions options = run_options(study_case.info.scenario, method.variant, results.seed, 0);
+      const RunOptions options = run_options(study_case.info.scenario, method.variant, study.results.seed, 0);
       const RigParameters per_10_ms = 0.01 * options.theta_walk.value_or(RigParameters::Zero());
       if (is_near(per_10_ms(0), rotation_rad2) && is_near(1e6 * per_10_ms(3), translation_mm2)) {
         return Measured{&study_case, &method};
@@ -181,18 +219,22 @@ Outcome same_localization(const Measured& a, const Measured& b) {
 }
 
 Outcome same_position(const std::vector<Measured>& all, double factor) {
-  Outcome out{"", true};
+  std::vector<std::string> texts;
   double smallest = kInfinity, largest = 0.0;
+  bool known = true;
   for (const Measured& m : all) {
     const MaybeScore s = position_score(m);
-    out.measured += (out.measured.empty() ? "" : ", ") +
-                    case_prefix(m, &m == &all.front() ? all.back() : all.front()) +
-                    (s ? s->text : m.label() + " not known");
+    const Measured& beside = &m == &all.front() ? all.back() : all.front();
+    texts.push_back(case_prefix(m, beside) + (s ? s->text : m.label() + " not measured"));
     smallest = std::min(smallest, s ? s->value : kInfinity);
     largest = std::max(largest, s ? s->value : kInfinity);
+    known = known && s;
   }
-  out.holds = within(factor, smallest, largest);
-  return out;
+  if (std::adjacent_find(texts.begin(), texts.end(), std::not_equal_to<>()) == texts.end()) {
+    texts.resize(1);  // one and the same
+  }
+  return {fmt::format("{}", fmt::join(texts, "; ")),
+          known ? std::optional(within(factor, smallest, largest)) : std::nullopt};
 }
 
 Outcome landmarks_start_better(const Measured& a, const Measured& b) {
@@ -217,14 +259,14 @@ Outcome diverges(const Measured& m) {
   if (s.diverged == 0 && instants == 0) {
     return {m.label() + " not measured", std::nullopt};
   }
-  std::string text = fmt::format("{}: {} of {} runs diverged", m.label(), s.diverged, s.runs);
+  std::string text = m.label();
+  if (const MaybeScore position = position_score(m)) {
+    text = position->text;  // with the runs that diverged
+  }
   double share = 0.0;
   if (instants > 0) {
     share = static_cast<double>(outside) / static_cast<double>(instants);
-    text += fmt::format(", mean squared error beyond 3 sigma at {:.0f} % of the instants", 100.0 * share);
-  }
-  if (const MaybeScore position = position_score(m); position && s.diverged == 0) {
-    text += fmt::format(", position RMSE {:.3g} m", position->value);
+    text += fmt::format(", beyond 3σ at {:.0f} % of the instants", 100.0 * share);
   }
   return {text, s.diverged > 0 || share > 0.5};
 }
@@ -249,6 +291,14 @@ Outcome drifts(const Measured& m) {
           *last > *first};
 }
 
+Outcome time_at_most(const Measured& a, double factor, const Measured& b) {
+  const auto x = median_ms(a), y = median_ms(b);
+  if (!x || !y) {
+    return {(x ? b : a).label() + " not timed", std::nullopt};
+  }
+  return {fmt::format("{} {:.3g} ms, {} {:.3g} ms", a.label(), *x, b.label(), *y), *x <= factor * *y};
+}
+
 Outcome keeps_scale(const Measured& m) {
   double sum = 0.0, squares = 0.0, count = 0.0;
   for (const StudyRun& run : m.method->runs) {
@@ -262,8 +312,7 @@ Outcome keeps_scale(const Measured& m) {
     return {m.label() + " not measured", std::nullopt};
   }
   const double departure = std::sqrt(squares / count);
-  return {fmt::format("{}: scale {:.4f} in the mean, {:.2f} % off in the root mean square over {:.0f} runs",
-                      m.label(), sum / count, 100.0 * departure, count),
+  return {fmt::format("{}: scale {:.4f} ({:.2f} % off)", m.label(), sum / count, 100.0 * departure),
           departure <= kScaleTolerance};
 }
 

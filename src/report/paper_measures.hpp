@@ -23,7 +23,7 @@ struct Outcome {
   std::optional<bool> holds;
 };
 
-/// All of them: holds if all hold, not known if one is not known.
+/// All of them, a line each: false if one is false, else not known if one is not known.
 [[nodiscard]] Outcome all_of(const std::vector<Outcome>& outcomes);
 
 /// The methods of the paper, as a study may hold them.
@@ -38,16 +38,27 @@ struct Measured {
   [[nodiscard]] const StudyCurve* curve(CurveQuantity quantity) const;
 };
 
-/// The case of a study that is this case of the paper, the one with most runs if there are several; nullptr
-/// if there is none with a finished run.
-[[nodiscard]] const StudyCaseResults* find_case(const StudyResults& results, const PaperCase& paper_case);
+/// A study with the paper's name of each of its cases. The results must outlive it.
+struct PaperStudy {
+  explicit PaperStudy(const StudyResults& study);
+
+  const StudyResults& results;
+  std::vector<std::optional<PaperCase>> cases;
+};
+
+/// The case of a study that is this case of the paper and has its three methods, the one with most runs if
+/// there are several; nullptr if there is none with a finished run.
+[[nodiscard]] const StudyCaseResults* find_case(const PaperStudy& study, const PaperCase& paper_case);
 
 /// The paper's method in a case: lcekf with all six parameters constrained, ekf-full with the scenario's
 /// walk. Nothing if it is not there.
 [[nodiscard]] std::optional<Measured> find_method(const StudyCaseResults& study_case, PaperMethod method);
 
+/// Whether a case has all three of them.
+[[nodiscard]] bool has_paper_methods(const StudyCaseResults& study_case);
+
 /// ekf-full with this walk per 10 ms (Table 1) in any sinus case without IMU.
-[[nodiscard]] std::optional<Measured> find_walk(const StudyResults& results, double rotation_rad2,
+[[nodiscard]] std::optional<Measured> find_walk(const PaperStudy& study, double rotation_rad2,
                                                 double translation_mm2);
 
 /// A figure of merit with which methods are compared: infinite if some run diverged.
@@ -80,5 +91,8 @@ struct Score {
 [[nodiscard]] Outcome drifts(const Measured& m);
 /// The Sim(3) scale departs from 1 by at most 2 %, root mean square over runs.
 [[nodiscard]] Outcome keeps_scale(const Measured& m);
+
+/// Median time per frame of a at most `factor` times that of b.
+[[nodiscard]] Outcome time_at_most(const Measured& a, double factor, const Measured& b);
 
 }  // namespace limber::detail

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 #include <unordered_map>
 
+#include "base64.hpp"
 #include "limber/report/thinning.hpp"
 #include "limber/report/write_report.hpp"
 
@@ -16,29 +17,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// To six significant digits, which is more than a screen shows; null where there is no finite number.
-Json rounded(double value) {
-  if (!std::isfinite(value)) {
-    return nullptr;
-  }
-  fmt::memory_buffer digits;
-  fmt::format_to(std::back_inserter(digits), "{:.6g}", value);
-  double out = 0.0;
-  std::from_chars(digits.data(), digits.data() + digits.size(), out);
-  return out;
-}
-
 /// All series of a document; equal ones (the time of every curve) are stored once.
 class SeriesPool {
  public:
   std::size_t add(const std::vector<double>& values, const std::vector<std::size_t>& indices) {
-    Json series = Json::array();
+    std::vector<float> drawn;
+    drawn.reserve(indices.size());
     for (const std::size_t k : indices) {
-      series.push_back(rounded(values[k]));
+      const bool is_gap = !(std::abs(values[k]) <= std::numeric_limits<float>::max());
+      drawn.push_back(is_gap ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(values[k]));
     }
-    const auto [it, is_new] = index_of_.try_emplace(series.dump(), series_.size());
+    std::string text = detail::to_base64(drawn);
+    const auto [it, is_new] = index_of_.try_emplace(text, series_.size());
     if (is_new) {
-      series_.push_back(std::move(series));
+      series_.push_back(std::move(text));
     }
     return it->second;
   }
@@ -120,7 +112,8 @@ class DocumentWriter {
                         {"measured", claim.measured},
                         {"verdict", limber::to_string(claim.verdict)}});
     }
-    return {{"type", "claims"}, {"title", block.title}, {"claims", std::move(claims)}};
+    return {
+        {"type", "claims"}, {"title", block.title}, {"brief", block.brief}, {"claims", std::move(claims)}};
   }
 
   Json operator()(const ReportTable& table) {

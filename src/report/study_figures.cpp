@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "limber/simulate/decalibration.hpp"
+#include "paper_measures.hpp"
 #include "study_sections.hpp"
 
 namespace limber::detail {
@@ -62,7 +63,7 @@ ReportFigure landmark_figure(const CaseContext& context) {
   ReportFigure figure =
       new_figure(context, "landmarks", "Landmark error", {{"mean squared error", "m²"}},
                  "Mean over the runs and over the points that are in the map at that instant.");
-  figure.log_switch = true;
+  figure.log_switch = figure.starts_in_log = true;
   for (const StudyMethodResults& method : context.results.methods) {
     add_curve(context, method, CurveQuantity::kLandmarkSquaredError, 1.0, TraceShape::kLine, figure);
   }
@@ -72,7 +73,7 @@ ReportFigure landmark_figure(const CaseContext& context) {
 ReportFigure consistency_figure(const CaseContext& context) {
   ReportFigure figure = new_figure(context, "nees", "Consistency of the pose", {{"mean NEES / 6", ""}},
                                    "1: the filter knows how wrong it is; above: too sure of itself.");
-  figure.log_switch = true;
+  figure.log_switch = figure.starts_in_log = true;
   for (const StudyMethodResults& method : context.results.methods) {
     add_curve(context, method, CurveQuantity::kPoseNees, 1.0 / 6.0, TraceShape::kLine, figure);
   }
@@ -139,6 +140,8 @@ ReportFigure calibration_figure(const CaseContext& context, std::size_t first, c
       }
     }
   }
+  std::erase_if(figure.variants,
+                [](const FigureVariant& v) { return v.label == "without ekf" || v.label == "lcekf alone"; });
   if (estimated) {
     figure.caption += " Estimates: mean over the runs; dotted: 3σ around it.";
   }
@@ -175,46 +178,63 @@ ReportFigure path_figure(const CaseContext& context) {
   return figure;
 }
 
+/// Leaves out of the variants what makes no difference here; a single one is no choice, unless it hides.
+void fit_variants(ReportFigure& figure) {
+  std::vector<FigureVariant> fitting;
+  for (FigureVariant& variant : figure.variants) {
+    std::erase_if(variant.hidden_styles, [&figure](const std::string& style) {
+      return std::none_of(figure.traces.begin(), figure.traces.end(),
+                          [&style](const ReportTrace& trace) { return trace.style == style; });
+    });
+    const bool is_known = std::any_of(fitting.begin(), fitting.end(), [&variant](const auto& known) {
+      return known.hidden_styles == variant.hidden_styles;
+    });
+    if (!is_known) {
+      fitting.push_back(std::move(variant));
+    }
+  }
+  if (fitting.size() == 1 && fitting.front().hidden_styles.empty()) {
+    fitting.clear();
+  }
+  figure.variants = std::move(fitting);
+}
+
 }  // namespace
 
 std::vector<FigureVariant> method_variants(const StudyCaseResults& results) {
-  const auto hide_unless = [&results](auto shown) {
-    std::vector<std::string> hidden;
+  const auto show = [&results](const std::string& name, const std::vector<std::string>& shown) {
+    FigureVariant variant{name, {}};
     for (const StudyMethodResults& method : results.methods) {
-      if (!shown(method.summary.label)) {
-        hidden.push_back(method.summary.label);
+      if (std::find(shown.begin(), shown.end(), method.summary.label) == shown.end()) {
+        variant.hidden_styles.push_back(method.summary.label);
       }
     }
-    return hidden;
+    return variant;
   };
-  // The paper's three first, where a study has more than those.
-  const auto is_paper_method = [&results](const std::string& label) {
-    const auto it = std::find_if(results.methods.begin(), results.methods.end(),
-                                 [&label](const auto& m) { return m.summary.label == label; });
-    const MethodVariant& v = it->variant;
-    return (v.method == Method::kEkf || v.method == Method::kEkfFull || v.method == Method::kLcekf) &&
-           !v.walk && (!v.constraints || v.constraints->kind == ConstraintSet::Kind::kFull);
-  };
-  const std::vector<std::string> others = hide_unless(is_paper_method);
-  const bool has_paper_methods = others.size() < results.methods.size();
-  std::vector<FigureVariant> variants;
-  if (has_paper_methods && !others.empty()) {
-    variants.push_back({"paper's methods", others});
-  } else {
-    variants.push_back({"all", {}});
+  const FigureVariant all{"all", {}};
+  const auto ekf = find_method(results, PaperMethod::kEkf);
+  const auto ekf_full = find_method(results, PaperMethod::kEkfFull);
+  const auto lcekf = find_method(results, PaperMethod::kLcekf);
+  if (!ekf || !ekf_full || !lcekf) {
+    return {all};
   }
-  for (const char* const worst : {"ekf", "ekf-full"}) {
-    FigureVariant without = variants.back();
-    without.label = variants.size() == 1 ? std::string("without ") + worst : without.label + ", " + worst;
-    const auto is_worst = [worst](const auto& m) { return m.summary.label == worst; };
-    if (results.methods.size() - without.hidden_styles.size() > 1 &&
-        std::any_of(results.methods.begin(), results.methods.end(), is_worst)) {
-      without.hidden_styles.emplace_back(worst);
-      variants.push_back(std::move(without));
+  // The paper's (a) and (b), of Figures 6 to 9 and of Figure 10.
+  std::vector<FigureVariant> variants = {show("paper", {ekf->label(), ekf_full->label(), lcekf->label()}),
+                                         show("without ekf", {ekf_full->label(), lcekf->label()}),
+                                         show("lcekf alone", {lcekf->label()})};
+  std::vector<std::string> walks = {lcekf->label()};
+  for (const StudyMethodResults& method : results.methods) {
+    if (method.variant.method == Method::kEkfFull) {
+      walks.push_back(method.summary.label);
     }
   }
-  if (has_paper_methods && !others.empty()) {
-    variants.push_back({"all", {}});
+  if (walks.size() > 2) {  // Figures 15 to 18
+    variants.push_back(show("walks", walks));
+  }
+  if (variants.front().hidden_styles.empty()) {
+    variants.front() = all;
+  } else {
+    variants.push_back(all);
   }
   return variants;
 }
@@ -233,6 +253,9 @@ std::vector<ReportFigure> case_figures(const CaseContext& context) {
   figures.push_back(
       calibration_figure(context, 3, "calibration-translation", "Calibration: translation", "m", 1.0));
   figures.push_back(path_figure(context));
+  for (ReportFigure& figure : figures) {
+    fit_variants(figure);
+  }
   return figures;
 }
 

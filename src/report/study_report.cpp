@@ -8,6 +8,8 @@
 #include <set>
 
 #include "limber/report/paper_claims.hpp"
+#include "limber/study/paper.hpp"
+#include "paper_measures.hpp"
 #include "study_sections.hpp"
 
 namespace limber {
@@ -62,26 +64,17 @@ bool has_paper_case(const StudyResults& results) {
 }
 
 /// Every claim in a line: what a reader looks for first.
-ReportTable verdict_table(const std::vector<PaperClaim>& claims) {
-  ReportTable table{"The paper's claims at a glance", {"claim", "where", "verdict"}, {}, ""};
+ReportClaims verdicts(const std::vector<PaperClaim>& claims) {
+  ReportClaims out{"The paper's claims at a glance", {}, true};
   for (const PaperClaim& claim : claims) {
-    const Verdict verdict = claim.claim.verdict;
-    table.rows.push_back(
-        {{claim.claim.statement},
-         {claim.claim.source},
-         {std::string(to_string(verdict)), verdict == Verdict::kAgrees      ? TableCell::Mark::kBest
-                                           : verdict == Verdict::kDisagrees ? TableCell::Mark::kBad
-                                                                            : TableCell::Mark::kNone}});
+    out.claims.push_back(claim.claim);
   }
-  table.note =
-      "What was measured, and the rule that decides, stand with each case below, or under 'Claims across "
-      "cases'.";
-  return table;
+  return out;
 }
 
 /// Claims that speak of this case alone; of several: `across`.
 ReportClaims claims_about(const std::vector<PaperClaim>& claims, const std::optional<PaperCase>& paper_case) {
-  ReportClaims out{"What the paper claims, and what was measured", {}};
+  ReportClaims out{"What the paper claims, and what was measured", {}, false};
   for (const PaperClaim& claim : claims) {
     const bool is_about_one = claim.cases.size() == 1;
     if (paper_case ? is_about_one && claim.cases.front() == *paper_case : !is_about_one) {
@@ -106,23 +99,27 @@ ReportFacts case_facts(const StudyCaseResults& results) {
            {"baseline", fmt::format("{:g} m", s.rig.theta.tail<3>().norm())}}};
 }
 
-ReportSection case_section(const CaseContext& context, const std::vector<PaperClaim>& claims) {
-  const StudyCaseResults& results = context.results;
-  const std::optional<PaperCase> paper_case = paper_case_of(results.info.scenario);
-  ReportSection section{context.slug, results.info.name, {}};
-  if (paper_case) {
-    section.title += ": case " + to_string(*paper_case);
+std::string section_title(const StudyCaseInfo& info, const std::optional<PaperCase>& paper_case) {
+  if (!paper_case) {
+    return info.name;
   }
+  const std::string figures = paper_figures_of(info.name);
+  return fmt::format("{}{}case {} ({})", figures, figures.empty() ? "" : ": ", to_string(*paper_case),
+                     info.name);
+}
+
+/// `about`: the claims that speak of this case; none where another case of the study stands for it.
+ReportSection case_section(const CaseContext& context, const std::optional<PaperCase>& paper_case,
+                           ReportClaims about) {
+  const StudyCaseResults& results = context.results;
+  ReportSection section{context.slug, section_title(results.info, paper_case), {}};
   section.blocks.emplace_back(case_facts(results));
   for (ReportFigure& figure : detail::case_figures(context)) {
     section.blocks.emplace_back(std::move(figure));
   }
   section.blocks.emplace_back(detail::case_table(results));
-  if (paper_case) {
-    ReportClaims about = claims_about(claims, paper_case);
-    if (!about.claims.empty()) {
-      section.blocks.emplace_back(std::move(about));
-    }
+  if (!about.claims.empty()) {
+    section.blocks.emplace_back(std::move(about));
   }
   section.blocks.emplace_back(
       ReportListing{"The scenario, every key with its value", results.info.scenario_text});
@@ -131,9 +128,14 @@ ReportSection case_section(const CaseContext& context, const std::vector<PaperCl
 
 ReportSection overview_section(const StudyResults& results, const std::vector<PaperClaim>& claims) {
   ReportSection section{"overview", "Overview", {}};
-  section.blocks.emplace_back(detail::overview_table(results));
+  for (ReportTable& table : detail::overview_tables(results)) {
+    section.blocks.emplace_back(std::move(table));
+  }
   if (!claims.empty()) {
-    section.blocks.emplace_back(verdict_table(claims));
+    section.blocks.emplace_back(verdicts(claims));
+    section.blocks.emplace_back(
+        ReportText{"What was measured, and the rule that decides, stand with each case below and, for claims "
+                   "about several cases, under the last heading."});
   }
   return section;
 }
@@ -156,10 +158,15 @@ ReportDocument study_report(const StudyResults& results) {
     document.facts.push_back({"not measured", std::to_string(count(claims, Verdict::kNotMeasured))});
   }
   document.sections.push_back(overview_section(results, claims));
+  const detail::PaperStudy study(results);
   std::set<std::string> used;
-  for (const StudyCaseResults& study_case : results.cases) {
-    document.sections.push_back(
-        case_section({study_case, results.seed, slug_of(study_case.info.name, used)}, claims));
+  for (std::size_t k = 0; k < results.cases.size(); ++k) {
+    const StudyCaseResults& study_case = results.cases[k];
+    const std::optional<PaperCase>& paper_case = study.cases[k];
+    const bool is_meant = paper_case && find_case(study, *paper_case) == &study_case;
+    document.sections.push_back(case_section({study_case, results.seed, slug_of(study_case.info.name, used)},
+                                             paper_case,
+                                             is_meant ? claims_about(claims, paper_case) : ReportClaims{}));
   }
   if (!claims.empty()) {
     document.sections.push_back({"claims", "Claims across cases", {claims_about(claims, std::nullopt)}});

@@ -23,8 +23,9 @@ struct CaseContext {
 /// All methods of a case.
 [[nodiscard]] ReportTable case_table(const StudyCaseResults& results);
 
-/// One line per case: position RMSE of each method that every case has, or a dash.
-[[nodiscard]] ReportTable overview_table(const StudyResults& results);
+/// A line per case and a column per method with position RMSE and ANEES; ekf-full with other walks of theta
+/// has a table of its own. At least one table.
+[[nodiscard]] std::vector<ReportTable> overview_tables(const StudyResults& results);
 
 /// Which methods a figure shows at first, and what else it offers.
 [[nodiscard]] std::vector<FigureVariant> method_variants(const StudyCaseResults& results);

@@ -49,17 +49,68 @@ std::string bounds(const std::optional<Interval>& interval) {
   return interval ? fmt::format("{:.2f} to {:.2f}", interval->lower, interval->upper) : "–";
 }
 
+TableCell overview_cell(const StudyMethodResults& method, double best) {
+  const MethodSummary& s = method.summary;
+  TableCell cell = position_cell(method, best);
+  cell.text += fmt::format(" ({})", two_decimals(s.anees));
+  if (s.diverged == 0) {
+    return cell;
+  }
+  return {
+      fmt::format("{} of {} diverged{}", s.diverged, s.runs, s.position_rmse_m ? ", else " + cell.text : ""),
+      TableCell::Mark::kBad};
+}
+
+const StudyMethodResults* find(const StudyCaseResults& results, const std::string& label) {
+  const auto it = std::find_if(results.methods.begin(), results.methods.end(),
+                               [&label](const auto& m) { return m.summary.label == label; });
+  return it == results.methods.end() ? nullptr : &*it;
+}
+
+/// Methods with a walk of theta of their own, or all others.
+ReportTable overview_table(const StudyResults& results, bool walks) {
+  ReportTable table{"Position RMSE [m], in brackets ANEES", {"case", "runs"}, {}, ""};
+  for (const StudyCaseResults& study_case : results.cases) {
+    for (const StudyMethodResults& method : study_case.methods) {
+      const std::string& label = method.summary.label;
+      if (method.variant.walk.has_value() == walks &&
+          std::find(table.columns.begin(), table.columns.end(), label) == table.columns.end()) {
+        table.columns.push_back(label);
+      }
+    }
+  }
+  for (const StudyCaseResults& study_case : results.cases) {
+    std::vector<TableCell> row = {{study_case.info.name}, {std::to_string(study_case.info.finished)}};
+    const double best = best_position(study_case);
+    bool any = false;
+    for (std::size_t k = 2; k < table.columns.size(); ++k) {
+      const StudyMethodResults* const method = find(study_case, table.columns[k]);
+      any = any || method != nullptr;
+      row.push_back(method != nullptr ? overview_cell(*method, best) : TableCell{});
+    }
+    if (any) {
+      table.rows.push_back(std::move(row));
+    }
+  }
+  table.note = "1 in brackets: the filter knows how wrong it is. Green: the best of the case, oracle aside.";
+  if (walks) {
+    table.title += ": ekf-full with other random walks";
+    table.note += " x10: ten times the variances of the scenario; 2e-05/20: rad² and mm² per 10 ms.";
+  }
+  return table;
+}
+
 }  // namespace
 
 std::string digits(const std::optional<double>& value) { return value ? fmt::format("{:.3g}", *value) : "–"; }
 
 ReportTable case_table(const StudyCaseResults& results) {
-  ReportTable table{"All methods",
-                    {"method", "runs", "position RMSE [m]", "worst run [m]", "attitude RMSE [deg]",
-                     "landmark RMSE [m]", "ANEES pose", "ANEES position", "ANEES attitude",
-                     "instants in bounds", "NIS / d.o.f.", "scale", "time [ms]"},
-                    {},
-                    ""};
+  ReportTable table{
+      "All methods",
+      {"method", "runs", "position RMSE [m]", "worst run [m]", "attitude RMSE [deg]", "landmark RMSE [m]",
+       "ANEES pose", "ANEES position", "ANEES attitude", "in bounds", "NIS / d.o.f.", "scale", "time [ms]"},
+      {},
+      ""};
   const double best = best_position(results);
   for (const StudyMethodResults& method : results.methods) {
     const MethodSummary& s = method.summary;
@@ -92,41 +143,15 @@ ReportTable case_table(const StudyCaseResults& results) {
   return table;
 }
 
-ReportTable overview_table(const StudyResults& results) {
-  std::vector<std::string> labels;
-  for (const StudyCaseResults& study_case : results.cases) {
-    for (const StudyMethodResults& method : study_case.methods) {
-      if (std::find(labels.begin(), labels.end(), method.summary.label) == labels.end()) {
-        labels.push_back(method.summary.label);
-      }
+std::vector<ReportTable> overview_tables(const StudyResults& results) {
+  std::vector<ReportTable> tables;
+  for (const bool walks : {false, true}) {
+    ReportTable table = overview_table(results, walks);
+    if (!table.rows.empty() || !walks) {
+      tables.push_back(std::move(table));
     }
   }
-  ReportTable table{"Position RMSE [m], in brackets ANEES", {"case", "runs"}, {}, ""};
-  table.columns.insert(table.columns.end(), labels.begin(), labels.end());
-  for (const StudyCaseResults& study_case : results.cases) {
-    std::vector<TableCell> row = {{study_case.info.name}, {std::to_string(study_case.info.finished)}};
-    const double best = best_position(study_case);
-    for (const std::string& label : labels) {
-      const auto it = std::find_if(study_case.methods.begin(), study_case.methods.end(),
-                                   [&label](const auto& m) { return m.summary.label == label; });
-      if (it == study_case.methods.end()) {
-        row.push_back({""});
-        continue;
-      }
-      const MethodSummary& s = it->summary;
-      TableCell cell = position_cell(*it, best);
-      cell.text += fmt::format(" ({})", two_decimals(s.anees));
-      if (s.diverged > 0) {
-        cell = {fmt::format("{} of {} diverged", s.diverged, s.runs) +
-                    (s.position_rmse_m ? ", else " + cell.text : ""),
-                TableCell::Mark::kBad};
-      }
-      row.push_back(std::move(cell));
-    }
-    table.rows.push_back(std::move(row));
-  }
-  table.note = "1 in brackets: the filter knows how wrong it is. Green: the best of the case, oracle aside.";
-  return table;
+  return tables;
 }
 
 }  // namespace limber::detail

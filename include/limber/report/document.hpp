@@ -9,7 +9,7 @@
 #include <vector>
 
 /// What a report says, before it becomes a page: plain data. All text is UTF-8 and is shown as it is, never
-/// as markup. Numbers in traces are drawn in the unit of their axis; NaN is a gap in a curve.
+/// as markup. Numbers in traces are drawn in the unit of their axis; NaN and infinity are gaps in a curve.
 namespace limber {
 
 /// A name and a value, e.g. {"position RMSE", "0.041 m"}.
@@ -87,7 +87,7 @@ struct ReportClaim {
   std::string statement;
   std::string source;     ///< e.g. "4.3.1, Figure 5"
   std::string criterion;  ///< the rule that turned `measured` into `verdict`
-  std::string measured;
+  std::string measured;   ///< may have several lines
   Verdict verdict = Verdict::kNotMeasured;
 };
 
@@ -105,6 +105,7 @@ struct ReportListing {
 struct ReportClaims {
   std::string title;
   std::vector<ReportClaim> claims;
+  bool brief = false;  ///< statements and verdicts alone
 };
 
 using ReportBlock =

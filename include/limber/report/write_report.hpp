@@ -10,10 +10,10 @@ namespace limber {
 
 /// Largest number of points drawn of one trace; longer ones are thinned, and the figure says so.
 inline constexpr std::size_t kMaxCurvePoints = 2000;
-inline constexpr std::size_t kMaxPathPoints = 4000;  ///< kTopView and kSpace
+inline constexpr std::size_t kMaxPathPoints = 4000;  ///< of kTopView and kSpace
 
-/// @brief The document as the JSON that the page draws: thinned, numbers to six digits, series that are equal
-/// stored once. Figures refer to series by index; docs/report.md lists the keys.
+/// @brief The document as the JSON that the page draws. Long traces are thinned; series are 32-bit floats in
+/// base64, equal ones stored once, and figures refer to them by index. docs/report.md lists the keys.
 /// @throws std::invalid_argument if ids repeat, a trace's lengths differ, its panel does not exist, or a
 /// table's row is not as long as its head
 [[nodiscard]] std::string report_json(const ReportDocument& document);

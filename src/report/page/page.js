@@ -12,7 +12,8 @@ const BLOCKS = {
   listing: (block) => element('details', { class: 'listing' }, element('summary', {}, block.title), element('pre', {}, block.text)),
   facts: (block) => element('div', {}, ...heading(block.title), factList(block.facts, 'facts')),
   table: (block) => tableOf(block),
-  claims: (block) => element('div', { class: 'claims' }, ...heading(block.title), element('ol', {}, ...block.claims.map(claimOf))),
+  claims: (block) => element('div', { class: block.brief ? 'claims brief' : 'claims' }, ...heading(block.title),
+    element('ol', {}, ...block.claims.map(block.brief ? briefClaimOf : claimOf))),
   figure: (block, page) => {
     const view = new FigureView(block, page.document.series);
     page.figures.set(block.id, view);
@@ -36,9 +37,14 @@ function tableOf(block) {
   return element('div', { class: 'table' }, ...heading(block.title),
     element('div', { class: 'scroll', tabindex: '0', role: 'group', 'aria-label': block.title || 'Table' },
       element('table', {},
-        element('thead', {}, element('tr', {}, ...block.columns.map((name) => element('th', { scope: 'col' }, name)))),
+        element('thead', {}, element('tr', {}, ...block.columns.map((name) => element('th', { scope: 'col' }, ...breakable(name))))),
         element('tbody', {}, ...block.rows.map(row)))),
     ...(block.note ? [element('p', { class: 'note' }, block.note)] : []));
+}
+
+/** A head may break after a colon or a plus, as in 'lcekf:rotation+direction'. */
+function breakable(name) {
+  return name.split(/(?<=[:+])/).flatMap((part) => [part, element('wbr')]);
 }
 
 function claimOf(claim) {
@@ -47,6 +53,12 @@ function claimOf(claim) {
     element('div', {}, element('p', {}, claim.statement), element('p', { class: 'small' }, claim.source)),
     element('div', {}, element('p', { class: 'measured' }, claim.measured), element('p', { class: 'small' }, claim.criterion)),
     element('span', { class: 'verdict' }, sign + claim.verdict));
+}
+
+function briefClaimOf(claim) {
+  const [name, sign] = VERDICTS[claim.verdict];
+  return element('li', { class: name }, element('span', { class: 'verdict' }, sign + claim.verdict),
+    element('p', {}, claim.statement), element('p', { class: 'small' }, claim.source));
 }
 
 class Page {
@@ -127,8 +139,17 @@ function drawForPrint(page) {
   window.addEventListener('afterprint', () => setTheme(before, page));
 }
 
+/** 32-bit floats, little-endian, from base64; NaN is a gap. */
+function decodeSeries(text) {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const view = new DataView(bytes.buffer);
+  return Float32Array.from({ length: bytes.length / 4 }, (_, k) => view.getFloat32(4 * k, true));
+}
+
 function start() {
-  const page = new Page(JSON.parse(document.getElementById('report-data').textContent));
+  const data = JSON.parse(document.getElementById('report-data').textContent);
+  data.series = data.series.map(decodeSeries);
+  const page = new Page(data);
   document.documentElement.dataset.theme = darkSystem.matches ? 'dark' : 'light';
   page.build();
   setTheme(currentTheme(), page);

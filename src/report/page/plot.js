@@ -59,7 +59,7 @@ function spaceLayout(figure, theme) {
   return {
     scene: {
       xaxis: axis(figure.x), yaxis: axis(figure.y[0]), zaxis: axis(figure.y[1]),
-      aspectmode: 'data', dragmode: 'turntable', camera: { eye: { x: 1.25, y: -1.4, z: 0.95 }, center: { x: 0, y: 0, z: -0.12 } },
+      aspectmode: 'data', dragmode: 'turntable', camera: { eye: { x: 1.1, y: -1.25, z: 0.85 }, center: { x: 0, y: 0, z: -0.2 } },
     },
   };
 }
@@ -69,7 +69,7 @@ function extentOf(figure, series, direction) {
   let [low, high] = [Infinity, -Infinity];
   for (const trace of figure.traces) {
     for (const value of series[trace[direction]]) {
-      if (value !== null) {
+      if (Number.isFinite(value)) {
         [low, high] = [Math.min(low, value), Math.max(high, value)];
       }
     }
@@ -81,6 +81,19 @@ function extentOf(figure, series, direction) {
 function fullWidth(figure, series) {
   const [minallowed, maxallowed] = extentOf(figure, series, 'x');
   return minallowed < maxallowed ? { minallowed, maxallowed } : {};
+}
+
+/** Decades that the shown curves of a panel span; 0 if nothing positive is shown. */
+function decadesOf(figure, series, view, panel) {
+  let [low, high] = [Infinity, 0];
+  for (const trace of figure.traces.filter((t) => t.panel === panel && !view.hidden.has(t.style))) {
+    for (const value of series[trace.y]) {
+      if (value > 0) {
+        [low, high] = [Math.min(low, value), Math.max(high, value)];
+      }
+    }
+  }
+  return high > low ? Math.log10(high / low) : 0;
 }
 
 function planeLayout(figure, series, view, theme) {
@@ -97,6 +110,7 @@ function planeLayout(figure, series, view, theme) {
       type: view.log ? 'log' : 'linear',
       rangemode: figure.log_switch ? 'tozero' : 'normal',
       nticks: panels > 1 ? 5 : 8,
+      ...(view.log && decadesOf(figure, series, view, panel) > 1.7 ? { dtick: 1 } : {}),
     };
   });
   if (figure.kind === 'top-view') {

@@ -34,11 +34,11 @@ function dashOfVariant(base, style) {
   return DASHES_OF_VARIANTS[seen.indexOf(style) % DASHES_OF_VARIANTS.length];
 }
 
-/** Colour, dash and width of a style in a theme. */
+/** Colour, dash and width of a style in a theme. 'lcekf:full' is what the paper calls LCEKF. */
 function lookOf(style, theme) {
   const base = style.split(':')[0];
   const look = STYLES[base] ?? STYLES.plain;
-  const dash = base === style ? look.dash ?? 'solid' : dashOfVariant(base, style);
+  const dash = base === style || style === 'lcekf:full' ? look.dash ?? 'solid' : dashOfVariant(base, style);
   return { color: look[theme], dash, width: look.width ?? 1.8 };
 }
 

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+// The pages as a reader sees them, in a headless browser.
+//   node page_test.mjs FOLDER     FOLDER: what make_pages.cmake made
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join, resolve } from 'node:path';
+import { after, before, test } from 'node:test';
+import { openBrowser, openReport } from '../../../scripts/headless_browser.mjs';
+import { attitudeError, isNear, meanOf, readCurves, readTable } from './expected.mjs';
+
+const folder = resolve(process.argv[2]);
+const RUN = join(folder, 'run/report.html');
+const STUDY = join(folder, 'study.html');
+let browser, runPage, studyPage;  // opened once; each test leaves them as it found them
+const complaints = [];
+
+before(async () => {
+  browser = await openBrowser({ viewport: { width: 1280, height: 900 }, colorScheme: 'light', acceptDownloads: true });
+  browser.context.on('request', (request) => {
+    if (!/^(file|blob|data):/.test(request.url()) || (request.url().startsWith('file:') && !request.isNavigationRequest())) {
+      complaints.push(`asked for ${request.url().slice(0, 200)}`);
+    }
+  });
+  browser.context.on('console', (message) => {
+    if (message.type() === 'error') {
+      complaints.push(`console: ${message.text()}`);
+    }
+  });
+  browser.context.on('weberror', (error) => complaints.push(`error: ${error.error().message}`));
+  runPage = await openReport(browser.context, RUN);
+  studyPage = await openReport(browser.context, STUDY);
+});
+after(() => browser.close());
+
+/** Draws a figure and returns its curves as Plotly holds them. */
+async function curvesOf(page, id) {
+  return page.evaluate(async (figure) => {
+    await window.limberReport.draw(figure);
+    const plot = window.limberReport.plot(figure);
+    return plot.data.map(({ name, x, y, visible, yaxis }) => ({ name, x: [...x], y: [...y], visible, yaxis: yaxis ?? 'y' }));
+  }, id);
+}
+
+const layoutOf = (page, id, key) => page.evaluate(
+  ([figure, part]) => {
+    const axis = window.limberReport.plot(figure)._fullLayout[part];
+    return { type: axis.type, range: [...axis.range] };
+  }, [id, key]);
+
+test('the report of a run has every figure, and each can be drawn', async () => {
+  const page = runPage;
+  assert.match(await page.title(), /lcekf on /);
+  const drawn = await page.evaluate(async () => {
+    const ids = window.limberReport.document.sections.flatMap((s) => s.blocks).filter((b) => b.type === 'figure').map((b) => b.id);
+    for (const id of ids) {
+      await window.limberReport.draw(id);
+    }
+    return ids.map((id) => [id, document.querySelectorAll(`#${id} .main-svg, #${id} canvas`).length > 0]);
+  });
+  assert.deepEqual(drawn.map(([id]) => id), ['path', 'path-3d', 'position-error', 'attitude-error', 'nis', 'points-per-frame', 'time-per-frame']);
+  assert.ok(drawn.every(([, ok]) => ok), JSON.stringify(drawn));
+});
+
+test('the curves of a run are those of its files', async () => {
+  const page = runPage;
+  const estimate = readTable(join(folder, 'run/trajectory.csv'), ',');
+  const truth = readTable(join(folder, 'run/truth.tum'), ' ');
+  const frames = readTable(join(folder, 'run/frames.csv'), ',');
+  const position = await curvesOf(page, 'position-error');
+  for (const [k, axis] of ['y', 'y2', 'y3'].entries()) {
+    const error = position.find((t) => t.name === 'error' && t.yaxis === axis);
+    const upper = position.find((t) => t.name === '+3 sigma' && t.yaxis === axis);
+    assert.equal(error.y.length, estimate.length);
+    estimate.forEach((row, n) => {
+      assert.ok(isNear(error.x[n], (row[0] - estimate[0][0]) * 1e-9));
+      assert.ok(isNear(error.y[n], truth[n][1 + k] - row[1 + k]), `error ${k} of frame ${n}`);
+      const variance = row[17 + [0, 6, 11][k]];
+      assert.ok(isNear(upper.y[n], 3 * Math.sqrt(variance)), `sigma ${k} of frame ${n}`);
+    });
+  }
+  const attitude = await curvesOf(page, 'attitude-error');
+  const yaw = attitude.find((t) => t.name === 'error' && t.yaxis === 'y3');
+  estimate.forEach((row, n) => {
+    const expected = attitudeError(row.slice(4, 8), [truth[n][7], ...truth[n].slice(4, 7)])[2];
+    assert.ok(isNear(yaw.y[n], expected * 180 / Math.PI, 1e-7), `yaw of frame ${n}`);
+  });
+  const nis = (await curvesOf(page, 'nis')).find((t) => t.name === 'NIS / d.o.f.');
+  frames.forEach((row, n) => assert.ok(isNear(nis.y[n], row[7] / row[8]), `NIS of frame ${n}`));
+  const used = (await curvesOf(page, 'points-per-frame')).find((t) => t.name === 'used');
+  assert.deepEqual(used.y, frames.map((row) => row[2]));
+});
+
+test('a figure can be zoomed, and a double click shows all again', async () => {
+  const page = runPage;
+  await curvesOf(page, 'nis');
+  const box = await page.locator('#nis .nsewdrag').boundingBox();
+  const [from, to] = [0.25, 0.75].map((share) => [box.x + share * box.width, box.y + share * box.height]);
+  await page.locator('#nis').scrollIntoViewIfNeeded();
+  const shift = await page.locator('#nis .nsewdrag').boundingBox();
+  const dy = shift.y - box.y;
+  const all = (await layoutOf(page, 'nis', 'xaxis')).range;
+  await page.mouse.move(from[0], from[1] + dy);
+  await page.mouse.down();
+  await page.mouse.move(to[0], to[1] + dy, { steps: 5 });
+  await page.mouse.up();
+  const zoomed = (await layoutOf(page, 'nis', 'xaxis')).range;
+  const width = all[1] - all[0];
+  assert.ok(Math.abs(zoomed[0] - (all[0] + 0.25 * width)) < 0.02 * width, `${all} became ${zoomed}`);
+  assert.ok(Math.abs(zoomed[1] - (all[0] + 0.75 * width)) < 0.02 * width, `${all} became ${zoomed}`);
+  await page.mouse.dblclick(to[0], to[1] + dy - 20);
+  await page.waitForFunction(([low, high]) => {
+    const range = window.limberReport.plot('nis')._fullLayout.xaxis.range;
+    return Math.abs(range[0] - low) < 1e-9 && Math.abs(range[1] - high) < 1e-9;
+  }, all, { timeout: 5000 });
+});
+
+test('the log switch turns the axis, and back', async () => {
+  const page = studyPage;
+  const id = await page.evaluate(() => document.querySelector('figure[id$="-position"]').id);
+  await curvesOf(page, id);
+  const button = page.locator(`#${id} button.log`);
+  assert.equal((await layoutOf(page, id, 'yaxis')).type, 'linear');
+  await button.click();
+  const log = await layoutOf(page, id, 'yaxis');
+  assert.equal(log.type, 'log');
+  assert.ok(log.range.every(Number.isFinite));
+  assert.equal(await button.getAttribute('aria-pressed'), 'true');
+  await button.click();
+  assert.equal((await layoutOf(page, id, 'yaxis')).type, 'linear');
+});
+
+test('a variant hides the curves it names, and the legend brings one back', async () => {
+  const page = studyPage;
+  const id = await page.evaluate(() => document.querySelector('figure[id$="-position"]').id);
+  const shown = async () => (await curvesOf(page, id)).filter((t) => t.visible).map((t) => t.name);
+  assert.ok((await shown()).includes('ekf'));
+  await page.locator(`#${id} .segments button`, { hasText: /^without ekf$/ }).click();
+  const without = await shown();
+  assert.ok(!without.includes('ekf') && !without.includes('ekf 3σ') && without.includes('lcekf') && without.includes('ekf-full'));
+  await page.locator(`#${id} .legend button`, { hasText: /^ekf$/ }).click();
+  assert.ok((await shown()).includes('ekf'));
+  assert.equal(await page.locator(`#${id} .segments button`).first().getAttribute('aria-pressed'), 'true');
+});
+
+test('dark and light can be switched, and a method keeps its own colour in each', async () => {
+  const page = studyPage;
+  const ids = await page.evaluate(() => [...document.querySelectorAll('figure[id$="-position"], figure[id$="-attitude"]')].map((f) => f.id));
+  const look = async () => page.evaluate(async (figures) => {
+    const lines = [];
+    for (const figure of figures) {
+      await window.limberReport.draw(figure);
+      lines.push(window.limberReport.plot(figure).data.find((t) => t.name === 'lcekf').line.color);
+    }
+    return { paper: getComputedStyle(document.body).backgroundColor, lines: [...new Set(lines)] };
+  }, ids);
+  assert.ok(ids.length >= 2);
+  const light = await look();
+  await page.locator('#theme').click();
+  const dark = await look();
+  assert.equal(light.lines.length, 1);
+  assert.equal(dark.lines.length, 1);
+  assert.notEqual(light.paper, dark.paper);
+  assert.notEqual(light.lines[0], dark.lines[0]);
+  await page.locator('#theme').click();
+  assert.deepEqual(await look(), light);
+});
+
+test('the path in space is drawn and can be turned', async () => {
+  const page = runPage;
+  await page.locator('#path-3d').scrollIntoViewIfNeeded();
+  await page.waitForSelector('#path-3d canvas');
+  const eye = () => page.evaluate(() => ({ ...window.limberReport.plot('path-3d')._fullLayout.scene._scene.getCamera().eye }));
+  const before_ = await eye();
+  const box = await page.locator('#path-3d .plot').boundingBox();
+  const middle = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(...middle);
+  await page.mouse.down();
+  await page.mouse.move(middle[0] + 120, middle[1], { steps: 4 });
+  await page.mouse.up();
+  const after_ = await eye();
+  assert.ok(Math.hypot(after_.x - before_.x, after_.y - before_.y) > 0.1, JSON.stringify([before_, after_]));
+  const picture = await page.evaluate(async () => {
+    const image = new Image();
+    image.src = await window.limberReport.image('path-3d', 'png', { width: 300, height: 200 });
+    await image.decode();
+    const canvas = new OffscreenCanvas(image.width, image.height);
+    const context = canvas.getContext('2d');
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    return { size: [image.width, image.height], colors: new Set(new Uint32Array(data.buffer)).size };
+  });
+  assert.deepEqual(picture.size, [900, 600]);  // three pixels for one, for print
+  assert.ok(picture.colors > 50, `${picture.colors} colours`);
+});
+
+test('a figure is saved as SVG and PNG, black on white with its legend', async () => {
+  const page = runPage;
+  await page.locator('#theme').click();
+  await curvesOf(page, 'position-error');
+  await page.locator('#position-error').scrollIntoViewIfNeeded();
+  for (const [title, name, start] of [['Save as SVG', 'position-error.svg', '<svg'], ['Save as PNG', 'position-error.png', '\x89PNG']]) {
+    const [download] = await Promise.all([
+      page.waitForEvent('download'), page.locator(`#position-error [data-title="${title}"]`).click()]);
+    assert.equal(download.suggestedFilename(), name);
+    const content = readFileSync(await download.path());
+    assert.equal(content.subarray(0, start.length).toString('latin1'), start);
+    if (name.endsWith('.svg')) {
+      const text = content.toString();
+      for (const word of ['time [s]', 'x [m]', '>error<', 'rgb(255, 255, 255)']) {
+        assert.ok(text.includes(word), word);
+      }
+    }
+  }
+  await page.locator('#theme').click();
+});
+
+test('the curves of a study are the moments in its database', async () => {
+  const page = studyPage;
+  const curves = readCurves(join(folder, 'study_curves.csv'));
+  const cases = await page.evaluate(() => [...document.querySelectorAll('section[id^="case-"]')].map((s) => s.id));
+  assert.equal(cases.length, 2);
+  for (const [suffix, quantity, factor, name] of [
+    ['position', 'position_squared_error', 1, 'lcekf'], ['position', 'position_variance', 9, 'ekf-full 3σ'],
+    ['attitude', 'attitude_squared_error', 1, 'ekf'], ['landmarks', 'landmark_squared_error', 1, 'lcekf'],
+    ['nees', 'pose_nees', 1 / 6, 'ekf']]) {
+    for (const id of cases) {
+      const drawn = (await curvesOf(page, `${id}-${suffix}`)).find((t) => t.name === name);
+      const expected = meanOf(curves, id, name.replace(' 3σ', ''), quantity);
+      assert.equal(drawn.y.length, expected.length);
+      drawn.y.forEach((y, n) => assert.ok(isNear(y, factor * expected[n][1]) && isNear(drawn.x[n], expected[n][0]),
+        `${id} ${suffix} ${name} at ${drawn.x[n]}: ${y} is not ${factor * expected[n][1]}`));
+    }
+  }
+});
+
+test('a study shows every claim of the paper with a verdict', async () => {
+  const claims = await studyPage.evaluate(() => window.limberReport.document.sections.flatMap((s) => s.blocks)
+    .filter((b) => b.type === 'claims').flatMap((b) => b.claims.map((claim) => ({ ...claim, brief: b.brief }))));
+  const shown = await studyPage.evaluate(() => [...document.querySelectorAll('.claims li')].map((li) => ({
+    verdict: li.querySelector('.verdict').textContent, text: li.textContent })));
+  assert.ok(claims.filter((claim) => claim.brief).length > 30);
+  assert.ok(claims.filter((claim) => !claim.brief && claim.verdict !== 'not measured').length > 3);
+  assert.equal(shown.length, claims.length);
+  claims.forEach((claim, k) => {
+    assert.ok(shown[k].verdict.endsWith(claim.verdict));
+    assert.ok(shown[k].text.includes(claim.statement) && (claim.brief || shown[k].text.includes(claim.measured)));
+  });
+  assert.match(await studyPage.evaluate(() => document.querySelector('details.listing pre').textContent), /stereo: 20/);
+});
+
+test('nothing sticks out of a phone screen, and print is white', async () => {
+  for (const page of [runPage, studyPage]) {
+    await page.setViewportSize({ width: 390, height: 844 });
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+    await page.emulateMedia({ colorScheme: 'dark' });
+    await page.evaluate(() => window.dispatchEvent(new Event('beforeprint')));
+    assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), 'light');
+    await page.evaluate(() => window.dispatchEvent(new Event('afterprint')));
+    assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), 'dark');
+  }
+});
+
+test('no page complained, and none asked for anything but itself', () => {
+  assert.deepEqual(complaints, []);
+});

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "limber/report/run_report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "datasets/files.hpp"
+#include "limber/core/so3.hpp"
+#include "limber/report/write_report.hpp"
+#include "limber/run/run_output.hpp"
+#include "run/short_recording.hpp"
+
+namespace limber {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::data_error_of;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::TemporaryFolder;
+
+constexpr double kToDegrees = 180.0 / M_PI;
+
+/// A run of two seconds in a folder of its own.
+class RunReport : public ::testing::Test {
+ protected:
+  void navigate(Recording recording, StartMode start = StartMode::kGroundTruth) {
+    recording_ = std::move(recording);
+    RunOptions options;
+    options.start = start;
+    record_ = run_recording(recording_, options, matched_frames(recording_));
+    write_run_output(folder_.path(), options, record_, summarize(recording_, options, record_));
+  }
+  fs::path file(const char* name) { return folder_.path() / name; }
+
+  TemporaryFolder folder_;
+  Recording recording_;
+  RunRecord record_;
+};
+
+const ReportFigure& figure(const ReportDocument& document, const std::string& id) {
+  for (const ReportSection& section : document.sections) {
+    for (const ReportBlock& block : section.blocks) {
+      const auto* found = std::get_if<ReportFigure>(&block);
+      if (found != nullptr && found->id == id) {
+        return *found;
+      }
+    }
+  }
+  throw std::out_of_range("no figure " + id);
+}
+
+const ReportTrace* find_trace(const ReportFigure& figure, const std::string& name, std::size_t panel = 0) {
+  for (const ReportTrace& trace : figure.traces) {
+    if (trace.name == name && trace.panel == panel) {
+      return &trace;
+    }
+  }
+  return nullptr;
+}
+
+std::vector<std::string> section_ids(const ReportDocument& document) {
+  std::vector<std::string> ids;
+  for (const ReportSection& section : document.sections) {
+    ids.push_back(section.id);
+  }
+  return ids;
+}
+
+TEST_F(RunReport, HasItsSectionsInOrder) {
+  navigate(testing::short_recording());
+  const ReportDocument document = run_report(folder_.path());
+  EXPECT_THAT(section_ids(document),
+              ElementsAre("trajectory", "errors", "innovations", "points", "time", "summary"));
+  EXPECT_EQ(document.title, "lcekf on short");
+  EXPECT_NO_THROW((void)report_json(document));
+}
+
+TEST_F(RunReport, DrawsErrorsOfTheFilterAgainstTheTruth) {
+  navigate(testing::short_recording());
+  const ReportDocument document = run_report(folder_.path());
+  const ReportFigure& position = figure(document, "position-error");
+  const ReportFigure& attitude = figure(document, "attitude-error");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const ReportTrace* error = find_trace(position, "error", axis);
+    const ReportTrace* upper = find_trace(position, "+3 sigma", axis);
+    const ReportTrace* turned = find_trace(attitude, "error", axis);
+    ASSERT_TRUE(error != nullptr && upper != nullptr && turned != nullptr);
+    ASSERT_EQ(error->y.size(), record_.trajectory.size());
+    const auto k = static_cast<Eigen::Index>(axis);
+    for (std::size_t n = 0; n < record_.trajectory.size(); ++n) {
+      const TrajectoryRow& row = record_.trajectory[n];
+      const GroundTruthState& truth = recording_.groundtruth[5 * n];  // 100 Hz, frames at 20 Hz
+      ASSERT_EQ(truth.t_ns, row.t_ns);
+      EXPECT_DOUBLE_EQ(error->x[n], 1e-9 * static_cast<double>(row.t_ns));
+      EXPECT_NEAR(error->y[n], (truth.p_world_body - row.T_world_body.p)(k), 1e-12);
+      EXPECT_NEAR(upper->y[n], 3.0 * std::sqrt((*row.covariance)(k, k)), 1e-12);
+      const Eigen::Vector3d dtheta = so3_log(row.T_world_body.R.transpose() * truth.R_world_body);
+      EXPECT_NEAR(turned->y[n], kToDegrees * dtheta(k), 1e-7);
+    }
+  }
+}
+
+TEST_F(RunReport, PutsTheTruthIntoTheWorldOfAnEstimateThatStartedElsewhere) {
+  Recording moved = testing::short_recording();
+  const Eigen::Matrix3d R = so3_exp({0.0, 0.0, 1.0});
+  for (GroundTruthState& state : moved.groundtruth) {
+    state.p_world_body = R * state.p_world_body + Eigen::Vector3d(10.0, -20.0, 5.0);
+    state.R_world_body = R * state.R_world_body;
+  }
+  navigate(moved, StartMode::kAuto);
+  const ReportDocument document = run_report(folder_.path());
+  const ReportTrace* error = find_trace(figure(document, "position-error"), "error", 0);
+  ASSERT_NE(error, nullptr);
+  EXPECT_NEAR(error->y.front(), 0.0, 1e-9);
+  EXPECT_LT(std::abs(error->y.back()), 1.0);
+  EXPECT_THAT(std::get<ReportText>(document.sections[0].blocks[0]).text,
+              HasSubstr("aligned by the position and yaw of the first pose"));
+}
+
+TEST_F(RunReport, SaysNothingOfErrorsWithoutTruth) {
+  Recording recording = testing::short_recording();
+  recording.groundtruth.clear();
+  navigate(recording, StartMode::kAuto);
+  const ReportDocument document = run_report(folder_.path());
+  const ReportFigure& position = figure(document, "position-error");
+  EXPECT_EQ(find_trace(position, "error"), nullptr);
+  EXPECT_NE(find_trace(position, "+3 sigma"), nullptr);
+  EXPECT_EQ(find_trace(figure(document, "path"), "truth"), nullptr);
+  EXPECT_EQ(document.sections[1].title, "Uncertainty");
+  EXPECT_EQ(document.facts[0].value, "unknown");
+}
+
+TEST_F(RunReport, DrawsInnovationsPerDegreeOfFreedomWithinTheirBand) {
+  navigate(testing::short_recording());
+  const ReportDocument document = run_report(folder_.path());
+  const ReportFigure& nis = figure(document, "nis");
+  const ReportTrace& values = nis.traces[0];
+  const ReportTrace& upper = nis.traces[1];
+  const ReportTrace& lower = nis.traces[2];
+  std::size_t inside = 0;
+  for (std::size_t n = 0; n < record_.frames.size(); ++n) {
+    EXPECT_NEAR(values.y[n], record_.frames[n].nis / static_cast<double>(record_.frames[n].dof), 1e-9);
+    EXPECT_LT(lower.y[n], 1.0);
+    EXPECT_GT(upper.y[n], 1.0);
+    inside += values.y[n] > lower.y[n] && values.y[n] < upper.y[n] ? 1 : 0;
+  }
+  // Binomial(41, 0.95): fewer than 34 within has a probability of 0.0003. One seed, so it cannot flicker.
+  EXPECT_GE(inside, 34u);
+}
+
+TEST_F(RunReport, TellsOptionsAndNotes) {
+  navigate(testing::short_recording());
+  const ReportDocument document = run_report(folder_.path());
+  const std::string json = report_json(document);
+  EXPECT_THAT(json, HasSubstr(R"({"name":"landmarks","value":"inverse-depth"})"));
+  EXPECT_THAT(json, HasSubstr(record_.notes.front()));
+}
+
+TEST_F(RunReport, NamesTheFileThatIsMissingOrBroken) {
+  navigate(testing::short_recording());
+  for (const char* const name : {"summary.json", "trajectory.csv", "frames.csv", "landmarks.ply"}) {
+    const std::string before = testing::read_text(file(name));
+    fs::remove(file(name));
+    EXPECT_EQ(data_error_of([&] { (void)run_report(folder_.path()); }).file(), file(name).string());
+    testing::write_text(file(name), "{\"broken");
+    EXPECT_EQ(data_error_of([&] { (void)run_report(folder_.path()); }).file(), file(name).string());
+    testing::write_text(file(name), before);
+  }
+  EXPECT_NO_THROW((void)run_report(folder_.path()));
+}
+
+TEST_F(RunReport, RefusesFilesOfDifferentRuns) {
+  navigate(testing::short_recording());
+  std::string frames = testing::read_text(file("frames.csv"));
+  frames.erase(frames.rfind('\n', frames.size() - 2) + 1);
+  testing::write_text(file("frames.csv"), frames);
+  const DataError error = data_error_of([&] { (void)run_report(folder_.path()); });
+  EXPECT_EQ(error.file(), file("frames.csv").string());
+  EXPECT_THAT(error.what(), HasSubstr("41 frames"));
+}
+
+}  // namespace
+}  // namespace limber

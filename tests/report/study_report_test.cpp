@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#include "limber/report/study_report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/files.hpp"
+#include "limber/report/write_report.hpp"
+#include "limber/study/run_study.hpp"
+#include "report/small_study.hpp"
+#include "run/short_recording.hpp"
+
+namespace limber {
+namespace {
+
+using testing::case_results;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using testing::Got;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::paper_scenario;
+using testing::study_of;
+
+const PaperCase kConstant{PaperNoise::kConstant, true};
+
+StudyResults small_study() {
+  Got diverging{"ekf-full"};
+  diverging.diverged = 3;
+  Got best{"lcekf"};
+  best.position = 0.05;
+  return study_of({case_results(paper_scenario(kConstant), {{"ekf"}, diverging, best, {"mono-left"}})});
+}
+
+template <typename Block>
+std::vector<Block> blocks(const ReportDocument& document) {
+  std::vector<Block> out;
+  for (const ReportSection& section : document.sections) {
+    for (const ReportBlock& block : section.blocks) {
+      if (const auto* found = std::get_if<Block>(&block)) {
+        out.push_back(*found);
+      }
+    }
+  }
+  return out;
+}
+
+ReportFigure figure(const ReportDocument& document, const std::string& suffix) {
+  for (const ReportFigure& figure : blocks<ReportFigure>(document)) {
+    if (figure.id.ends_with(suffix)) {
+      return figure;
+    }
+  }
+  throw std::out_of_range("no figure " + suffix);
+}
+
+const ReportTrace& trace(const ReportFigure& figure, const std::string& name) {
+  for (const ReportTrace& trace : figure.traces) {
+    if (trace.name == name) {
+      return trace;
+    }
+  }
+  throw std::out_of_range("no trace " + name);
+}
+
+TEST(StudyReport, DrawsMeanSquaredErrorsBesideNineTimesTheMeanVariance) {
+  const ReportDocument document = study_report(small_study());
+  const ReportFigure position = figure(document, "-position");
+  EXPECT_EQ(trace(position, "lcekf").x.size(), testing::kInstants);
+  EXPECT_DOUBLE_EQ(trace(position, "lcekf").y[7], 0.05 * 0.05);
+  EXPECT_EQ(trace(position, "lcekf 3σ").shape, TraceShape::kBound);
+  EXPECT_DOUBLE_EQ(trace(position, "lcekf 3σ").y[7], 9.0 * 0.1 * 0.1);
+  EXPECT_DOUBLE_EQ(trace(figure(document, "-nees"), "ekf").y[7], 1.0);
+  EXPECT_DOUBLE_EQ(trace(figure(document, "-landmarks"), "ekf").y[0], 1.0);
+}
+
+TEST(StudyReport, BeginsWithThePapersMethodsAndOffersThemWithoutEkf) {
+  const ReportFigure position = figure(study_report(small_study()), "-position");
+  ASSERT_EQ(position.variants.size(), 4u);
+  EXPECT_EQ(position.variants[0].label, "paper");
+  EXPECT_THAT(position.variants[0].hidden_styles, ElementsAre("mono-left"));
+  EXPECT_EQ(position.variants[1].label, "without ekf");
+  EXPECT_THAT(position.variants[1].hidden_styles, ElementsAre("ekf", "mono-left"));
+  EXPECT_THAT(position.variants[2].hidden_styles, Contains("ekf-full"));
+  EXPECT_TRUE(position.variants[3].hidden_styles.empty());
+}
+
+TEST(StudyReport, DrawsTheCalibrationBesideWhatIsEstimated) {
+  StudyResults results = small_study();
+  StudyMethodResults& full = results.cases[0].methods[1];
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    full.curves[theta_axis(CurveQuantity::kDeltaAx, axis)] = testing::constant_curve(0.09);
+    full.curves[theta_axis(CurveQuantity::kThetaVarianceAx, axis)] = testing::constant_curve(0.0004);
+  }
+  const ReportFigure translation = figure(study_report(results), "-calibration-translation");
+  EXPECT_EQ(translation.y.size(), 3u);
+  EXPECT_DOUBLE_EQ(trace(translation, "truth").y[5], 0.1);  // delta of case (ii)
+  EXPECT_DOUBLE_EQ(trace(translation, "ekf-full").y[5], 0.09);
+  EXPECT_NEAR(trace(translation, "ekf-full +3σ").y[5], 0.15, 1e-12);
+  EXPECT_NEAR(trace(translation, "ekf-full −3σ").y[5], 0.03, 1e-12);
+}
+
+TEST(StudyReport, ShowsDivergedRunsAsSuch) {
+  const ReportDocument document = study_report(small_study());
+  for (const ReportTable& table : blocks<ReportTable>(document)) {
+    bool shown = false;
+    for (const auto& row : table.rows) {
+      for (const TableCell& cell : row) {
+        shown =
+            shown || (cell.text.find("3") != std::string::npos &&
+                      cell.text.find("diverged") != std::string::npos && cell.mark == TableCell::Mark::kBad);
+      }
+    }
+    EXPECT_TRUE(shown) << table.title;
+  }
+  EXPECT_EQ(document.facts[2].name, "diverged");
+  EXPECT_EQ(document.facts[2].value, "3");
+}
+
+TEST(StudyReport, MarksTheBestMethodThatNeitherDivergedNorWasToldTheTruth) {
+  StudyResults results = small_study();
+  Got oracle{"oracle"}, lucky{"soft"};
+  oracle.position = lucky.position = 0.01;
+  lucky.diverged = 1;
+  results.cases = {case_results(paper_scenario(kConstant), {{"ekf"}, oracle, lucky, {"mono-left", 0.07}})};
+  const ReportTable table = blocks<ReportTable>(study_report(results)).back();
+  std::vector<std::string> best;
+  for (const auto& row : table.rows) {
+    for (const TableCell& cell : row) {
+      if (cell.mark == TableCell::Mark::kBest) {
+        best.push_back(row[0].text);
+      }
+    }
+  }
+  EXPECT_THAT(best, ElementsAre("mono-left"));
+}
+
+TEST(StudyReport, PutsClaimsWithTheirCaseAndPrintsTheScenario) {
+  const ReportDocument document = study_report(small_study());
+  const auto claims = blocks<ReportClaims>(document);
+  ASSERT_EQ(claims.size(), 3u);  // all in brief, those of the case, those across cases
+  EXPECT_TRUE(claims[0].brief);
+  EXPECT_GT(claims[0].claims.size(), claims[1].claims.size() + claims[2].claims.size());
+  EXPECT_THAT(claims[1].claims.front().source, HasSubstr("Figure 6"));
+  EXPECT_THAT(blocks<ReportListing>(document).front().text, HasSubstr("decalibration:"));
+}
+
+TEST(StudyReport, LeavesThePaperOutWhereItIsNotTheSubject) {
+  Scenario scenario = paper_scenario(kConstant);
+  scenario.noise.pixel = 1.0;
+  const ReportDocument document = study_report(study_of({case_results(scenario, {{"ekf"}, {"lcekf"}})}));
+  EXPECT_TRUE(blocks<ReportClaims>(document).empty());
+  EXPECT_EQ(document.title, "Monte Carlo study");
+}
+
+TEST(StudyReport, GivesCasesWithSimilarNamesAnchorsOfTheirOwn) {
+  std::vector<StudyCaseResults> cases;
+  for (const char* const name : {"a b", "a-b", "a  b?"}) {
+    Scenario scenario = paper_scenario(kConstant);
+    scenario.name = name;
+    cases.push_back(case_results(scenario, {{"ekf"}}));
+  }
+  EXPECT_NO_THROW((void)report_json(study_report(study_of(std::move(cases)))));
+}
+
+TEST(StudyReport, SaysWhatIsStillToCome) {
+  StudyResults results = small_study();
+  results.cases[0].info.runs = 50;
+  const ReportDocument document = study_report(results);
+  EXPECT_EQ(document.facts[1].value, "40 of 200");
+  EXPECT_THAT(report_json(document), HasSubstr("10 of 50"));
+}
+
+TEST(LoadStudy, ReadsWhatAStudyLeft) {
+  const testing::TemporaryFolder folder;
+  const auto database = folder.path() / "study.sqlite";
+  StudyPlan plan;
+  plan.cases = {{testing::short_scenario(), method_variants_from_string("ekf-full,lcekf"), 2}};
+  (void)run_study(plan, database, {});
+  const StudyResults results = load_study(database);
+  ASSERT_EQ(results.cases.size(), 1u);
+  ASSERT_EQ(results.cases[0].methods.size(), 2u);
+  const StudyMethodResults& full = results.cases[0].methods[0];
+  EXPECT_EQ(full.summary.label, "ekf-full");
+  EXPECT_EQ(full.runs.size(), 2u);
+  EXPECT_TRUE(full.curves.contains(CurveQuantity::kDeltaTx));
+  EXPECT_FALSE(results.cases[0].methods[1].curves.contains(CurveQuantity::kDeltaTx));
+  EXPECT_EQ(results.cases[0].example.truth.size(), 41u);
+  EXPECT_EQ(results.cases[0].example.estimate[1].size(), 41u);
+  EXPECT_NO_THROW((void)report_json(study_report(results)));
+}
+
+TEST(LoadStudy, NamesAFileThatIsNoStudy) {
+  const testing::TemporaryFolder folder;
+  const auto path = testing::write_text(folder.path() / "study.sqlite", "no database");
+  EXPECT_EQ(testing::data_error_of([&] { (void)load_study(path); }).file(), path.string());
+}
+
+}  // namespace
+}  // namespace limber
