@@ -10,6 +10,7 @@
 #include "limber/core/errors.hpp"
 #include "numbers.hpp"
 #include "text_file.hpp"
+#include "yaml_words.hpp"
 
 namespace limber::detail {
 namespace {
@@ -18,27 +19,10 @@ constexpr double kLargestResolution = 100'000.0;
 constexpr double kLargestNoise = 1e6;  // whatever its unit
 constexpr double kBottomRowTolerance = 1e-6;
 
-std::size_t line_of(const YAML::Mark& mark) {
-  return mark.is_null() ? 0 : static_cast<std::size_t>(mark.line) + 1;
-}
-
 // EuRoC files start with OpenCV's "%YAML:1.0", which is no YAML directive.
 void blank_out_opencv_directive(std::string& text) {
   if (text.starts_with("%YAML:")) {
     text.replace(0, std::min(text.find('\n'), text.size()), "");
-  }
-}
-
-std::string in_words(const YAML::Node& node) {
-  switch (node.Type()) {
-    case YAML::NodeType::Scalar:
-      return excerpt(node.Scalar());
-    case YAML::NodeType::Sequence:
-      return fmt::format("a list of {}", node.size());
-    case YAML::NodeType::Map:
-      return "a mapping";
-    default:
-      return "nothing";
   }
 }
 

@@ -6,8 +6,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "limber/core/so3.hpp"
-
 namespace limber {
 namespace {
 
@@ -30,14 +28,6 @@ void check_increasing(std::span<const StampedPose> poses, const std::string& nam
   }
 }
 
-// The pose at t_ns on the motion from a to b, with constant velocity and body rate; also outside of [a, b].
-Pose interpolated(const StampedPose& a, const StampedPose& b, std::int64_t t_ns) {
-  const double alpha = static_cast<double>(t_ns - a.t_ns) / static_cast<double>(b.t_ns - a.t_ns);
-  const Pose& A = a.T_world_body;
-  const Pose& B = b.T_world_body;
-  return {A.R * so3_exp(alpha * so3_log(A.R.transpose() * B.R)), A.p + alpha * (B.p - A.p)};
-}
-
 Pose pose_at(std::span<const StampedPose> poses, std::size_t nearest, std::int64_t t_ns) {
   if (poses[nearest].t_ns == t_ns || poses.size() == 1) {
     return poses[nearest].T_world_body;
@@ -45,7 +35,9 @@ Pose pose_at(std::span<const StampedPose> poses, std::size_t nearest, std::int64
   const bool before_nearest = t_ns < poses[nearest].t_ns;
   std::size_t first = before_nearest && nearest > 0 ? nearest - 1 : nearest;
   first = std::min(first, poses.size() - 2);
-  return interpolated(poses[first], poses[first + 1], t_ns);
+  const StampedPose &a = poses[first], &b = poses[first + 1];
+  const double s = static_cast<double>(t_ns - a.t_ns) / static_cast<double>(b.t_ns - a.t_ns);
+  return interpolate(a.T_world_body, b.T_world_body, s);
 }
 
 // Index of the pose whose time is nearest to t_ns, searched from `from` on.

@@ -39,29 +39,46 @@ std::vector<Index> operator+(std::vector<Index> a, const std::vector<Index>& b) 
   return a;
 }
 
-std::vector<Index> all_but(Index size, const std::vector<Index>& without) {
-  std::vector<bool> out(static_cast<std::size_t>(size), false);
-  for (const Index k : without) {
-    out[static_cast<std::size_t>(k)] = true;
+/// Copies what lies between the removed rows, run by run. (An indexed view would copy number by number.)
+/// @param removed  sorted
+MatrixXd without_rows(const MatrixXd& from, const std::vector<Index>& removed) {
+  MatrixXd to(from.rows() - static_cast<Index>(removed.size()), from.cols());
+  Index in = 0, out = 0;
+  const auto copy_to = [&](Index end) {
+    to.middleRows(out, end - in) = from.middleRows(in, end - in);
+    out += end - in;
+    in = end + 1;
+  };
+  for (const Index row : removed) {
+    copy_to(row);
   }
-  std::vector<Index> rest;
-  for (Index k = 0; k < size; ++k) {
-    if (!out[static_cast<std::size_t>(k)]) {
-      rest.push_back(k);
-    }
-  }
-  return rest;
+  copy_to(from.rows());
+  return to;
 }
 
-/// X A⁺ for symmetric positive semidefinite A: directions that only rounding fills are left out.
-MatrixXd times_pseudo_inverse(const MatrixXd& X, const MatrixXd& A) {
+MatrixXd without_columns(const MatrixXd& from, const std::vector<Index>& removed) {
+  MatrixXd to(from.rows(), from.cols() - static_cast<Index>(removed.size()));
+  Index in = 0, out = 0;
+  const auto copy_to = [&](Index end) {
+    to.middleCols(out, end - in) = from.middleCols(in, end - in);
+    out += end - in;
+    in = end + 1;
+  };
+  for (const Index column : removed) {
+    copy_to(column);
+  }
+  copy_to(from.cols());
+  return to;
+}
+
+/// F with F Fᵀ = A⁺, A symmetric positive semidefinite: directions that only rounding fills are left out.
+MatrixXd root_of_pseudo_inverse(const MatrixXd& A) {
   const VectorXd scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * A * scale.asDiagonal());
   const VectorXd& values = eigen.eigenvalues();
-  const VectorXd inverse = (values.array() > kSingular * values.maxCoeff())
-                               .select(values.cwiseInverse(), VectorXd::Zero(values.size()));
-  const MatrixXd V = scale.asDiagonal() * eigen.eigenvectors();
-  return (X * V) * inverse.asDiagonal() * V.transpose();
+  const VectorXd root = (values.array() > kSingular * values.maxCoeff())
+                            .select(values.cwiseInverse().cwiseSqrt(), VectorXd::Zero(values.size()));
+  return scale.asDiagonal() * eigen.eigenvectors() * root.asDiagonal();
 }
 
 void set_covariance(Covariance& P, const MatrixXd& dense) {
@@ -130,7 +147,6 @@ bool DormantBlock::change_epoch(Covariance& P, Index body_size, const EpochChang
 
 void DormantBlock::recall(Covariance& P, Index body_size, std::span<const Index> rows) {
   const std::vector<Index> back = scalars(rows);
-  const std::vector<Index> rest = all_but(size(), back);
   const MatrixXd G_back = G_(back, Eigen::all);
   const MatrixXd E_back = E_(back, back);
 
@@ -145,12 +161,16 @@ void DormantBlock::recall(Covariance& P, Index body_size, std::span<const Index>
   set_covariance(P, joint);
 
   // The others' remainders e = B e_back + e', and e_back = x_back − G_back z.
-  const MatrixXd E_cross = E_(rest, back);
-  const MatrixXd B = times_pseudo_inverse(E_cross, E_back);
-  MatrixXd G(static_cast<Index>(rest.size()), z_size() + count);
-  G << G_(rest, Eigen::all) - B * G_back, B;
-  MatrixXd E = E_(rest, rest) - B * E_cross.transpose();
-  E_ = 0.5 * (E + E.transpose());
+  std::vector<Index> removed = back;
+  std::sort(removed.begin(), removed.end());
+  const MatrixXd F = root_of_pseudo_inverse(E_back);
+  const MatrixXd W = without_rows(E_(Eigen::all, back), removed) * F;
+  const MatrixXd B = W * F.transpose();
+  MatrixXd G(size() - count, z_size() + count);
+  G << without_rows(G_, removed), B;
+  G.leftCols(z_size()).noalias() -= B * G_back;
+  E_ = without_columns(without_rows(E_, removed), removed);
+  E_.noalias() -= W * W.transpose();
   G_ = std::move(G);
 }
 

@@ -163,22 +163,44 @@ Matrix3d Estimate::joint_block(Index row, bool row_dormant, Index col, bool col_
   return col_dormant ? joint_block(col, true, row, false).transpose() : P.triplet_block(row, col);
 }
 
+Landmark Estimate::corrected(Landmark landmark, const Vector3d& correction) {
+  landmark.value += correction;
+  return landmark;
+}
+
+Anchor Estimate::corrected(Anchor anchor, const Vector3d& dp, const Vector3d& dtheta) {
+  anchor.T_world_body.p += dp;
+  anchor.T_world_body.R = anchor.T_world_body.R * so3_exp(dtheta);
+  return anchor;
+}
+
 /// With the corrections that a dormant landmark's mean has not been given yet.
 Landmark Estimate::current(const Landmark& landmark) const {
-  Landmark out = landmark;
-  if (landmark.dormant) {
-    out.value += dormant_.correction(landmark.at, drift_);
-  }
-  return out;
+  return landmark.dormant ? corrected(landmark, dormant_.correction(landmark.at, drift_)) : landmark;
 }
 
 Anchor Estimate::current(const Anchor& anchor) const {
-  Anchor out = anchor;
-  if (anchor.dormant) {
-    out.T_world_body.p += dormant_.correction(anchor.position_at, drift_);
-    out.T_world_body.R = out.T_world_body.R * so3_exp(dormant_.correction(anchor.attitude_at, drift_));
+  return anchor.dormant ? corrected(anchor, dormant_.correction(anchor.position_at, drift_),
+                                    dormant_.correction(anchor.attitude_at, drift_))
+                        : anchor;
+}
+
+std::vector<Vector3d> Estimate::landmark_positions() const {
+  const Eigen::VectorXd corrections = dormant_.correction(drift_);
+  const auto of_row = [&](Index row) { return Vector3d(corrections.segment<kTriplet>(row)); };
+  std::vector<Vector3d> positions;
+  positions.reserve(landmarks_.size());
+  for (const Landmark& stored : landmarks_) {
+    const Landmark landmark = stored.dormant ? corrected(stored, of_row(stored.at)) : stored;
+    const Anchor* anchor = anchor_of(stored);
+    if (anchor == nullptr || !anchor->dormant) {
+      positions.push_back(world_position(landmark, anchor));
+    } else {
+      const Anchor moved = corrected(*anchor, of_row(anchor->position_at), of_row(anchor->attitude_at));
+      positions.push_back(world_position(landmark, &moved));
+    }
   }
-  return out;
+  return positions;
 }
 
 }  // namespace limber

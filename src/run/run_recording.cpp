@@ -104,7 +104,7 @@ InitialState start_from_truth(const Recording& recording, const RunOptions& opti
     sigma.velocity = std::max(sigma.velocity, kUnknownVelocity);
     error.velocity = std::max(error.velocity, kUnknownVelocity);
   }
-  InitialSigmas drawn{error.position, error.attitude, error.velocity, error.bias_accel, error.bias_gyro};
+  InitialSigma drawn = error;
   if (!recording.groundtruth_has_biases) {
     drawn.bias_accel = drawn.bias_gyro = 0.0;
     sigma.bias_accel = std::max(sigma.bias_accel, kUnknownBiasAccel);
@@ -199,8 +199,10 @@ bool is_sane(const TrajectoryRow& row) {
 }
 
 void take_map(const Navigator& navigator, RunRecord& record) {
-  for (const Landmark& landmark : navigator.estimate().landmarks()) {
-    record.landmarks[landmark.track_id] = navigator.estimate().landmark_position(landmark);
+  const Estimate& estimate = navigator.estimate();
+  const std::vector<Eigen::Vector3d> positions = estimate.landmark_positions();
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    record.landmarks[estimate.landmarks()[k].track_id] = positions[k];
   }
   record.theta = navigator.estimate().theta;
 }

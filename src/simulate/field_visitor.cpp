@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "../datasets/numbers.hpp"
+#include "../datasets/yaml_words.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/simulate/decalibration.hpp"
 
@@ -18,23 +19,6 @@ namespace {
 
 const Unit kDegrees{"deg", kDegree};
 const Unit kMetres{"m", 1.0};
-
-std::string in_words(const YAML::Node& node) {
-  switch (node.Type()) {
-    case YAML::NodeType::Scalar:
-      return excerpt(node.Scalar());
-    case YAML::NodeType::Sequence:
-      return fmt::format("a list of {}", node.size());
-    case YAML::NodeType::Map:
-      return "a mapping";
-    default:
-      return "nothing";
-  }
-}
-
-std::size_t line_of(const YAML::Mark& mark) {
-  return mark.is_null() ? 0 : static_cast<std::size_t>(mark.line) + 1;
-}
 
 std::string joined_path(const std::string& parent, const std::string& key) {
   return parent.empty() ? key : parent + "." + key;

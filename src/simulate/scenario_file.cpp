@@ -199,7 +199,7 @@ void visit_fields(FieldVisitor& io, OdometryScenario& o) {
   io.number("angular_rate", o.angular_rate, kNotNegative, {"rad/s per sample"});
 }
 
-void visit_fields(FieldVisitor& io, InitialSigmas& s) {
+void visit_fields(FieldVisitor& io, InitialSigma& s) {
   io.number("position", s.position, kNotNegative, kMetres);
   io.number("attitude", s.attitude, kNotNegative, {"rad"});
   io.number("velocity", s.velocity, kNotNegative, kMetresPerSecond);

@@ -279,7 +279,7 @@ Recording simulate(const Scenario& scenario, std::uint64_t seed, std::uint64_t r
   return recording;
 }
 
-GroundTruthState draw_initial_state(const GroundTruthState& truth, const InitialSigmas& sigmas,
+GroundTruthState draw_initial_state(const GroundTruthState& truth, const InitialSigma& sigmas,
                                     std::uint64_t seed, std::uint64_t run) {
   const RandomStream error(seed, run, "initial_error");
   GroundTruthState state = truth;

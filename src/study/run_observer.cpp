@@ -88,13 +88,13 @@ void RunObserver::observe_map(const Navigator& navigator) {
   const Estimate& estimate = navigator.estimate();
   const double farthest = kPlacelessRanges * scenario_.world.max_range;
   map_error_ = {};
-  for (const Landmark& landmark : estimate.landmarks()) {
+  const std::vector<Eigen::Vector3d> positions = estimate.landmark_positions();
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    const Landmark& landmark = estimate.landmarks()[k];
     if (landmark.kind == LandmarkKind::kInverseDepth && landmark.value.z() * farthest < 1.0) {
       continue;
     }
-    const Eigen::Vector3d p_world_landmark = estimate.landmark_position(landmark);
-    map_error_.mean_squared +=
-        (p_world_landmark - recording_.landmarks_true.at(landmark.track_id)).squaredNorm();
+    map_error_.mean_squared += (positions[k] - recording_.landmarks_true.at(landmark.track_id)).squaredNorm();
     ++map_error_.points;
   }
   if (map_error_.points > 0) {

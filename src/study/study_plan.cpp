@@ -19,16 +19,6 @@ namespace {
 constexpr double kStepsPerSecond = 100.0;   // of the paper: a walk is given per 10 ms
 constexpr double kSquareMillimetre = 1e-6;  // [m^2]
 
-InitialSigma to_initial_sigma(const InitialSigmas& s) {
-  InitialSigma out;
-  out.position = s.position;
-  out.attitude = s.attitude;
-  out.velocity = s.velocity;
-  out.bias_accel = s.bias_accel;
-  out.bias_gyro = s.bias_gyro;
-  return out;
-}
-
 RigParameters theta_walk(const Scenario& scenario, const std::optional<ThetaWalk>& walk) {
   if (!walk) {
     return scenario.filter.theta_walk;
@@ -106,8 +96,8 @@ RunOptions run_options(const Scenario& scenario, const MethodVariant& variant, s
   options.constraints = variant.constraints;
   options.landmarks = variant.landmarks;
   options.start = StartMode::kGroundTruth;
-  options.initial = to_initial_sigma(filter.initial);
-  options.initial_error = to_initial_sigma(scenario.initial);
+  options.initial = filter.initial;
+  options.initial_error = scenario.initial;
   options.theta_sigma = filter.theta_sigma;
   options.theta_walk = theta_walk(scenario, variant.walk);
   options.constant_velocity_noise = ConstantVelocityNoise{filter.acceleration_noise, filter.angular_noise};

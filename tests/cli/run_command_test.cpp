@@ -15,10 +15,10 @@ using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
 using ::testing::MatchesRegex;
 using ::testing::Not;
 using ::testing::StartsWith;
-using ::testing::UnorderedElementsAre;
 using Json = nlohmann::json;
 using testing::expect_refused;
 using testing::files_below;
@@ -54,12 +54,12 @@ std::string content_without_times(const fs::path& folder) {
   return content + summary.dump();
 }
 
-TEST_F(RunCommand, WritesItsSevenFilesWellFormed) {
+TEST_F(RunCommand, WritesItsFilesWellFormed) {
   ASSERT_EQ(run().exit_code, 0);
-  fs::remove(out() / "report.html");  // there or not, as the program was built
   EXPECT_THAT(files_below(out()),
-              UnorderedElementsAre("trajectory.tum", "trajectory.csv", "truth.tum", "landmarks.ply",
-                                   "frames.csv", "refusals.csv", "summary.json"));
+              IsSupersetOf({"trajectory.tum", "trajectory.csv", "truth.tum", "landmarks.ply", "frames.csv",
+                            "refusals.csv", "summary.json"}));
+  EXPECT_LE(files_below(out()).size(), 8u);  // and report.html, if this build makes pages
   const auto rows = read_trajectory_csv(out() / "trajectory.csv");
   const auto poses = read_tum(out() / "trajectory.tum");
   ASSERT_EQ(rows.size(), 41u);
@@ -250,11 +250,12 @@ TEST_F(RunCommand, FailsBeforeTheWorkWhereTheOutputCannotBeWritten) {
 TEST_F(RunCommand, LeavesNothingAndOlderResultsAloneWhenItFails) {
   ASSERT_EQ(run().exit_code, 0);
   const std::string before = content_without_times(out());
+  const auto files = files_below(out());
   const testing::SmallDisk disk;
   expect_refused(run({"--method", "ekf"}), 1, "room to write the file");
   expect_refused(run_into(folder() / "new" / "nested"), 1, "room to write the file");
   EXPECT_EQ(content_without_times(out()), before);
-  EXPECT_EQ(files_below(out()).size(), 6u);
+  EXPECT_EQ(files_below(out()), files);
   EXPECT_FALSE(fs::exists(folder() / "new"));
 }
 

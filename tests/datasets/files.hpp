@@ -5,14 +5,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -114,14 +113,6 @@ inline std::string png_header(int width, int height) {
     }
   }
   return header;
-}
-
-/// The folder of the real recordings: LIMBER_DATA, else ../shared/data beside the sources; nothing if absent.
-inline std::optional<fs::path> real_data() {
-  const char* const from_environment = std::getenv("LIMBER_DATA");
-  const fs::path path =
-      from_environment ? fs::path(from_environment) : fs::path(LIMBER_SOURCE_DIR) / "../shared/data";
-  return fs::is_directory(path) ? std::optional<fs::path>(path) : std::nullopt;
 }
 
 }  // namespace limber::testing

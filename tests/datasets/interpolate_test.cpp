@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "limber/core/so3.hpp"
+#include "limber/evaluate/association.hpp"
 
 namespace limber {
 namespace {
@@ -60,17 +61,44 @@ TEST(GroundtruthAt, IsNothingFarFromEverySample) {
   EXPECT_FALSE(groundtruth_at({}, 0).has_value());
 }
 
-TEST(GroundtruthAt, HoldsTheOuterSamplesForMaxGap) {
+TEST(GroundtruthAt, ContinuesTheMotionAtTheEndsForMaxGap) {
   const auto samples = two_samples();
   const auto before = groundtruth_at(samples, samples[0].t_ns - 10 * kMs);
   ASSERT_TRUE(before.has_value());
-  EXPECT_EQ(before->p_world_body, samples[0].p_world_body);
+  EXPECT_LE((before->p_world_body - Eigen::Vector3d(0.75, 1.5, 4.5)).norm(), 1e-14);
+  EXPECT_LE((before->R_world_body - samples[0].R_world_body * so3_exp({-0.2, 0, 0})).norm(), 1e-14);
   EXPECT_EQ(before->t_ns, samples[0].t_ns - 10 * kMs);
   const auto after = groundtruth_at(samples, samples[1].t_ns + 10 * kMs);
   ASSERT_TRUE(after.has_value());
-  EXPECT_EQ(after->v_world_body, samples[1].v_world_body);
+  EXPECT_LE((after->v_world_body - Eigen::Vector3d(5, 1, 0)).norm(), 1e-14);
   EXPECT_FALSE(groundtruth_at(samples, samples[0].t_ns - 11 * kMs).has_value());
   EXPECT_FALSE(groundtruth_at(samples, samples[1].t_ns + 11 * kMs).has_value());
+}
+
+TEST(GroundtruthAt, IsWhatMatchingInTimeGives) {
+  const auto samples = two_samples();
+  std::vector<StampedPose> truth, estimate;
+  for (const GroundTruthState& sample : samples) {
+    truth.push_back({sample.t_ns, {sample.R_world_body, sample.p_world_body}});
+  }
+  for (const std::int64_t offset : {-10, -3, 0, 7, 32, 40, 46, 50}) {
+    estimate.push_back({samples[0].t_ns + offset * kMs, {}});
+  }
+  const auto matched = match_by_time(estimate, truth);
+  ASSERT_EQ(matched.size(), estimate.size());
+  for (const MatchedPose& pose : matched) {
+    const auto state = groundtruth_at(samples, pose.t_ns);
+    ASSERT_TRUE(state.has_value());
+    EXPECT_LE((state->p_world_body - pose.truth.p).norm(), 1e-14);
+    EXPECT_LE((state->R_world_body - pose.truth.R).norm(), 1e-14);
+  }
+}
+
+TEST(GroundtruthAt, HoldsALoneSample) {
+  const std::vector<GroundTruthState> lone = {two_samples()[0]};
+  const auto state = groundtruth_at(lone, lone[0].t_ns + 10 * kMs);
+  ASSERT_TRUE(state.has_value());
+  EXPECT_EQ(state->p_world_body, lone[0].p_world_body);
 }
 
 TEST(CalibrationAt, IsTheLatestSampleAtOrBeforeTheTime) {

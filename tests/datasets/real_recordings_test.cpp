@@ -11,6 +11,7 @@
 #include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/datasets/trajectory_files.hpp"
+#include "real_data.hpp"
 
 namespace limber {
 namespace {
@@ -19,12 +20,8 @@ namespace fs = std::filesystem;
 
 class RealRecording : public ::testing::Test {
  protected:
-  void SetUp() override {
-    if (!testing::real_data()) {
-      GTEST_SKIP() << "no real recordings: set LIMBER_DATA to their folder";
-    }
-  }
-  [[nodiscard]] static fs::path path(const char* name) { return *testing::real_data() / name; }
+  void SetUp() override { LIMBER_NEED_DATA(folder, ""); }
+  [[nodiscard]] static fs::path path(const char* name) { return testing::real_data_folder() / name; }
   [[nodiscard]] static Recording read(const char* name) { return read_recording(path(name)); }
 };
 

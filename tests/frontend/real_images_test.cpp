@@ -8,10 +8,13 @@
 
 #include "limber/datasets/read_recording.hpp"
 #include "limber/frontend/stereo_tracker.hpp"
+#include "percentile.hpp"
 #include "real_data.hpp"
 
 namespace limber {
 namespace {
+
+using testing::percentile;
 
 /// What is worth knowing of a tracked recording.
 struct Summary {
@@ -21,11 +24,6 @@ struct Summary {
   double offset_px = 0.0;                ///< median distance below the epipolar line of the given calibration
   double median_px = 0.0, p95_px = 0.0;  ///< of the distance's size
 };
-
-double percentile(std::vector<double> values, double p) {
-  std::sort(values.begin(), values.end());
-  return values.at(static_cast<std::size_t>(p * static_cast<double>(values.size() - 1)));
-}
 
 /// How far below its epipolar line the right pixel lies [px].
 double below_epipolar_line(const StereoCalibration& rig, const StereoObservation& point) {

@@ -14,6 +14,9 @@
 
 #include "frontend/painted_room.hpp"
 #include "limber/core/errors.hpp"
+#include "message_of.hpp"
+#include "percentile.hpp"
+#include "same_frames.hpp"
 
 namespace limber {
 namespace {
@@ -21,8 +24,10 @@ namespace {
 using testing::Exposure;
 using testing::flight;
 using testing::Image;
+using testing::percentile;
 using testing::photograph;
 using testing::plain_image;
+using testing::same;
 using testing::small_rig;
 
 constexpr std::int64_t kPeriodNs = 50'000'000;
@@ -70,23 +75,6 @@ std::vector<StereoFrame> track(const std::vector<ImagePairInMemory>& pairs,
 long right_matches(const StereoFrame& frame) {
   return std::count_if(frame.observations.begin(), frame.observations.end(),
                        [](const StereoObservation& point) { return point.in_cam1; });
-}
-
-double percentile(std::vector<double> values, double p) {
-  std::sort(values.begin(), values.end());
-  return values.at(static_cast<std::size_t>(p * static_cast<double>(values.size() - 1)));
-}
-
-bool same_bits(const StereoFrame& a, const StereoFrame& b) {
-  if (a.t_ns != b.t_ns || a.observations.size() != b.observations.size()) return false;
-  for (std::size_t i = 0; i < a.observations.size(); ++i) {
-    const StereoObservation &x = a.observations[i], &y = b.observations[i];
-    if (x.track_id != y.track_id || x.in_cam0 != y.in_cam0 || x.in_cam1 != y.in_cam1 ||
-        x.uv_cam0 != y.uv_cam0 || x.uv_cam1 != y.uv_cam1) {
-      return false;
-    }
-  }
-  return true;
 }
 
 TEST(StereoTracker, FollowsPointsToATenthOfAPixelWhenTheRigIsNotAsAssumed) {
@@ -274,8 +262,8 @@ TEST(StereoTracker, GivesTheSameBitsTwiceAndOnAnyNumberOfThreads) {
   const auto threaded = track(pairs, small_rig());
   cv::setNumThreads(threads);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    EXPECT_TRUE(same_bits(once[k], twice[k])) << k;
-    EXPECT_TRUE(same_bits(once[k], threaded[k])) << k;
+    EXPECT_TRUE(same(once[k], twice[k])) << k;
+    EXPECT_TRUE(same(once[k], threaded[k])) << k;
   }
 }
 
@@ -299,7 +287,7 @@ TEST(StereoTracker, ReadsRowsThatAreFurtherApartThanTheyAreLong) {
     const StereoFrame found =
         loose.process(k * kPeriodNs, GreyImage{left.width, left.height, left.width + 13, left_pixels.data()},
                       GreyImage{right.width, right.height, right.width + 13, right_pixels.data()});
-    EXPECT_TRUE(same_bits(expected, found));
+    EXPECT_TRUE(same(expected, found));
   }
 }
 
@@ -359,13 +347,9 @@ TEST(StereoTracker, RefusesViewsOfTheWrongSizeAndTimeThatStandsStill) {
   const auto pairs = sequence(1);
   StereoTracker tracker(small_rig());
   const Image wide = plain_image(640, 240, 0);
-  try {
-    (void)process(tracker, 0, pairs[0].left, wide);
-    FAIL() << "took an image of the wrong size";
-  } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("right image"), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("376 x 240"), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("640 x 240"), std::string::npos) << error.what();
+  const std::string message = testing::message_of([&] { (void)process(tracker, 0, pairs[0].left, wide); });
+  for (const char* const words : {"right image", "376 x 240", "640 x 240"}) {
+    EXPECT_NE(message.find(words), std::string::npos) << message;
   }
   EXPECT_THROW((void)tracker.process(0, GreyImage{376, 240, 376, nullptr}, pairs[0].right.view()),
                std::invalid_argument);
@@ -408,8 +392,8 @@ TEST_F(StereoTrackerFiles, GiveTheSameAsImagesInMemory) {
   for (int k = 0; k < 3; ++k) {
     const auto& pair = pairs[static_cast<std::size_t>(k)];
     const auto left = write("left.png", pair.left), right = write("right.png", pair.right);
-    EXPECT_TRUE(same_bits(from_files.process(k * kPeriodNs, left, right),
-                          process(from_memory, k, pair.left, pair.right)));
+    EXPECT_TRUE(
+        same(from_files.process(k * kPeriodNs, left, right), process(from_memory, k, pair.left, pair.right)));
   }
 }
 
@@ -438,7 +422,7 @@ TEST_F(StereoTrackerFiles, ThatCannotBeUsedAreNamedAndLeaveTheTrackerAsItWas) {
       }
     }
   }
-  EXPECT_TRUE(same_bits(tracker.process(kPeriodNs, left, right), untroubled.process(kPeriodNs, left, right)));
+  EXPECT_TRUE(same(tracker.process(kPeriodNs, left, right), untroubled.process(kPeriodNs, left, right)));
 }
 
 }  // namespace

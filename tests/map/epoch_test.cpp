@@ -74,6 +74,10 @@ void expect_same(const Estimate& sleepy, const Estimate& awake) {
     EXPECT_LE((sleepy.landmark_position(*other, &found) - p).norm(), 1e-9) << landmark.track_id;
     EXPECT_LE((found - expected).norm(), 1e-9 * expected.norm()) << landmark.track_id;
   }
+  const std::vector<Vector3d> positions = sleepy.landmark_positions();
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    EXPECT_LE((sleepy.landmark_position(sleepy.landmarks()[k]) - positions[k]).norm(), 1e-12);
+  }
   const Index k = awake.layout().map_begin();
   const MatrixXd body = awake.P.block(0, 0, k, k);
   EXPECT_LE((sleepy.P.block(0, 0, k, k) - body).norm(), 1e-9 * body.norm());

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
+#include "message_of.hpp"
 
 namespace limber {
 namespace {
@@ -11,20 +11,12 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
+using testing::message_of;
 
 RigParameters rig() {
   RigParameters theta;
   theta << 0.1, -0.2, 0.3, -1.2, 0.9, -0.8;
   return theta;
-}
-
-std::string refusal(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "nothing thrown";
 }
 
 TEST(Method, NamesComeBackFromTheirStrings) {
@@ -37,7 +29,7 @@ TEST(Method, NamesComeBackFromTheirStrings) {
 
 TEST(Method, AnUnknownNameIsRefusedWithTheKnownOnes) {
   for (const std::string name : {"", "EKF", "lcekf ", "kalman"}) {
-    const std::string message = refusal([&] { (void)method_from_string(name); });
+    const std::string message = message_of([&] { (void)method_from_string(name); });
     EXPECT_NE(message.find("'" + name + "'"), std::string::npos) << message;
     for (const Method method : kAllMethods) {
       EXPECT_NE(message.find(to_string(method)), std::string::npos) << message;
@@ -60,7 +52,7 @@ TEST(ConstraintSet, AListIsPutInOrder) {
 TEST(ConstraintSet, AnythingElseIsRefusedWithWhatWasExpected) {
   for (const std::string text :
        {"", "all", "ax,", ",ax", "ax,,ay", "ax ay", "ax, ay", "Full", "none,ax", "rotation,tx", "bx"}) {
-    const std::string message = refusal([&] { (void)constraint_set_from_string(text); });
+    const std::string message = message_of([&] { (void)constraint_set_from_string(text); });
     EXPECT_NE(message.find("'" + text + "'"), std::string::npos) << message;
     EXPECT_NE(message.find("rotation+direction"), std::string::npos) << message;
   }

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <functional>
 #include <limits>
 
 #include "map/small_map.hpp"
+#include "message_of.hpp"
 #include "scene.hpp"
 
 /// What a caller of the navigator may rely on, frame by frame.
@@ -20,6 +20,7 @@ using Eigen::Vector3d;
 using testing::Feeder;
 using testing::kMs;
 using testing::make_scene;
+using testing::message_of;
 using testing::Scene;
 using testing::SceneOptions;
 using testing::Snapshot;
@@ -42,15 +43,6 @@ struct State {
 
 State state(const Navigator& navigator) {
   return {navigator.estimate().nav.t_ns, snapshot(navigator.estimate())};
-}
-
-std::string refusal(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "nothing thrown";
 }
 
 TEST(Navigator, BadFramesAreRefusedAndLeaveTheStateAsItWas) {
@@ -79,7 +71,7 @@ TEST(Navigator, BadFramesAreRefusedAndLeaveTheStateAsItWas) {
       StereoFrame frame = scene.frames[6];
       b.spoil(frame);
       feeder.feed_inputs(scene.frames[6].t_ns);
-      const std::string message = refusal([&] { (void)feeder.navigator.process(frame); });
+      const std::string message = message_of([&] { (void)feeder.navigator.process(frame); });
       EXPECT_NE(message.find(b.says), std::string::npos) << message;
       EXPECT_NE(message.find(std::to_string(frame.t_ns)), std::string::npos) << message;
       EXPECT_TRUE(state(feeder.navigator) == before) << b.says << ", " << to_string(method);
@@ -328,7 +320,7 @@ TEST(Navigator, OptionsThatMakeNoSenseAreRefused) {
     if (o) o(options);
     if (c) c(calibration);
     if (i) i(initial);
-    const std::string message = refusal([&] { const Navigator navigator(options, calibration, initial); });
+    const std::string message = message_of([&] { const Navigator navigator(options, calibration, initial); });
     EXPECT_NE(message.find(says), std::string::npos) << says << ": " << message;
   };
   expect_refusal("sigma_px", [](NavigatorOptions& o) { o.sigma_px(2) = 0.0; });

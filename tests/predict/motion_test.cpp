@@ -50,48 +50,36 @@ VectorXd carried(const NavigationState& state, MotionModel motion, const VectorX
   return error_between(disturbed, reference, motion);
 }
 
-TEST(PredictImu, PhiMatchesCentralDifferences) {
-  Generator generator(1);
+/// `predict(state, step)` against central differences, over all steps.
+template <typename Predict>
+void check_phi(std::uint64_t seed, MotionModel motion, Predict&& predict) {
+  Generator generator(seed);
   for (const Step& step : steps(generator)) {
-    const NavigationState state = random_navigation_state(generator);
-    const auto predict = [&](NavigationState& s) {
-      return predict_imu(s, step.first, step.second, step.dt, ImuNoise{}, kGravity);
-    };
+    NavigationState state = random_navigation_state(generator);
+    state.omega_body = step.first;  // part of the state without an IMU
+    const auto by_step = [&](NavigationState& s) { return predict(s, step); };
     NavigationState advanced = state;
     check_jacobian(
-        predict(advanced).Phi,
-        [&](const VectorXd& dx) { return carried(state, MotionModel::kImu, dx, predict); }, 1e-7);
+        by_step(advanced).Phi, [&](const VectorXd& dx) { return carried(state, motion, dx, by_step); }, 1e-7);
   }
+}
+
+TEST(PredictImu, PhiMatchesCentralDifferences) {
+  check_phi(1, MotionModel::kImu, [](NavigationState& s, const Step& step) {
+    return predict_imu(s, step.first, step.second, step.dt, ImuNoise{}, kGravity);
+  });
 }
 
 TEST(PredictConstantVelocity, PhiMatchesCentralDifferences) {
-  Generator generator(2);
-  for (const Step& step : steps(generator)) {
-    NavigationState state = random_navigation_state(generator);
-    state.omega_body = step.first;
-    const auto predict = [&](NavigationState& s) {
-      return predict_constant_velocity(s, step.dt, ConstantVelocityNoise{});
-    };
-    NavigationState advanced = state;
-    check_jacobian(
-        predict(advanced).Phi,
-        [&](const VectorXd& dx) { return carried(state, MotionModel::kConstantVelocity, dx, predict); },
-        1e-7);
-  }
+  check_phi(2, MotionModel::kConstantVelocity, [](NavigationState& s, const Step& step) {
+    return predict_constant_velocity(s, step.dt, ConstantVelocityNoise{});
+  });
 }
 
 TEST(PredictOdometry, PhiMatchesCentralDifferences) {
-  Generator generator(3);
-  for (const Step& step : steps(generator)) {
-    const NavigationState state = random_navigation_state(generator);
-    const auto predict = [&](NavigationState& s) {
-      return predict_odometry(s, step.second, step.first, step.dt, OdometryNoise{});
-    };
-    NavigationState advanced = state;
-    check_jacobian(
-        predict(advanced).Phi,
-        [&](const VectorXd& dx) { return carried(state, MotionModel::kOdometry, dx, predict); }, 1e-7);
-  }
+  check_phi(3, MotionModel::kOdometry, [](NavigationState& s, const Step& step) {
+    return predict_odometry(s, step.second, step.first, step.dt, OdometryNoise{});
+  });
 }
 
 TEST(PredictOdometry, QIsTheNoiseOfTheInputsThroughTheirNumericJacobian) {

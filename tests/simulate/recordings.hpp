@@ -10,6 +10,7 @@
 #include "limber/datasets/interpolate.hpp"
 #include "limber/datasets/recording.hpp"
 #include "limber/sensors/camera.hpp"
+#include "same_frames.hpp"
 
 /// What tests ask of simulated recordings.
 namespace limber::testing {
@@ -27,16 +28,9 @@ inline bool same(const GroundTruthState& a, const GroundTruthState& b) {
          a.v_world_body == b.v_world_body && a.bias_gyro == b.bias_gyro && a.bias_accel == b.bias_accel;
 }
 
-inline bool same(const StereoObservation& a, const StereoObservation& b) {
-  return a.track_id == b.track_id && a.in_cam0 == b.in_cam0 && a.in_cam1 == b.in_cam1 &&
-         a.uv_cam0 == b.uv_cam0 && a.uv_cam1 == b.uv_cam1;
-}
-
 inline bool same(const CalibrationTruth& a, const CalibrationTruth& b) {
   return a.t_ns == b.t_ns && a.theta == b.theta;
 }
-
-inline bool same(const StereoFrame& a, const StereoFrame& b);
 
 /// Whether two lists hold the same bits.
 template <typename T>
@@ -46,10 +40,6 @@ bool same(const std::vector<T>& a, const std::vector<T>& b) {
     equal = same(a[i], b[i]);
   }
   return equal;
-}
-
-inline bool same(const StereoFrame& a, const StereoFrame& b) {
-  return a.t_ns == b.t_ns && same(a.observations, b.observations);
 }
 
 /// Residual (u0, v0, u1, v1) [px] of an observation against the recording's own truth; NaN where a camera did

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "limber/core/errors.hpp"
+#include "message_of.hpp"
 
 namespace limber {
 namespace {
@@ -207,11 +208,8 @@ TEST(CheckScenario, RefusesWhatNoFileMaySay) {
   EXPECT_THROW(check_scenario(broken([](Scenario& s) { s.rig.theta[3] = 2.0; })), std::invalid_argument);
   EXPECT_THROW(check_scenario(broken([](Scenario& s) { s.rig.T_imu_cam0.R *= 2.0; })), std::invalid_argument);
   EXPECT_THROW(check_scenario(broken([](Scenario& s) { s.world.max_range = 0.1; })), std::invalid_argument);
-  try {
-    check_scenario(broken([](Scenario& s) { s.noise.pixel = -0.5; }));
-  } catch (const std::invalid_argument& e) {
-    EXPECT_STREQ(e.what(), "scenario: expected noise.pixel as a number in [0, 1000] px, got -0.5");
-  }
+  EXPECT_EQ(testing::message_of([&] { check_scenario(broken([](Scenario& s) { s.noise.pixel = -0.5; })); }),
+            "scenario: expected noise.pixel as a number in [0, 1000] px, got -0.5");
 }
 
 /// A text that no scenario may be, the line that the message must name and what it must say.

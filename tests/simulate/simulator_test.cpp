@@ -532,8 +532,7 @@ TEST(DrawInitialState, AddsErrorsOfTheStatedSizes) {
   truth.p_world_body = Vector3d(1.0, 2.0, 3.0);
   truth.v_world_body = Vector3d(4.0, 5.0, 6.0);
   truth.bias_gyro = Vector3d::Constant(0.08);
-  const InitialSigmas sigmas{
-      .position = 0.1, .attitude = 0.02, .velocity = 0.3, .bias_accel = 0.4, .bias_gyro = 0.5};
+  const InitialSigma sigmas{0.1, 0.02, 0.3, 0.4, 0.5};
   double p = 0.0, R = 0.0, v = 0.0, a = 0.0, g = 0.0;
   constexpr int kRuns = 300, kValues = 3 * kRuns;
   for (std::uint64_t run = 0; run < kRuns; ++run) {

@@ -46,6 +46,7 @@ inline std::vector<std::string> rows_of(const std::filesystem::path& database, c
   sqlite3_stmt* statement = nullptr;
   std::vector<std::string> rows;
   if (sqlite3_open_v2(database.c_str(), &handle, SQLITE_OPEN_READWRITE, nullptr) == SQLITE_OK &&
+      sqlite3_busy_timeout(handle, 10'000) == SQLITE_OK &&  // a writer may hold the file just now
       sqlite3_prepare_v2(handle, sql.c_str(), -1, &statement, nullptr) == SQLITE_OK) {
     while (sqlite3_step(statement) == SQLITE_ROW) {
       std::string row;

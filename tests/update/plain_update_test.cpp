@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <functional>
 #include <limits>
 
 #include "limber/update/innovation.hpp"
 #include "limber/update/update.hpp"
+#include "message_of.hpp"
 #include "stereo_problem.hpp"
 
 namespace limber {
@@ -16,6 +16,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using testing::Generator;
+using testing::message_of;
 using testing::prior_sigma;
 using testing::relative_difference;
 using testing::StereoProblem;
@@ -139,16 +140,6 @@ TEST(Update, ABrokenCovarianceIsReportedAndLeftAsItWas) {
   }
 }
 
-/// The message of the std::invalid_argument that `call` throws.
-std::string refusal(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "nothing thrown";
-}
-
 TEST(Update, ShapesThatDisagreeAreRefusedWithBothShapes) {
   Generator generator(6);
   StereoProblem problem = small_problem(generator);  // 24 rows, 39 states
@@ -157,7 +148,7 @@ TEST(Update, ShapesThatDisagreeAreRefusedWithBothShapes) {
                                   const std::vector<std::string>& parts) {
     for (const bool gain_form : {false, true}) {
       Covariance P = bad.P;
-      const std::string message = refusal(
+      const std::string message = message_of(
           [&] { (void)(gain_form ? update_gain_form(P, bad.z, treatment) : update(P, bad.z, treatment)); });
       for (const std::string& part : parts) {
         EXPECT_NE(message.find(part), std::string::npos) << "'" << part << "' is not in: " << message;

@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "limber/core/so3.hpp"
+
 namespace limber {
 
 /// Rigid transform `T_a_b`: maps b-coordinates to a, p_a = R_a_b p_b + p_a_b.
@@ -15,6 +17,12 @@ struct Pose {
   [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return R * point + p; }
   [[nodiscard]] Pose operator*(const Pose& other) const { return {R * other.R, R * other.p + p}; }
 };
+
+/// The pose a share s of the way from a to b, along the line and the shortest rotation (slerp); s below 0 or
+/// above 1 continues that motion.
+[[nodiscard]] inline Pose interpolate(const Pose& a, const Pose& b, double s) {
+  return {a.R * so3_exp(s * so3_log(a.R.transpose() * b.R)), (1.0 - s) * a.p + s * b.p};
+}
 
 /// A pose with its time: `T_world_body` at `t_ns` [ns].
 struct StampedPose {

@@ -15,8 +15,8 @@ namespace limber {
 /// @param states     strictly increasing time
 /// @param max_gap_ns how far the nearest sample may be [ns]
 /// @return the state with `t_ns` as its time; nothing if the nearest sample is further away than max_gap_ns.
-/// Before
-///         the first and after the last sample, but within max_gap_ns, that sample is held.
+///         Before the first and after the last sample, but within max_gap_ns, the motion between the
+///         outermost two goes on (as in match_by_time); a lone sample is held.
 [[nodiscard]] std::optional<GroundTruthState> groundtruth_at(const std::vector<GroundTruthState>& states,
                                                              std::int64_t t_ns,
                                                              std::int64_t max_gap_ns = 10'000'000);

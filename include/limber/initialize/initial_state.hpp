@@ -3,21 +3,12 @@
 
 #include <span>
 
+#include "limber/initialize/initial_sigma.hpp"
 #include "limber/navigator.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/sensors/samples.hpp"
 
 namespace limber {
-
-/// Standard deviations, per axis, of an initial state.
-struct InitialSigma {
-  double position = 1e-3;    ///< [m]
-  double attitude = 1e-4;    ///< [rad]
-  double velocity = 0.01;    ///< [m/s]
-  double bias_accel = 0.01;  ///< [m/s^2]
-  double bias_gyro = 1e-3;   ///< [rad/s]
-  double rate = 0.05;        ///< [rad/s], constant velocity only
-};
 
 /// An initial state with uncorrelated, isotropic uncertainty.
 [[nodiscard]] InitialState make_initial_state(const NavigationState& nav, MotionModel motion,

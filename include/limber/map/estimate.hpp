@@ -81,6 +81,9 @@ class Estimate {
   [[nodiscard]] Eigen::Vector3d landmark_position(const Landmark& landmark,
                                                   Eigen::Matrix3d* covariance = nullptr) const;
 
+  /// Positions of all landmarks [m], in the order of landmarks(); cheaper than one by one.
+  [[nodiscard]] std::vector<Eigen::Vector3d> landmark_positions() const;
+
   NavigationState nav;
   RigParameters theta;  ///< what the filter takes for the rig: an estimate if in the state, else assumed
   Covariance P;
@@ -119,6 +122,9 @@ class Estimate {
                                             bool col_dormant) const;
   [[nodiscard]] Landmark current(const Landmark& landmark) const;
   [[nodiscard]] Anchor current(const Anchor& anchor) const;
+  [[nodiscard]] static Landmark corrected(Landmark landmark, const Eigen::Vector3d& correction);
+  [[nodiscard]] static Anchor corrected(Anchor anchor, const Eigen::Vector3d& dp,
+                                        const Eigen::Vector3d& dtheta);
 
   StateLayout layout_;
   std::vector<Anchor> anchors_;

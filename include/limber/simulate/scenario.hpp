@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "limber/core/pose.hpp"
+#include "limber/initialize/initial_sigma.hpp"
 #include "limber/method.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/simulate/decalibration.hpp"
@@ -94,15 +95,6 @@ struct OdometryScenario {
   double angular_rate = 0.02;  ///< sigma per sample and axis [rad/s]
 };
 
-/// Standard deviations, per axis, of the state an estimator starts from.
-struct InitialSigmas {
-  double position = 1e-3;    ///< [m]
-  double attitude = 1e-4;    ///< [rad]
-  double velocity = 0.01;    ///< [m/s]
-  double bias_accel = 0.01;  ///< [m/s^2]
-  double bias_gyro = 1e-3;   ///< [rad/s]
-};
-
 /// What goes missing, each as a probability in [0, 1].
 struct DropoutScenario {
   double right_detections = 0.0;  ///< the right camera misses a point: its u1, v1 are empty
@@ -112,7 +104,7 @@ struct DropoutScenario {
 
 /// What estimators should assume in this scenario.
 struct FilterScenario {
-  InitialSigmas initial;
+  InitialSigma initial;
   RigParameters theta_sigma = plausible_error(2.0);  ///< ekf-full, soft, consider: initial sigma [rad, m]
   /// ekf-full: random walk of theta, variance per second [rad^2/s, m^2/s]. Table 1, 'well estimated': 1e-6
   /// rad^2 and 1 mm^2 in every prediction step of 10 ms.
@@ -137,7 +129,7 @@ struct Scenario {
   RigScenario rig;
   NoiseScenario noise;
   std::optional<OdometryScenario> odometry;
-  InitialSigmas initial;  ///< true biases at the start and errors of the initial state are drawn from these
+  InitialSigma initial;  ///< true biases at the start and errors of the initial state are drawn from these
   DropoutScenario dropout;
   std::vector<DecalibrationSignal> decalibration;  ///< theta_true(t) - rig.theta
   FilterScenario filter;
