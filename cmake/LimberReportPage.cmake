@@ -25,13 +25,18 @@ function(limber_add_report_page target)
   set(npm_dir ${CMAKE_CURRENT_BINARY_DIR}/npm)
   set(LIMBER_REPORT_NPM ${npm_dir} CACHE INTERNAL "Folder with node_modules")
   set(plotly ${npm_dir}/node_modules/plotly.js-gl3d-dist-min/plotly-gl3d.min.js)
-  set(playwright ${npm_dir}/node_modules/playwright-core/package.json)
+  set(fetched ${plotly})
+  if(LIMBER_BUILD_TESTS)
+    list(APPEND fetched ${npm_dir}/node_modules/playwright-core/package.json)
+  else()
+    set(omit --omit=dev)
+  endif()
   add_custom_command(
-    OUTPUT ${plotly} ${playwright}
+    OUTPUT ${fetched}
     COMMAND ${CMAKE_COMMAND} -E make_directory ${npm_dir}
     COMMAND ${CMAKE_COMMAND} -E copy ${page}/package.json ${page}/package-lock.json ${npm_dir}
-    COMMAND ${CMAKE_COMMAND} -DNPM=${LIMBER_NPM} -P ${PROJECT_SOURCE_DIR}/cmake/npm_ci.cmake
-    COMMAND ${CMAKE_COMMAND} -E touch ${plotly} ${playwright}
+    COMMAND ${CMAKE_COMMAND} -DNPM=${LIMBER_NPM} -DOMIT=${omit} -P ${PROJECT_SOURCE_DIR}/cmake/npm_ci.cmake
+    COMMAND ${CMAKE_COMMAND} -E touch ${fetched}
     WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}
     DEPENDS ${page}/package.json ${page}/package-lock.json ${PROJECT_SOURCE_DIR}/cmake/npm_ci.cmake
     COMMENT "Fetching Plotly.js (npm ci)"

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 # cmake -P script: `npm ci` in the folder npm/ below, with a message that says what to do if it fails.
-#   NPM   the program
+#   NPM    the program
+#   OMIT   a further argument, or nothing
 execute_process(
-  COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --prefer-offline --loglevel=error
+  COMMAND ${NPM} ci ${OMIT} --ignore-scripts --no-audit --no-fund --prefer-offline --loglevel=error
   WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/npm
   RESULT_VARIABLE result
   OUTPUT_VARIABLE output

@@ -1,4 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "limber/evaluate/alignment.hpp"
 #include "run_sections.hpp"
 
 namespace limber::detail {
@@ -14,7 +20,8 @@ void append(const Eigen::Vector3d& p, ReportTrace& trace, bool in_space) {
   }
 }
 
-ReportFigure path_figure(const RunFolder& run, bool in_space) {
+/// `matched`: poses with the truth as it is to be drawn.
+ReportFigure path_figure(const RunFolder& run, const std::vector<MatchedPose>& matched, bool in_space) {
   ReportFigure figure;
   figure.id = in_space ? "path-3d" : "path";
   figure.title = in_space ? "Path and map in space" : "Path from above";
@@ -33,10 +40,10 @@ ReportFigure path_figure(const RunFolder& run, bool in_space) {
       append(p_world_landmark, landmarks, in_space);
     }
   }
-  if (!run.matched.empty()) {
+  if (!matched.empty()) {
     ReportTrace& truth = figure.traces.emplace_back();
     truth = {"truth", "truth", TraceShape::kLine, {}, {}, {}, 0};
-    for (const MatchedPose& pose : run.matched) {
+    for (const MatchedPose& pose : matched) {
       append(pose.truth.p, truth, in_space);
     }
   }
@@ -48,19 +55,60 @@ ReportFigure path_figure(const RunFolder& run, bool in_space) {
   return figure;
 }
 
+constexpr double kMuchSmaller = 0.2;
+
+double rms_distance(const std::vector<MatchedPose>& poses) {
+  double squares = 0.0;
+  for (const MatchedPose& pose : poses) {
+    squares += (pose.truth.p - pose.estimate.p).squaredNorm();
+  }
+  return std::sqrt(squares / static_cast<double>(poses.size()));
+}
+
+/// The truth moved so that it fits the whole estimate best; as it is where that is not determined.
+std::vector<MatchedPose> fitted(std::vector<MatchedPose> poses) {
+  const Alignment fit = align(poses, AlignmentKind::kSe3);
+  if (fit.status == AlignmentStatus::kAligned) {
+    for (MatchedPose& pose : poses) {
+      pose.truth = fit.T_true_est.inverse() * pose.truth;
+    }
+  }
+  return poses;
+}
+
+/// How truth and estimate were brought together, for the errors and for the figures of this section.
+std::string alignment_in_words(const RunFolder& run, const std::vector<MatchedPose>& drawn) {
+  const std::string alignment = in_words(run.summary.value("alignment", Json("nothing")));
+  if (alignment == "nothing") {
+    return "Truth and estimate are as they are, without any alignment.";
+  }
+  std::string text =
+      "Drawn here after a rigid fit of all positions. Errors further below are aligned by the " + alignment +
+      " alone.";
+  const double fit = rms_distance(drawn), start = rms_distance(run.matched);
+  if (fit < kMuchSmaller * start) {
+    text += fmt::format(
+        " The fit leaves {:.3g} m, that alignment {:.3g} m: most of those errors come from the first pose, "
+        "for "
+        "instance because the world of the truth is not level. They say little of the filter.",
+        fit, start);
+  }
+  return text;
+}
+
 }  // namespace
 
 ReportSection path_section(const RunFolder& run) {
   ReportSection section{"trajectory", "Trajectory", {}};
+  std::vector<MatchedPose> drawn = run.matched;
   if (!run.matched.empty()) {
-    const std::string alignment = in_words(run.summary.value("alignment", Json("nothing")));
-    section.blocks.emplace_back(
-        ReportText{"Errors are truth minus estimate, " +
-                   (alignment == "nothing" ? "without any alignment" : "aligned by the " + alignment) +
-                   ". The truth is drawn in the world of the estimate."});
+    if (run.summary.value("alignment", Json("nothing")) != "nothing") {
+      drawn = fitted(std::move(drawn));
+    }
+    section.blocks.emplace_back(ReportText{alignment_in_words(run, drawn)});
   }
-  section.blocks.emplace_back(path_figure(run, false));
-  section.blocks.emplace_back(path_figure(run, true));
+  section.blocks.emplace_back(path_figure(run, drawn, false));
+  section.blocks.emplace_back(path_figure(run, drawn, true));
   return section;
 }
 

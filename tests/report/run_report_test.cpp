@@ -119,6 +119,25 @@ TEST_F(RunReport, PutsTheTruthIntoTheWorldOfAnEstimateThatStartedElsewhere) {
   EXPECT_LT(std::abs(error->y.back()), 1.0);
   EXPECT_THAT(std::get<ReportText>(document.sections[0].blocks[0]).text,
               HasSubstr("aligned by the position and yaw of the first pose"));
+  const ReportTrace* truth = find_trace(figure(document, "path"), "truth");
+  ASSERT_NE(truth, nullptr);
+  EXPECT_NEAR(truth->x.back(), record_.trajectory.back().T_world_body.p.x(), 0.5);
+}
+
+TEST_F(RunReport, SaysSoWhereTheWorldOfTheTruthIsNotLevel) {
+  Recording tilted = testing::short_recording();
+  const Eigen::Matrix3d R = so3_exp({1.2, 0.0, 0.0});
+  for (GroundTruthState& state : tilted.groundtruth) {
+    state.p_world_body = R * state.p_world_body;
+    state.R_world_body = R * state.R_world_body;
+  }
+  navigate(tilted, StartMode::kAuto);
+  const auto text_of = [this] {
+    return std::get<ReportText>(run_report(folder_.path()).sections[0].blocks[0]).text;
+  };
+  EXPECT_THAT(text_of(), HasSubstr("not level"));
+  navigate(testing::short_recording(), StartMode::kAuto);
+  EXPECT_THAT(text_of(), ::testing::Not(HasSubstr("not level")));
 }
 
 TEST_F(RunReport, SaysNothingOfErrorsWithoutTruth) {
