@@ -17,8 +17,9 @@ build() {
 build release
 ctest --preset release
 
-# The users' projects of the label `consumer` and the long statistics of the label `slow` were run above.
+# The users' projects of the label `consumer`, the browser of the label `page` and the long statistics of the label
+# `slow` were run above.
 build asan
-ctest --preset asan --label-exclude 'slow|consumer'
+ctest --preset asan --label-exclude 'slow|consumer|page'
 
 echo "limber: every test passed, in Release and under the sanitizers"
