@@ -2,12 +2,12 @@
 // Whole runs against real time: the paper's scenario, simulated, and a recorded flight.
 #include <benchmark/benchmark.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <numeric>
 #include <optional>
 #include <string>
 
+#include "data_folder.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/simulate/scenario_file.hpp"
@@ -16,11 +16,6 @@
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path data_folder() {
-  const char* given = std::getenv("LIMBER_DATA");
-  return given != nullptr ? fs::path(given) : fs::path(LIMBER_SOURCE_DIR) / ".." / "shared" / "data";
-}
 
 /// Runs the method over the whole recording in each iteration and reports how much faster than the recording
 /// that was, and how many states the filter carried.

@@ -75,20 +75,31 @@ bool is_free(const cv::Point2f& at, const std::vector<cv::Point2f>& points, doub
   });
 }
 
-/// The corners of a cell, strongest first, and how many points it holds already.
-struct Cell {
+/// How many points a cell holds already, and its corners, strongest first, once somebody asks.
+class Cell {
+ public:
+  explicit Cell(const cv::Rect& area) : area_(area) {}
+
   int held = 0;
-  std::vector<Corner> corners;
-  std::size_t next = 0;  ///< the first corner that was not looked at yet
 
   /// The strongest corner that is away from the points; none if there is no such corner left.
-  std::optional<Corner> next_free(const std::vector<cv::Point2f>& points, double min_distance) {
-    while (next < corners.size()) {
-      const Corner& corner = corners[next++];
-      if (is_free(corner.at, points, min_distance)) return corner;
+  std::optional<Corner> next_free(const cv::Mat& image, const std::vector<cv::Point2f>& points,
+                                  const CornerOptions& options) {
+    if (!corners_) {
+      const bool has_room = area_.width >= 3 && area_.height >= 3;
+      corners_ = has_room ? corners_in(image, area_, options.min_strength) : std::vector<Corner>();
+    }
+    while (next_ < corners_->size()) {
+      const Corner& corner = (*corners_)[next_++];
+      if (is_free(corner.at, points, options.min_distance)) return corner;
     }
     return std::nullopt;
   }
+
+ private:
+  cv::Rect area_;
+  std::optional<std::vector<Corner>> corners_;
+  std::size_t next_ = 0;  ///< the first corner that was not looked at yet
 };
 
 struct Offer {
@@ -98,13 +109,13 @@ struct Offer {
 
 /// The best corner of each cell that holds the fewest points of those that have a corner left. Empty if there
 /// is none.
-std::vector<Offer> emptiest_offer(std::vector<Cell>& cells, const std::vector<cv::Point2f>& points,
-                                  double min_distance) {
+std::vector<Offer> emptiest_offer(std::vector<Cell>& cells, const cv::Mat& image,
+                                  const std::vector<cv::Point2f>& points, const CornerOptions& options) {
   std::vector<Offer> offers;
   for (int held = 0; held < kMostPerCell && offers.empty(); ++held) {
     for (Cell& cell : cells) {
       if (cell.held != held) continue;
-      if (const auto corner = cell.next_free(points, min_distance)) offers.push_back({&cell, *corner});
+      if (const auto corner = cell.next_free(image, points, options)) offers.push_back({&cell, *corner});
     }
   }
   return offers;
@@ -119,19 +130,15 @@ std::vector<Eigen::Vector2d> new_corners(const cv::Mat& image, const std::vector
   const Grid grid(image.size(), options.max_points / kPerCell);
   const int border = options.border + kRefine;
   const cv::Rect inner(border, border, image.cols - 2 * border, image.rows - 2 * border);
-  std::vector<Cell> cells(static_cast<std::size_t>(grid.columns * grid.rows));
+  std::vector<Cell> cells;
+  for (int i = 0; i < grid.columns * grid.rows; ++i) cells.emplace_back(grid.area(i) & inner);
   std::vector<cv::Point2f> points;
   for (const Eigen::Vector2d& uv : taken) {
     ++cells[static_cast<std::size_t>(grid.cell(uv.x(), uv.y()))].held;
     points.emplace_back(static_cast<float>(uv.x()), static_cast<float>(uv.y()));
   }
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const cv::Rect area = grid.area(static_cast<int>(i)) & inner;
-    if (cells[i].held >= kMostPerCell || area.width < 3 || area.height < 3) continue;
-    cells[i].corners = corners_in(image, area, options.min_strength);
-  }
   while (points.size() < wanted) {
-    std::vector<Offer> offers = emptiest_offer(cells, points, options.min_distance);
+    std::vector<Offer> offers = emptiest_offer(cells, image, points, options);
     if (offers.empty()) break;
     std::stable_sort(offers.begin(), offers.end(),
                      [](const Offer& x, const Offer& y) { return stronger(x.corner, y.corner); });

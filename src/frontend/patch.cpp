@@ -27,26 +27,28 @@ bool in_shape(const Eigen::Matrix2d& A) {
   return A.allFinite() && A.norm() < kMaxStretch * std::sqrt(2.0) && det > 1.0 / (kMaxStretch * kMaxStretch);
 }
 
-}  // namespace
-
-/// Grey values of the upright square around uv: every pixel is weighed alike.
-bool Patch::sample(const GreyImage& image, const Eigen::Vector2d& uv, Values& values) {
+/// Grey values of the upright square of this width (odd) around uv: every pixel is weighed alike.
+template <int Width>
+bool sample_upright(const GreyImage& image, const Eigen::Vector2d& uv,
+                    Eigen::Matrix<float, Width, Width, Eigen::RowMajor>& values) {
   if (!uv.allFinite()) return false;
-  const double left = std::floor(uv.x()) - kRadius, top = std::floor(uv.y()) - kRadius;
-  if (left < 0 || top < 0 || left + kWidth >= image.width || top + kWidth >= image.height) return false;
+  const double left = std::floor(uv.x()) - Width / 2, top = std::floor(uv.y()) - Width / 2;
+  if (left < 0 || top < 0 || left + Width >= image.width || top + Width >= image.height) return false;
   const auto fu = static_cast<float>(uv.x() - std::floor(uv.x()));
   const auto fv = static_cast<float>(uv.y() - std::floor(uv.y()));
   const float w00 = (1 - fu) * (1 - fv), w10 = fu * (1 - fv), w01 = (1 - fu) * fv, w11 = fu * fv;
   const std::uint8_t* row =
       image.data + static_cast<std::ptrdiff_t>(top) * image.stride + static_cast<std::ptrdiff_t>(left);
-  for (int v = 0; v < kWidth; ++v, row += image.stride) {
+  for (int v = 0; v < Width; ++v, row += image.stride) {
     const std::uint8_t* below = row + image.stride;
-    for (int u = 0; u < kWidth; ++u) {
-      values[v * kWidth + u] = w00 * row[u] + w10 * row[u + 1] + w01 * below[u] + w11 * below[u + 1];
+    for (int u = 0; u < Width; ++u) {
+      values(v, u) = w00 * row[u] + w10 * row[u + 1] + w01 * below[u] + w11 * below[u + 1];
     }
   }
   return true;
 }
+
+}  // namespace
 
 /// Grey values at uv + A x, for the points x of the square.
 bool Patch::sample(const GreyImage& image, const Eigen::Vector2d& uv, const Eigen::Matrix2d& A,
@@ -74,26 +76,33 @@ bool Patch::sample(const GreyImage& image, const Eigen::Vector2d& uv, const Eige
   return true;
 }
 
-std::optional<Patch> Patch::cut(const GreyImage& image, const Eigen::Vector2d& uv) {
-  Patch patch;
-  Values left, right, above, below;
-  const Eigen::Vector2d du(1, 0), dv(0, 1);
-  if (!sample(image, uv, patch.value_) || !sample(image, uv - du, left) || !sample(image, uv + du, right) ||
-      !sample(image, uv - dv, above) || !sample(image, uv + dv, below)) {
-    return std::nullopt;
+/// For each point of the square its u (or v), from -1 at one edge to 1 at the other.
+Patch::Values Patch::unit_grid(bool along_u) {
+  Values values;
+  for (int i = 0; i < kArea; ++i) {
+    values[i] = static_cast<float>((along_u ? i % kWidth : i / kWidth) - kRadius) / kRadius;
   }
+  return values;
+}
+
+std::optional<Patch> Patch::cut(const GreyImage& image, const Eigen::Vector2d& uv) {
+  // With a margin of a pixel, for the gradients.
+  Eigen::Matrix<float, kWidth + 2, kWidth + 2, Eigen::RowMajor> wide;
+  if (!sample_upright(image, uv, wide)) return std::nullopt;
+  Patch patch;
+  const auto square = [](Values& values) { return Eigen::Map<Square>(values.data()); };
+  square(patch.value_) = wide.block<kWidth, kWidth>(1, 1);
   patch.value_.array() -= patch.value_.mean();
   const float contrast = patch.value_.norm();
   if (contrast * contrast < kMinTexture * kArea) return std::nullopt;
   patch.value_ /= contrast;
 
-  const Values gradient_u = 0.5f * (right - left), gradient_v = 0.5f * (below - above);
-  for (int i = 0; i < kArea; ++i) {
-    const float x = static_cast<float>(i % kWidth - kRadius) / kRadius;
-    const float y = static_cast<float>(i / kWidth - kRadius) / kRadius;
-    const float gu = gradient_u[i], gv = gradient_v[i];
-    patch.descent_.row(i) << gu, gv, gu * x, gv * x, gu * y, gv * y;
-  }
+  Values gradient_u, gradient_v;
+  square(gradient_u) = 0.5f * (wide.block<kWidth, kWidth>(1, 2) - wide.block<kWidth, kWidth>(1, 0));
+  square(gradient_v) = 0.5f * (wide.block<kWidth, kWidth>(2, 1) - wide.block<kWidth, kWidth>(0, 1));
+  static const Values kX = unit_grid(true), kY = unit_grid(false);
+  patch.descent_ << gradient_u, gradient_v, gradient_u.cwiseProduct(kX), gradient_v.cwiseProduct(kX),
+      gradient_u.cwiseProduct(kY), gradient_v.cwiseProduct(kY);
   for (auto descent : patch.descent_.colwise()) {
     descent.array() -= descent.mean();
     descent -= descent.dot(patch.value_) * patch.value_;
@@ -112,10 +121,14 @@ std::optional<PatchFit> Patch::find(const GreyImage& image, const PatchFit& star
                                     double max_shift_px) const {
   PatchFit fit = start;
   Values seen;
+  Square upright;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    const bool inside =
-        fit.A.isIdentity(0.0) ? sample(image, fit.uv, seen) : sample(image, fit.uv, fit.A, seen);
-    if (!inside) return std::nullopt;
+    if (fit.A.isIdentity(0.0)) {
+      if (!sample_upright(image, fit.uv, upright)) return std::nullopt;
+      seen = Eigen::Map<const Values>(upright.data());
+    } else if (!sample(image, fit.uv, fit.A, seen)) {
+      return std::nullopt;
+    }
     seen.array() -= seen.mean();
     const float contrast = seen.norm();
     const float gain = seen.dot(value_);

@@ -39,7 +39,9 @@ class Patch {
   static constexpr int kArea = kWidth * kWidth;
   using Values = Eigen::Matrix<float, kArea, 1>;
 
-  static bool sample(const GreyImage& image, const Eigen::Vector2d& uv, Values& values);
+  using Square = Eigen::Matrix<float, kWidth, kWidth, Eigen::RowMajor>;  ///< the same values, row by row
+
+  static Values unit_grid(bool along_u);
   static bool sample(const GreyImage& image, const Eigen::Vector2d& uv, const Eigen::Matrix2d& A,
                      Values& values);
 

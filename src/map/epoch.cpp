@@ -92,11 +92,15 @@ void Estimate::carry_active(const std::vector<Move>& kept) {
     if (kept[k].tenant.owner == Owner::kAnchorAttitude) {
       const Matrix3d turned_back = so3_exp(-kept[k].displacement);
       P.transform_triplet(at, turned_back);
-      dormant_.transform_column(column, turned_back);
+      if (!dormant_.empty()) {
+        dormant_.transform_column(column, turned_back);
+      }
     } else if (is_world_vector(kept[k].tenant)) {
       const Matrix3d C = -skew(kept[k].displacement) * nav.T_world_body.R;
       U.middleRows<kTriplet>(at) = C;
-      dormant_.couple_column(column, L::kAttitude, C);
+      if (!dormant_.empty()) {
+        dormant_.couple_column(column, L::kAttitude, C);
+      }
     }
   }
   add_attitude_coupling(U);
