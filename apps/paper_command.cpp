@@ -82,7 +82,9 @@ void add_paper_command(CLI::App& app) {
   auto arguments = std::make_shared<PaperArguments>();
   CLI::App* command =
       app.add_subcommand("paper", "The paper's whole experiment: figures 3 to 18 and table 1");
-  command->add_option("--out", arguments->out, "Folder for paper.sqlite, made or gone on with, and paper.html")->required();
+  command
+      ->add_option("--out", arguments->out, "Folder for paper.sqlite, made or gone on with, and paper.html")
+      ->required();
   command->add_option("--figure", arguments->figures, "Only this one; may be given several times")
       ->check(known_figure());
   command

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "report_files.hpp"
 
+#include <system_error>
+
 #include "limber/report/run_report.hpp"
 #include "limber/report/study_report.hpp"
 #include "limber/report/write_report.hpp"
@@ -19,11 +21,13 @@ void make_report(const fs::path& results, const fs::path& page) {
 }
 
 void make_report_beside(const fs::path& results) {
+  const fs::path page = default_report_path(results);
+  std::error_code ignored;
+  fs::remove(page, ignored);
   if (!can_write_reports()) {
     print_note("the report is left out: " + why_no_reports());
     return;
   }
-  const fs::path page = default_report_path(results);
   make_report(results, page);
   print_note("written: " + page.string());
 }

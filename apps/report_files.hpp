@@ -15,8 +15,8 @@ namespace limber::app {
 /// @throws std::runtime_error if this program was built without the page
 void make_report(const std::filesystem::path& results, const std::filesystem::path& page);
 
-/// The page at its default place, and a note that says so. A program built without the page says that
-/// instead.
+/// The page at its default place, instead of an older one, and a note that says so. A program built without
+/// the page says that instead.
 void make_report_beside(const std::filesystem::path& results);
 
 }  // namespace limber::app

@@ -9,12 +9,15 @@ packages=(
   libyaml-cpp-dev libfmt-dev nlohmann-json3-dev libcli11-dev  # datasets, simulator, program
   libopencv-dev                   # image front end
   libsqlite3-dev libtbb-dev libopenmpi-dev openmpi-bin  # studies
+  nodejs npm chromium             # the page of reports, and a browser to test it
   libgtest-dev libgmock-dev libbenchmark-dev  # tests and benchmarks
   clang-format python3            # scripts/
 )
 
+# npm may have come with another nodejs than Debian's, which the Debian package would not go with.
 is_installed() {
-  [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" == installed ]]
+  [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null)" == installed ]] ||
+    { [[ "$1" == npm || "$1" == nodejs ]] && command -v "${1/nodejs/node}" >/dev/null; }
 }
 
 missing=()

@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 
 using testing::data_error_of;
 using testing::read_text;
+using testing::replaced;
 using testing::TemporaryFolder;
 using testing::write_text;
 
@@ -140,6 +141,48 @@ TEST(LandmarksPly, MakesRoomForLongIds) {
   write_landmarks_ply(folder.path() / "landmarks.ply", {{5'000'000'000, {0, 0, 0}}});
   const std::string text = read_text(folder.path() / "landmarks.ply");
   EXPECT_NE(text.find("property double id\nend_header\n0 0 0 5000000000\n"), std::string::npos) << text;
+}
+
+TEST(LandmarksPly, IsReadBack) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "landmarks.ply";
+  const std::map<std::int64_t, Eigen::Vector3d> landmarks = {{12, {1.5, -2, 0.125}},
+                                                             {5'000'000'000, {0, 0, 3}}};
+  write_landmarks_ply(path, landmarks);
+  EXPECT_EQ(read_landmarks_ply(path), landmarks);
+  write_landmarks_ply(path, {});
+  EXPECT_TRUE(read_landmarks_ply(path).empty());
+}
+
+TEST(LandmarksPly, IsReadWithColumnsInAnyOrder) {
+  const TemporaryFolder folder;
+  const fs::path path =
+      write_text(folder.path() / "l.ply",
+                 "ply\nformat ascii 1.0\nelement vertex 1\nproperty int id\nproperty uchar red\n"
+                 "property float z\nproperty float x\nproperty float y\nend_header\n7 255 3 1 2\n");
+  EXPECT_EQ(read_landmarks_ply(path), (std::map<std::int64_t, Eigen::Vector3d>{{7, {1, 2, 3}}}));
+}
+
+TEST(LandmarksPly, NamesTheLineThatIsWrong) {
+  const TemporaryFolder folder;
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+      "property int id\nend_header\n";
+  const std::vector<std::pair<std::string, std::size_t>> bad = {
+      {"obj\n", 1},
+      {replaced(head, "ascii", "binary_little_endian"), 2},
+      {replaced(head, "vertex 2", "vertex -2"), 3},
+      {replaced(head, "property int id\n", ""), 7},
+      {head + "0 0 0 1\n", 10},
+      {head + "0 0 0 1\n0 0 0\n", 10},
+      {head + "0 0 0 1\n0 nan 0 2\n", 10},
+      {head + "0 0 0 1\n0 0 0 1\n", 10},
+  };
+  for (const auto& [text, line] : bad) {
+    const DataError error =
+        data_error_of([&] { (void)read_landmarks_ply(write_text(folder.path() / "l.ply", text)); });
+    EXPECT_EQ(error.line(), line) << text;
+  }
 }
 
 TEST(LandmarksPly, IsNotWrittenWithAPointNowhere) {

@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "datasets/files.hpp"
 #include "limber/core/so3.hpp"
+#include "limber/run/run_files.hpp"
 #include "run/short_recording.hpp"
 
 namespace limber {
@@ -115,6 +117,72 @@ TEST(WriteRunOutput, WritesEveryFileAndNothingElse) {
   EXPECT_EQ(read_tum(out / "trajectory.tum").size(), rows.size());
   const std::string frames = testing::read_text(out / "frames.csv");
   EXPECT_EQ(std::count(frames.begin(), frames.end(), '\n'), 42);
+}
+
+TEST(WriteRunOutput, LeavesTheTruthInTheWorldOfTheEstimate) {
+  const TemporaryFolder folder;
+  const Judged run(short_recording(), StartMode::kAuto);
+  write_run_output(folder.path(), run.options, run.record, run.summary);
+  const std::vector<StampedPose> truth = read_tum(folder.path() / "truth.tum");
+  ASSERT_EQ(truth.size(), run.record.trajectory.size());
+  const Pose& start = run.record.trajectory.front().T_world_body;
+  EXPECT_NEAR((truth.front().T_world_body.p - start.p).norm(), 0.0, 1e-9);
+  // Errors in this world are those of the summary, which was aligned at the first pose.
+  double squares = 0.0;
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    squares += (truth[k].T_world_body.p - run.record.trajectory[k].T_world_body.p).squaredNorm();
+  }
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(truth.size())), *run.summary.position_rmse_m, 1e-9);
+}
+
+TEST(WriteRunOutput, TakesAwayTheTruthOfAnOlderRun) {
+  const TemporaryFolder folder;
+  const Judged known(short_recording());
+  write_run_output(folder.path(), known.options, known.record, known.summary);
+  const Judged unknown(without_truth(), StartMode::kAuto);
+  write_run_output(folder.path(), unknown.options, unknown.record, unknown.summary);
+  EXPECT_FALSE(fs::exists(folder.path() / "truth.tum"));
+}
+
+TEST(WriteRunOutput, SummaryHoldsWhatTheUserChose) {
+  const TemporaryFolder folder;
+  Judged run(short_recording());
+  run.options.assume_error << 0.0, M_PI / 180.0, 0.0, 0.1, 0.0, 0.0;
+  write_run_output(folder.path(), run.options, run.record, run.summary);
+  const Json options = Json::parse(testing::read_text(folder.path() / "summary.json"))["options"];
+  EXPECT_EQ(options["method"], "lcekf");
+  EXPECT_TRUE(options["constraints"].is_null());
+  EXPECT_NEAR(options["assume_error_deg_m"][1].get<double>(), 1.0, 1e-12);
+  EXPECT_EQ(options["assume_error_deg_m"][3], 0.1);
+  EXPECT_EQ(options["init"], "groundtruth");
+}
+
+TEST(ReadFramesCsv, GivesBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  const Judged run(short_recording());
+  write_run_output(folder.path(), run.options, run.record, run.summary);
+  const std::vector<FrameRow> rows = read_frames_csv(folder.path() / "frames.csv");
+  ASSERT_EQ(rows.size(), run.record.frames.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const FrameReport& frame = run.record.frames[k];
+    EXPECT_EQ(rows[k].t_ns, frame.t_ns);
+    EXPECT_EQ(rows[k].used, frame.used);
+    EXPECT_EQ(rows[k].born, frame.born);
+    EXPECT_EQ(rows[k].refused, frame.refused.size());
+    EXPECT_EQ(rows[k].nis, frame.nis);
+    EXPECT_EQ(static_cast<Eigen::Index>(rows[k].dof), frame.dof);
+    EXPECT_NEAR(rows[k].filter_ms, run.record.frame_ms[k], 1e-3);
+  }
+}
+
+TEST(ReadFramesCsv, NamesTheLineThatIsWrong) {
+  const TemporaryFolder folder;
+  const fs::path file = testing::write_text(folder.path() / "frames.csv",
+                                            "#head\n0,1,1,0,0,0,0,1.5,4,0,0.1,0.1\n"
+                                            "5,1,-1,0,0,0,0,1.5,4,0,0.1,0.1\n");
+  const DataError error = testing::data_error_of([&] { (void)read_frames_csv(file); });
+  EXPECT_EQ(error.line(), 3u);
+  EXPECT_THAT(error.what(), ::testing::HasSubstr("a count"));
 }
 
 TEST(WriteRunOutput, GivesEveryRowOfATableAsManyCellsAsItsHeader) {

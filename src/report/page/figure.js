@@ -43,7 +43,7 @@ class FigureView {
   addTools() {
     if (this.figure.variants.length > 0) {
       this.variantButtons = this.figure.variants.map((variant) => element('button', {
-        type: 'button', 'aria-pressed': 'false', onclick: () => this.change({ hidden: new Set(variant.hidden_styles) }),
+        type: 'button', 'aria-pressed': 'false', onclick: () => this.show(variant.label),
       }, variant.label));
       this.tools.append(element('div', { class: 'segments', role: 'group', 'aria-label': 'Curves shown' }, ...this.variantButtons));
     }
@@ -67,6 +67,15 @@ class FigureView {
     }
   }
 
+  /** One of the figure's variants, by its label. */
+  show(label) {
+    const variant = this.figure.variants.find((v) => v.label === label);
+    if (!variant) {
+      throw new Error(`${this.figure.id} has no variant '${label}', but: ${this.figure.variants.map((v) => v.label).join(', ')}`);
+    }
+    this.change({ hidden: new Set(variant.hidden_styles) });
+  }
+
   toggle(style) {
     const hidden = new Set(this.view.hidden);
     if (!hidden.delete(style)) {
@@ -77,7 +86,7 @@ class FigureView {
 
   change(part) {
     Object.assign(this.view, part);
-    this.refresh();
+    return this.refresh();
   }
 
   /** Switches and legend as they are now, and the plot, if it has been drawn before. */

@@ -124,7 +124,10 @@ function setTheme(theme, page) {
   return page.refresh();
 }
 
-/** Paper is white: light colours while the page is printed, and every figure drawn. */
+const PRINT_WIDTH = 640;  // pixels of 1/96 inch: fits A4 and Letter with wide margins
+
+/** Paper is white and narrow: light colours while the page is printed, figures drawn (those in space only if
+ *  they were on the screen, since WebGL takes its time), wide ones scaled. */
 function drawForPrint(page) {
   let before = currentTheme();
   window.addEventListener('beforeprint', () => {
@@ -134,9 +137,17 @@ function drawForPrint(page) {
       if (!view.drawn && view.figure.kind !== 'space') {
         view.draw();
       }
+      view.root.hidden = !view.drawn;
+      view.plot.style.zoom = Math.min(1, PRINT_WIDTH / view.plot.clientWidth);
     }
   });
-  window.addEventListener('afterprint', () => setTheme(before, page));
+  window.addEventListener('afterprint', () => {
+    for (const view of page.figures.values()) {
+      view.root.hidden = false;
+      view.plot.style.zoom = '';
+    }
+    setTheme(before, page);
+  });
 }
 
 /** 32-bit floats, little-endian, from base64; NaN is a gap. */
@@ -158,11 +169,27 @@ function start() {
     setTheme(currentTheme() === 'dark' ? 'light' : 'dark', page));
   drawForPrint(page);
   // For scripts: the document, and any figure as an image for a paper (docs/report.md).
+  const view = (id) => {
+    if (!page.figures.has(id)) {
+      throw new Error(`this report has no figure '${id}'`);
+    }
+    return page.figures.get(id);
+  };
   window.limberReport = {
     document: page.document,
-    plot: (id) => page.figures.get(id).plot,
-    draw: (id) => page.figures.get(id).draw(),
-    image: (id, format, size) => page.figures.get(id).image(format, size),
+    figures: () => [...page.figures.values()].map(({ figure }) => ({
+      id: figure.id, title: figure.title, variants: figure.variants.map((v) => v.label) })),
+    plot: (id) => view(id).plot,
+    draw: (id) => view(id).draw(),
+    image: (id, format, size, { variant, log } = {}) => {
+      if (variant) {
+        view(id).show(variant);
+      }
+      if (log !== undefined) {
+        view(id).change({ log });
+      }
+      return view(id).image(format, size);
+    },
   };
 }
 

@@ -253,6 +253,7 @@ test('nothing sticks out of a phone screen, and print is white', async () => {
     await page.setViewportSize({ width: 390, height: 844 });
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
     await page.emulateMedia({ colorScheme: 'dark' });
+    await page.waitForFunction(() => document.documentElement.dataset.theme === 'dark');
     await page.evaluate(() => window.dispatchEvent(new Event('beforeprint')));
     assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), 'light');
     await page.evaluate(() => window.dispatchEvent(new Event('afterprint')));
