@@ -233,9 +233,14 @@ void Navigator::book(const StackedFrame& stacked, const std::vector<bool>& accep
   }
 }
 
-void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, FrameReport& report) {
-  const StackedFrame stacked =
-      stack_frame(estimate_, frame, rig_, options_.sigma_px, newborn, report.refused);
+void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, const RigParameters& shift,
+                            FrameReport& report) {
+  StackedFrame stacked = stack_frame(estimate_, frame, rig_, options_.sigma_px, newborn, report.refused);
+  if (!shift.isZero(0.0)) {
+    // r = H dx + D (theta - assumed) + noise, wherever it is linearised. What is constrained does not notice;
+    // what is trusted, or expected to be small (soft), is the assumed rig and not the operating point.
+    stacked.measurement.residual += stacked.measurement.D * shift;
+  }
   std::vector<bool> accepted(stacked.track_ids.size(), true);
   if (stacked.measurement.rows() > 0) {
     const ParameterTreatment how = treatment();
@@ -288,15 +293,17 @@ FrameReport Navigator::process(const StereoFrame& raw) {
   predict_to(frame.t_ns);
   rest_and_recall(estimate_, frame, last_frame_ns_, options_.upkeep);
   const bool bear_before = options_.birth.mode == BirthMode::kDiffuse;
+  RigParameters shift = RigParameters::Zero();
   if (bear_before) {
     StereoCalibration here = calibration_;
     here.theta = operating_point(estimate_, frame, calibration_, options_.sigma_px);
+    shift = here.theta - calibration_.theta;
     rig_ = mount(here);
   }
   report.removed = forget_misplaced(estimate_, frame, last_frame_ns_, rig_[0], options_.upkeep);
   last_frame_ns_ = frame.t_ns;
   Newborn newborn = bear_before ? bear(frame) : Newborn{};
-  update_with(frame, newborn, report);
+  update_with(frame, newborn, shift, report);
   if (!bear_before) {
     newborn = bear(frame);
   }

@@ -101,7 +101,9 @@ class Navigator {
   [[nodiscard]] Transition predict_step(const InputStep& step);
   [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns);
   [[nodiscard]] Newborn bear(const StereoFrame& frame);
-  void update_with(const StereoFrame& frame, const Newborn& newborn, FrameReport& report);
+  /// @param shift  from the assumed rig to the one at which this frame is linearised
+  void update_with(const StereoFrame& frame, const Newborn& newborn, const RigParameters& shift,
+                   FrameReport& report);
   void book(const StackedFrame& stacked, const std::vector<bool>& accepted, const Newborn& newborn,
             FrameReport& report);
   [[nodiscard]] ParameterTreatment treatment() const;

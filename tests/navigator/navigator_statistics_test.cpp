@@ -82,6 +82,21 @@ TEST(NavigatorStatistics, OnAnExactRigAllAreConsistentAndTrustIsWorthSomething) 
   EXPECT_LT(lcekf.squared, mono_left.squared);
 }
 
+TEST(NavigatorStatistics, WhoExpectsNoErrorOfTheRigIsAsGoodAsWhoTrustsIt) {
+  double soft = 0.0, ekf = 0.0, nees = 0.0;
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    const Scene scene = exact_rig(seed);
+    NavigatorOptions options = with_method(scene, Method::kSoft);
+    options.theta_sigma.setConstant(1e-9);
+    const Outcome one = judge(scene, options);
+    soft += one.squared;
+    nees += one.end_nees;
+    ekf += judge(scene, with_method(scene, Method::kEkf)).squared;
+  }
+  EXPECT_LE(nees, chi_square_quantile(1.0 - 1e-6, 6.0 * kRuns));
+  EXPECT_NEAR(soft, ekf, 0.05 * ekf);  // within 1 %; a quarter worse where the frame's own rig is believed
+}
+
 TEST(NavigatorStatistics, OnAWrongRigTheConstrainedOneStaysConsistentAndTheEkfDoesNot) {
   const auto scene_of = [](std::uint64_t seed) { return make_scene(wrong_rig(seed)); };
   const Outcome lcekf = judge_runs(scene_of, Method::kLcekf);
