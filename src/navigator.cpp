@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/navigator.hpp"
 
+#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -18,12 +19,21 @@ using Eigen::MatrixXd;
 
 namespace {
 
+constexpr double kWitnessSigma = 10.0;  // plausible errors: 1 deg, 50 % of the baseline
+
 bool has_theta(Method method) { return method == Method::kEkfFull || method == Method::kConsider; }
 
 bool constrains(const NavigatorOptions& options) {
   return options.method == Method::kLcekf && (options.constraints.kind != ConstraintSet::Kind::kListed ||
                                               options.constraints.listed != std::array<bool, 6>{});
 }
+
+bool watches(const NavigatorOptions& options) {
+  return options.health.has_value() && options.method != Method::kMonoLeft;
+}
+
+/// The witness lives on the rows that a constraint leaves.
+bool has_witness(const NavigatorOptions& options) { return watches(options) && constrains(options); }
 
 /// Where theta is trusted a newborn may believe all its pixels at once: lcekf without constraints is the ekf.
 BirthMode birth_mode(const NavigatorOptions& options) {
@@ -53,8 +63,12 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
                                 " m, expected a positive one");
   }
   const RigParameters sigma = theta_sigma(options, calibration);
-  return {StateLayout{options.motion, has_theta(options.method)}, initial.nav, initial.body_covariance,
-          calibration.theta, sigma.cwiseAbs2().asDiagonal()};
+  Estimate out(StateLayout{options.motion, has_theta(options.method), has_witness(options)}, initial.nav,
+               initial.body_covariance, calibration.theta, sigma.cwiseAbs2().asDiagonal());
+  if (has_witness(options)) {
+    out.restart_witness(kWitnessSigma);
+  }
+  return out;
 }
 
 /// The frame as a method sees it: mono-left does not look through the right camera.
@@ -110,7 +124,11 @@ Navigator::Navigator(const NavigatorOptions& options, const StereoCalibration& c
     : options_(completed(options)),
       calibration_(calibration),
       rig_(mount(calibration)),
-      estimate_(make_estimate(options_, calibration, initial)) {}
+      estimate_(make_estimate(options_, calibration, initial)) {
+  if (watches(options_)) {
+    monitor_.emplace(*options_.health, calibration.baseline());
+  }
+}
 
 void Navigator::add_imu(const ImuSample& sample) {
   if (options_.motion != MotionModel::kImu) {
@@ -190,7 +208,39 @@ ParameterTreatment Navigator::treatment() const {
   } else if (options_.method == Method::kSoft) {
     out.white_covariance = theta_sigma(options_, calibration_).cwiseAbs2().asDiagonal();
   }
+  if (has_witness(options_)) {
+    out.watched = out.constrained;
+    out.witness = Witness{estimate_.layout().witness(), estimate_.witness};
+  } else if (watches(options_)) {
+    out.watched = plausible_error(calibration_.baseline()).asDiagonal();
+  }
   return out;
+}
+
+void Navigator::watch(const ParameterTreatment& how, const UpdateReport& update, FrameReport& report) {
+  HealthInput input;
+  input.t_ns = report.t_ns;
+  input.directions = how.watched;
+  input.frame = update.evidence;
+  input.nis = update.nis;
+  input.dof = static_cast<double>(update.dof);
+  if (how.witness) {
+    const Index k = how.watched.cols();
+    const MatrixXd P = estimate_.P.diagonal_block<kWitnessSize>(how.witness->at);
+    const MatrixXd information = P.llt().solve(MatrixXd::Identity(kWitnessSize, kWitnessSize));
+    ParameterEvidence gathered{information.topLeftCorner(k, k), (information * estimate_.witness).head(k)};
+    gathered.information.diagonal().array() -= 1.0 / (kWitnessSigma * kWitnessSigma);
+    input.gathered = gathered;
+  } else if (!update.evidence.empty()) {
+    // Of a filter that trusts theta, NIS also counts what theta would explain.
+    const EvidenceStatistic explained = statistic(update.evidence, 1.0 / (kWitnessSigma * kWitnessSigma));
+    input.nis -= explained.value;
+    input.dof -= static_cast<double>(explained.dof);
+  }
+  report.health = monitor_->judge(input);
+  if (how.witness && monitor_->restarts()) {
+    estimate_.restart_witness(kWitnessSigma);
+  }
 }
 
 Navigator::Newborn Navigator::bear(const StereoFrame& frame) {
@@ -275,6 +325,9 @@ void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, co
     report.nis = update_report.nis;
     report.dof = update_report.dof;
     report.rank = update_report.rank;
+    if (monitor_) {
+      watch(how, update_report, report);
+    }
   }
   if (options_.method == Method::kEkfFull) {
     calibration_.theta = estimate_.theta;

@@ -4,9 +4,11 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
+#include "limber/health/health_monitor.hpp"
 #include "limber/map/birth.hpp"
 #include "limber/map/estimate.hpp"
 #include "limber/map/stack_frame.hpp"
@@ -44,6 +46,8 @@ struct NavigatorOptions {
   UpkeepOptions upkeep;
   bool gate = true;
   double gate_probability = 0.999;  ///< chance that a good point passes
+  /// Watches the calibration; nothing: off. mono-left has nothing to watch.
+  std::optional<HealthOptions> health = HealthOptions{};
 };
 
 /// Where to start.
@@ -65,6 +69,7 @@ struct FrameReport {
   std::size_t removed = 0;
   bool gate_overruled = false;  ///< the gate would have refused most points, so it refused none
   std::vector<Refusal> refused;
+  std::optional<HealthReport> health;  ///< if watched
 };
 
 /// @brief Stereo navigation for a rig that bends: inputs in, frames in, state out.
@@ -107,12 +112,14 @@ class Navigator {
   void book(const StackedFrame& stacked, const std::vector<bool>& accepted, const Newborn& newborn,
             FrameReport& report);
   [[nodiscard]] ParameterTreatment treatment() const;
+  void watch(const ParameterTreatment& how, const UpdateReport& update, FrameReport& report);
 
   NavigatorOptions options_;
   StereoCalibration calibration_;  // theta is the one in use
   MountedRig rig_;
   Estimate estimate_;
   InputBuffer inputs_;
+  std::optional<HealthMonitor> monitor_;
   std::int64_t last_frame_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 

@@ -2,6 +2,8 @@
 #include "limber/update/update.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -33,6 +35,20 @@ void add_white_covariance(Innovation& innovation, const ParameterTreatment& trea
   }
 }
 
+/// The evidence that S without Sigma_w would have given: with M = (DB)ᵀ S⁻¹ (DB) and Sigma = Cov(beta),
+/// M' = (M⁻¹ + Sigma)⁻¹, so that M = (I − M' Sigma)⁻¹ M', and the vector alike.
+void take_out_white(ParameterEvidence& evidence, const ParameterTreatment& treatment) {
+  if (treatment.white_covariance.size() > 0) {
+    const MatrixXd inverse = treatment.watched.completeOrthogonalDecomposition().pseudoInverse();
+    const MatrixXd Sigma = inverse * treatment.white_covariance * inverse.transpose();
+    const Eigen::PartialPivLU<MatrixXd> lu(MatrixXd::Identity(Sigma.rows(), Sigma.cols()) -
+                                           evidence.information * Sigma);
+    const MatrixXd information = lu.solve(evidence.information);
+    evidence.information = 0.5 * (information + information.transpose());
+    evidence.vector = lu.solve(evidence.vector).eval();
+  }
+}
+
 /// Eigen calls a factor with NaN on its diagonal a success.
 template <typename Matrix>
 bool is_positive_definite(const Eigen::LLT<Matrix>& llt) {
@@ -61,11 +77,14 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
   }
   add_white_covariance(innovation, treatment);
 
+  const bool watches = treatment.watched.cols() > 0;
+  MatrixXd DB = watches ? MatrixXd(innovation.D * treatment.watched) : MatrixXd(m, 0);
   Index rank = 0;
   if (treatment.constrained.cols() > 0) {
     const NullSpaceProjection projection(innovation.D * treatment.constrained);
     rank = projection.rank();
     projection.apply_left(innovation.r);
+    projection.apply_left(DB);
     projection.apply_right(innovation.PHt);
     projection.apply_both(innovation.S);
   }
@@ -74,22 +93,34 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
     return untouched(UpdateStatus::kEmpty, P.size());
   }
 
-  Eigen::Ref<MatrixXd> S = innovation.S.topLeftCorner(dof, dof);
+  // The rows that the constraint takes away stand last: whoever watches them factorises them as well.
+  const Index rows = watches ? m : dof;
+  Eigen::Ref<MatrixXd> S = innovation.S.topLeftCorner(rows, rows);
   const Eigen::LLT<Eigen::Ref<MatrixXd>> llt(S);  // in place
   if (!is_positive_definite(llt)) {
     return untouched(UpdateStatus::kSingularInnovation, P.size());
   }
   // With S = L Lᵀ: W = P Hᵀ L⁻ᵀ, dx = W L⁻¹ r, P -= W Wᵀ.
-  const VectorXd y = llt.matrixL().solve(innovation.r.head(dof));
-  auto W = innovation.PHt.leftCols(dof);
+  const VectorXd y = llt.matrixL().solve(innovation.r.head(rows));
+  auto W = innovation.PHt.leftCols(rows);
   llt.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(W);
   UpdateReport report;
   report.status = UpdateStatus::kUpdated;
-  report.dx.noalias() = W * y;
-  report.nis = y.squaredNorm();
+  report.dx.noalias() = W.leftCols(dof) * y.head(dof);
+  report.nis = y.head(dof).squaredNorm();
   report.dof = dof;
   report.rank = rank;
-  P.subtract_outer(W);
+  P.subtract_outer(W.leftCols(dof));
+  if (watches) {
+    llt.matrixL().solveInPlace(DB);
+    report.evidence = {DB.transpose() * DB, DB.transpose() * y};
+    take_out_white(report.evidence, treatment);
+  }
+  if (treatment.witness && rank > 0) {
+    auto own = report.dx.segment<kWitnessSize>(treatment.witness->at);
+    own += learn(P, treatment.witness->at, treatment.witness->mean + own,
+                 {y.tail(rank), DB.bottomRows(rank), W.rightCols(rank)});
+  }
   return report;
 }
 
