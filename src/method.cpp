@@ -58,6 +58,8 @@ std::string to_string(Method method) {
       return "soft";
     case Method::kConsider:
       return "consider";
+    case Method::kAdaptive:
+      return "adaptive";
     case Method::kMonoLeft:
       return "mono-left";
     case Method::kOracle:

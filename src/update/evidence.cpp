@@ -2,6 +2,7 @@
 #include "limber/update/evidence.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 
 namespace limber {
 
@@ -19,6 +20,16 @@ EvidenceStatistic statistic(const ParameterEvidence& evidence, double weakest) {
     }
   }
   return out;
+}
+
+ParameterEvidence without_white(const ParameterEvidence& evidence,
+                                const Eigen::Ref<const Eigen::MatrixXd>& Sigma) {
+  // With M = (DB)ᵀ S⁻¹ (DB) it was M' = (M⁻¹ + Sigma)⁻¹: M = (I − M' Sigma)⁻¹ M', and the vector alike.
+  const Eigen::Index k = Sigma.rows();
+  const Eigen::PartialPivLU<Eigen::MatrixXd> lu(Eigen::MatrixXd::Identity(k, k) -
+                                                evidence.information * Sigma);
+  const Eigen::MatrixXd information = lu.solve(evidence.information);
+  return {0.5 * (information + information.transpose()), lu.solve(evidence.vector)};
 }
 
 }  // namespace limber

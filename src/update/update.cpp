@@ -2,8 +2,6 @@
 #include "limber/update/update.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -32,20 +30,6 @@ void check(const Innovation& innovation, const ParameterTreatment& treatment) {
 void add_white_covariance(Innovation& innovation, const ParameterTreatment& treatment) {
   if (treatment.white_covariance.size() > 0) {
     innovation.S.noalias() += innovation.D * (treatment.white_covariance * innovation.D.transpose()).eval();
-  }
-}
-
-/// The evidence that S without Sigma_w would have given: with M = (DB)ᵀ S⁻¹ (DB) and Sigma = Cov(beta),
-/// M' = (M⁻¹ + Sigma)⁻¹, so that M = (I − M' Sigma)⁻¹ M', and the vector alike.
-void take_out_white(ParameterEvidence& evidence, const ParameterTreatment& treatment) {
-  if (treatment.white_covariance.size() > 0) {
-    const MatrixXd inverse = treatment.watched.completeOrthogonalDecomposition().pseudoInverse();
-    const MatrixXd Sigma = inverse * treatment.white_covariance * inverse.transpose();
-    const Eigen::PartialPivLU<MatrixXd> lu(MatrixXd::Identity(Sigma.rows(), Sigma.cols()) -
-                                           evidence.information * Sigma);
-    const MatrixXd information = lu.solve(evidence.information);
-    evidence.information = 0.5 * (information + information.transpose());
-    evidence.vector = lu.solve(evidence.vector).eval();
   }
 }
 
@@ -114,7 +98,6 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
   if (watches) {
     llt.matrixL().solveInPlace(DB);
     report.evidence = {DB.transpose() * DB, DB.transpose() * y};
-    take_out_white(report.evidence, treatment);
   }
   if (treatment.witness && rank > 0) {
     auto own = report.dx.segment<kWitnessSize>(treatment.witness->at);

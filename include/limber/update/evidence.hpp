@@ -25,4 +25,9 @@ struct EvidenceStatistic {
 /// @param weakest  directions with less information than this, one over the variance of beta, do not count
 [[nodiscard]] EvidenceStatistic statistic(const ParameterEvidence& evidence, double weakest);
 
+/// @brief The same evidence as if S had not held the share D Sigma_w Dᵀ of a time-white beta.
+/// @param Sigma  k×k, covariance of beta that was part of S
+[[nodiscard]] ParameterEvidence without_white(const ParameterEvidence& evidence,
+                                              const Eigen::Ref<const Eigen::MatrixXd>& Sigma);
+
 }  // namespace limber
