@@ -86,8 +86,8 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
   UpdateReport report;
   report.status = UpdateStatus::kUpdated;
   report.dx.noalias() = W * y;
-  report.nis = y.squaredNorm();
-  report.dof = dof;
+  report.nis = y.squaredNorm() + innovation.noise.squared_norm;
+  report.dof = dof + innovation.noise.rows;
   report.rank = rank;
   P.subtract_outer(W);
   return report;
@@ -129,8 +129,8 @@ UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measuremen
   UpdateReport report;
   report.status = UpdateStatus::kUpdated;
   report.dx = L * innovation.r;
-  report.nis = nis;
-  report.dof = innovation.r.size() - rank;
+  report.nis = nis + innovation.noise.squared_norm;
+  report.dof = innovation.r.size() - rank + innovation.noise.rows;
   report.rank = rank;
   return report;
 }
