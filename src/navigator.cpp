@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "limber/map/operating_point.hpp"
+#include "limber/update/compress.hpp"
 #include "limber/update/gate.hpp"
 
 namespace limber {
@@ -294,8 +295,9 @@ void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, co
   std::vector<bool> accepted(stacked.track_ids.size(), true);
   if (stacked.measurement.rows() > 0) {
     const ParameterTreatment how = treatment();
-    Innovation innovation = form_innovation(estimate_.P, stacked.measurement);
+    LinearMeasurement trusted = stacked.measurement;
     if (options_.gate) {
+      const Innovation innovation = form_innovation(estimate_.P, stacked.measurement);
       const GateReport gated = gate(innovation, stacked.measurement.groups, how, options_.gate_probability);
       accepted = gated.accepted;
       report.gate_overruled = gated.overruled;
@@ -306,13 +308,13 @@ void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, co
         }
       }
       if (!gated.all_accepted()) {
-        innovation = subset(innovation, stacked.measurement.groups, accepted);
+        trusted = stacked.measurement.subset(accepted);
       }
     }
     const Eigen::Matrix<double, 6, 6> P_theta =
         has_theta(options_.method) ? estimate_.P.diagonal_block<6>(estimate_.layout().theta())
                                    : Eigen::Matrix<double, 6, 6>::Zero().eval();
-    UpdateReport update_report = update(estimate_.P, std::move(innovation), how);
+    UpdateReport update_report = update(estimate_.P, compressed(trusted), how);
     if (options_.method == Method::kConsider && update_report.status == UpdateStatus::kUpdated) {
       // Schmidt: the gain's theta rows are zero, so its block stays; the cross-covariances are those of the
       // EKF.

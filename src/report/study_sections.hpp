@@ -24,7 +24,7 @@ struct CaseContext {
 [[nodiscard]] ReportTable case_table(const StudyCaseResults& results);
 
 /// A line per case and a column per method with position RMSE and ANEES; ekf-full with other walks of theta
-/// has a table of its own. At least one table.
+/// has tables of its own, one per set of walks. At least one table.
 [[nodiscard]] std::vector<ReportTable> overview_tables(const StudyResults& results);
 
 /// Which methods a figure shows at first, and what else it offers.

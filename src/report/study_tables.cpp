@@ -67,36 +67,53 @@ const StudyMethodResults* find(const StudyCaseResults& results, const std::strin
   return it == results.methods.end() ? nullptr : &*it;
 }
 
-/// Methods with a walk of theta of their own, or all others.
-ReportTable overview_table(const StudyResults& results, bool walks) {
-  ReportTable table{"Position RMSE [m], in brackets ANEES", {"case", "runs"}, {}, ""};
-  for (const StudyCaseResults& study_case : results.cases) {
-    for (const StudyMethodResults& method : study_case.methods) {
-      const std::string& label = method.summary.label;
-      if (method.variant.walk.has_value() == walks &&
-          std::find(table.columns.begin(), table.columns.end(), label) == table.columns.end()) {
-        table.columns.push_back(label);
-      }
+/// Labels of the methods of a case that have a walk of theta of their own, or of all others.
+std::vector<std::string> labels_of(const StudyCaseResults& results, bool walks) {
+  std::vector<std::string> labels;
+  for (const StudyMethodResults& method : results.methods) {
+    if (method.variant.walk.has_value() == walks) {
+      labels.push_back(method.summary.label);
     }
   }
-  for (const StudyCaseResults& study_case : results.cases) {
-    std::vector<TableCell> row = {{study_case.info.name}, {std::to_string(study_case.info.finished)}};
-    const double best = best_position(study_case);
-    bool any = false;
-    for (std::size_t k = 2; k < table.columns.size(); ++k) {
-      const StudyMethodResults* const method = find(study_case, table.columns[k]);
-      any = any || method != nullptr;
-      row.push_back(method != nullptr ? overview_cell(*method, best) : TableCell{});
+  return labels;
+}
+
+void append_new(const std::vector<std::string>& labels, std::vector<std::string>& all) {
+  for (const std::string& label : labels) {
+    if (std::find(all.begin(), all.end(), label) == all.end()) {
+      all.push_back(label);
     }
-    if (any) {
-      table.rows.push_back(std::move(row));
+  }
+}
+
+std::vector<TableCell> overview_row(const StudyCaseResults& results, const std::vector<std::string>& labels) {
+  std::vector<TableCell> row = {{results.info.name}, {std::to_string(results.info.finished)}};
+  const double best = best_position(results);
+  for (const std::string& label : labels) {
+    const StudyMethodResults* const method = find(results, label);
+    row.push_back(method != nullptr ? overview_cell(*method, best) : TableCell{});
+  }
+  return row;
+}
+
+/// The named methods in those cases that have any of them.
+ReportTable overview_table(const StudyResults& results, const std::vector<std::string>& labels) {
+  ReportTable table{"Position RMSE [m], in brackets ANEES", {"case", "runs"}, {}, ""};
+  table.columns.insert(table.columns.end(), labels.begin(), labels.end());
+  for (const StudyCaseResults& study_case : results.cases) {
+    if (std::any_of(labels.begin(), labels.end(),
+                    [&](const std::string& label) { return find(study_case, label) != nullptr; })) {
+      table.rows.push_back(overview_row(study_case, labels));
     }
   }
   table.note = "1 in brackets: the filter knows how wrong it is. Green: the best of the case, oracle aside.";
-  if (walks) {
-    table.title += ": ekf-full with other random walks";
-    table.note += " x10: ten times the variances of the scenario; 2e-05/20: rad² and mm² per 10 ms.";
-  }
+  return table;
+}
+
+ReportTable walks_table(const StudyResults& results, const std::vector<std::string>& labels) {
+  ReportTable table = overview_table(results, labels);
+  table.title += ": ekf-full with other random walks";
+  table.note += " x10: ten times the variances of the scenario; 2e-05/20: rad² and mm² per 10 ms.";
   return table;
 }
 
@@ -144,12 +161,18 @@ ReportTable case_table(const StudyCaseResults& results) {
 }
 
 std::vector<ReportTable> overview_tables(const StudyResults& results) {
-  std::vector<ReportTable> tables;
-  for (const bool walks : {false, true}) {
-    ReportTable table = overview_table(results, walks);
-    if (!table.rows.empty() || !walks) {
-      tables.push_back(std::move(table));
+  std::vector<std::string> labels;
+  std::vector<std::vector<std::string>> walks;  // sets of them that some case has
+  for (const StudyCaseResults& study_case : results.cases) {
+    append_new(labels_of(study_case, false), labels);
+    const std::vector<std::string> own = labels_of(study_case, true);
+    if (!own.empty() && std::find(walks.begin(), walks.end(), own) == walks.end()) {
+      walks.push_back(own);
     }
+  }
+  std::vector<ReportTable> tables = {overview_table(results, labels)};
+  for (const std::vector<std::string>& set : walks) {
+    tables.push_back(walks_table(results, set));
   }
   return tables;
 }

@@ -91,8 +91,8 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
   UpdateReport report;
   report.status = UpdateStatus::kUpdated;
   report.dx.noalias() = W.leftCols(dof) * y.head(dof);
-  report.nis = y.head(dof).squaredNorm();
-  report.dof = dof;
+  report.nis = y.head(dof).squaredNorm() + innovation.noise.squared_norm;
+  report.dof = dof + innovation.noise.rows;
   report.rank = rank;
   P.subtract_outer(W.leftCols(dof));
   if (watches) {
@@ -143,8 +143,8 @@ UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measuremen
   UpdateReport report;
   report.status = UpdateStatus::kUpdated;
   report.dx = L * innovation.r;
-  report.nis = nis;
-  report.dof = innovation.r.size() - rank;
+  report.nis = nis + innovation.noise.squared_norm;
+  report.dof = innovation.r.size() - rank + innovation.noise.rows;
   report.rank = rank;
   return report;
 }

@@ -135,6 +135,27 @@ TEST(StudyReport, MarksTheBestMethodThatNeitherDivergedNorWasToldTheTruth) {
   EXPECT_THAT(best, ElementsAre("mono-left"));
 }
 
+TEST(StudyReport, GivesEachSetOfRandomWalksATableWithoutEmptyColumns) {
+  Scenario tenfold = paper_scenario(kConstant), hundredfold = tenfold, tabled = tenfold;
+  hundredfold.name = "another";
+  tabled.name = "table 1";
+  const ReportDocument document = study_report(study_of(
+      {case_results(tenfold, {{"ekf-full:walk=x10"}}), case_results(hundredfold, {{"ekf-full:walk=x10"}}),
+       case_results(tabled, {{"ekf"}, {"ekf-full:walk=0/0"}})}));
+  std::vector<std::vector<std::string>> columns;
+  std::vector<std::size_t> rows;
+  for (const ReportBlock& block : document.sections.front().blocks) {
+    if (const auto* table = std::get_if<ReportTable>(&block)) {
+      columns.push_back(table->columns);
+      rows.push_back(table->rows.size());
+    }
+  }
+  EXPECT_THAT(columns, ElementsAre(ElementsAre("case", "runs", "ekf"),
+                                   ElementsAre("case", "runs", "ekf-full:walk=x10"),
+                                   ElementsAre("case", "runs", "ekf-full:walk=0/0")));
+  EXPECT_THAT(rows, ElementsAre(1u, 2u, 1u));
+}
+
 TEST(StudyReport, PutsClaimsWithTheirCaseAndPrintsTheScenario) {
   const ReportDocument document = study_report(small_study());
   const auto claims = blocks<ReportClaims>(document);

@@ -38,7 +38,7 @@ struct UpdateReport {
   UpdateStatus status = UpdateStatus::kEmpty;
   Eigen::VectorXd dx;     ///< correction of the error state: n
   double nis = 0.0;       ///< normalised innovation squared of the projected rows [-]
-  Eigen::Index dof = 0;   ///< its degrees of freedom: m − rank(D C)
+  Eigen::Index dof = 0;   ///< its degrees of freedom: m − rank(D C), m with the measurement's noise rows
   Eigen::Index rank = 0;  ///< rank of D C
   ParameterEvidence evidence;  ///< about beta; empty unless something is watched
 };
@@ -55,7 +55,7 @@ struct UpdateReport {
 [[nodiscard]] UpdateReport update(Covariance& P, const LinearMeasurement& measurement,
                                   const ParameterTreatment& treatment);
 
-/// The same, from an innovation that was already formed (and perhaps gated); consumes it.
+/// The same, from an innovation that was already formed; consumes it.
 [[nodiscard]] UpdateReport update(Covariance& P, Innovation&& innovation,
                                   const ParameterTreatment& treatment);
 

@@ -33,7 +33,8 @@ function factList(facts, name) {
 }
 
 function tableOf(block) {
-  const row = (cells) => element('tr', {}, ...cells.map((cell) => element('td', cell.mark ? { class: cell.mark } : {}, cell.text)));
+  const row = (cells) => element('tr', {}, ...cells.map((cell, k) =>
+    element('td', cell.mark ? { class: cell.mark } : {}, ...(k === 0 ? breakable(cell.text) : [cell.text]))));
   return element('div', { class: 'table' }, ...heading(block.title),
     element('div', { class: 'scroll', tabindex: '0', role: 'group', 'aria-label': block.title || 'Table' },
       element('table', {},
@@ -42,16 +43,22 @@ function tableOf(block) {
     ...(block.note ? [element('p', { class: 'note' }, block.note)] : []));
 }
 
-/** A head may break after a colon or a plus, as in 'lcekf:rotation+direction'. */
+/** A name may break after a colon or a plus, as in 'lcekf:rotation+direction', but not within '5e-07'. */
 function breakable(name) {
-  return name.split(/(?<=[:+])/).flatMap((part) => [part, element('wbr')]);
+  return name.split(/(?<=[:+])/).flatMap((part) => [
+    /\de-\d/.test(part) ? element('span', { class: 'whole' }, part) : part, element('wbr')]);
+}
+
+/** Several results, a line each. */
+function linesOf(text) {
+  return text.split('\n').flatMap((line, k) => [...(k > 0 ? ['\n'] : []), element('span', {}, line)]);
 }
 
 function claimOf(claim) {
   const [name, sign] = VERDICTS[claim.verdict];
   return element('li', { class: name },
     element('div', {}, element('p', {}, claim.statement), element('p', { class: 'small' }, claim.source)),
-    element('div', {}, element('p', { class: 'measured' }, claim.measured), element('p', { class: 'small' }, claim.criterion)),
+    element('div', {}, element('p', { class: 'measured' }, ...linesOf(claim.measured)), element('p', { class: 'small' }, claim.criterion)),
     element('span', { class: 'verdict' }, sign + claim.verdict));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How curves look. One method has one colour on every page, light and dark; the hues are those of Okabe and Ito,
-// which colour-blind readers can tell apart, and dashes help where many methods meet.
+// which colour-blind readers can tell apart, and dashes help where many methods meet. Random walks, of which a figure
+// shows many that differ in a number, go from violet to red.
 const STYLES = {
   'ekf': { light: '#0072b2', dark: '#5aaee6' },
   'ekf-full': { light: '#00825f', dark: '#2fc397' },
@@ -21,25 +22,38 @@ const STYLES = {
   'plain': { light: '#0072b2', dark: '#5aaee6' },
 };
 const DASHES_OF_VARIANTS = ['dash', 'dashdot', 'longdash', 'longdashdot'];
+const COLORS_OF_WALKS = [
+  { light: '#5b1a8b', dark: '#c39bf0' }, { light: '#3d5bb8', dark: '#8fb0ff' }, { light: '#1a869f', dark: '#5fd0e6' },
+  { light: '#2b8a47', dark: '#7fdc98' }, { light: '#9a7800', dark: '#f0cc4a' }, { light: '#c0392b', dark: '#ff9a8a' },
+];
 
 const variantsSeen = new Map();  // 'lcekf' -> ['lcekf:rotation', ...], in order of appearance
 
-/** A style such as 'lcekf:rotation' has lcekf's colour, and a dash that tells it from other variants. */
-function dashOfVariant(base, style) {
+/** How many other variants of its method came before a style such as 'lcekf:rotation'. */
+function placeOfVariant(base, style) {
   const seen = variantsSeen.get(base) ?? [];
   variantsSeen.set(base, seen);
   if (!seen.includes(style)) {
     seen.push(style);
   }
-  return DASHES_OF_VARIANTS[seen.indexOf(style) % DASHES_OF_VARIANTS.length];
+  return seen.indexOf(style);
+}
+
+/** A variant has its method's colour, and a dash that tells it from the others; a random walk has a colour of its own. */
+function lookOfVariant(base, style, look) {
+  const place = placeOfVariant(base, style);
+  return {
+    ...look, dash: DASHES_OF_VARIANTS[place % DASHES_OF_VARIANTS.length],
+    ...(style.includes(':walk=') ? COLORS_OF_WALKS[place % COLORS_OF_WALKS.length] : {}),
+  };
 }
 
 /** Colour, dash and width of a style in a theme. 'lcekf:full' is what the paper calls LCEKF. */
 function lookOf(style, theme) {
   const base = style.split(':')[0];
-  const look = STYLES[base] ?? STYLES.plain;
-  const dash = base === style || style === 'lcekf:full' ? look.dash ?? 'solid' : dashOfVariant(base, style);
-  return { color: look[theme], dash, width: look.width ?? 1.8 };
+  const own = STYLES[base] ?? STYLES.plain;
+  const look = base === style || style === 'lcekf:full' ? own : lookOfVariant(base, style, own);
+  return { color: look[theme], dash: look.dash ?? 'solid', width: look.width ?? 1.8 };
 }
 
 const THEMES = {

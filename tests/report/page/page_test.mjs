@@ -165,6 +165,16 @@ test('dark and light can be switched, and a method keeps its own colour in each'
   assert.deepEqual(await look(), light);
 });
 
+test('random walks of one method can be told apart by colour', async () => {
+  const colors = await studyPage.evaluate(async () => {
+    const { id } = document.querySelector('figure[id$="-position"]');
+    await window.limberReport.draw(id);
+    return window.limberReport.plot(id).data.filter((t) => /^ekf-full(:walk=\S+)?$/.test(t.name)).map((t) => t.line.color);
+  });
+  assert.equal(colors.length, 3);
+  assert.equal(new Set(colors).size, 3);
+});
+
 test('the path in space is drawn and can be turned', async () => {
   const page = runPage;
   await page.locator('#path-3d').scrollIntoViewIfNeeded();
@@ -246,6 +256,16 @@ test('a study shows every claim of the paper with a verdict', async () => {
     assert.ok(shown[k].text.includes(claim.statement) && (claim.brief || shown[k].text.includes(claim.measured)));
   });
   assert.match(await studyPage.evaluate(() => document.querySelector('details.listing pre').textContent), /stereo: 20/);
+});
+
+test('a desktop screen shows every table and verdict whole', async () => {
+  for (const page of [runPage, studyPage]) {
+    const hidden = await page.evaluate(() => [
+      ...[...document.querySelectorAll('.scroll')].filter((e) => e.scrollWidth > e.clientWidth),
+      ...[...document.querySelectorAll('.verdict')].filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth),
+    ].map((e) => e.textContent.slice(0, 60)));
+    assert.deepEqual(hidden, []);
+  }
 });
 
 test('nothing sticks out of a phone screen, and print is white', async () => {
