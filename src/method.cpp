@@ -122,6 +122,14 @@ RigParameters plausible_error(double baseline) {
   return out;
 }
 
+Eigen::Matrix<double, 6, 6> without_length(const Eigen::Matrix<double, 6, 6>& covariance,
+                                           const RigParameters& theta) {
+  const Vector3d along = theta.tail<3>().normalized();
+  Eigen::Matrix<double, 6, 6> across = Eigen::Matrix<double, 6, 6>::Identity();
+  across.bottomRightCorner<3, 3>() -= along * along.transpose();
+  return across * covariance * across.transpose();
+}
+
 MatrixXd constraint_directions(const ConstraintSet& set, const RigParameters& theta) {
   const RigParameters scale = plausible_error(theta.tail<3>().norm());
   switch (set.kind) {

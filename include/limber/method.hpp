@@ -52,6 +52,10 @@ struct ConstraintSet {
 /// One plausible error of each parameter: 0.1 deg, and 5 % of the baseline [rad, m].
 [[nodiscard]] RigParameters plausible_error(double baseline);
 
+/// A covariance of theta without its share along the baseline: the length is known for certain.
+[[nodiscard]] Eigen::Matrix<double, 6, 6> without_length(const Eigen::Matrix<double, 6, 6>& covariance,
+                                                         const RigParameters& theta);
+
 /// C: 6×k, columns scaled to one plausible error each. `rotation+direction` leaves the direction of t_s out.
 [[nodiscard]] Eigen::MatrixXd constraint_directions(const ConstraintSet& set, const RigParameters& theta);
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "limber/health/health_monitor.hpp"
+#include "limber/health/white_size.hpp"
 #include "limber/map/birth.hpp"
 #include "limber/map/estimate.hpp"
 #include "limber/map/stack_frame.hpp"
@@ -56,6 +57,12 @@ struct InitialState {
   Eigen::MatrixXd body_covariance;  ///< StateLayout::body_size() wide
 };
 
+/// How wrong the rig that `adaptive` takes for true may be from now on; both are learned from there.
+struct Doubt {
+  Eigen::Matrix<double, 6, 6> jump;  ///< covariance of what has changed and stays [plausible errors squared]
+  WhiteSize::Vector6 fresh;          ///< at least that large is what changes in every frame [plausible errors]
+};
+
 /// What became of one frame.
 struct FrameReport {
   std::int64_t t_ns = 0;
@@ -70,6 +77,8 @@ struct FrameReport {
   bool gate_overruled = false;  ///< the gate would have refused most points, so it refused none
   std::vector<Refusal> refused;
   std::optional<HealthReport> health;  ///< if watched
+  /// What the frame says against the rig that the filter takes for true (ekf-full, adaptive: its estimate).
+  std::optional<HealthInput> evidence;
 };
 
 /// @brief Stereo navigation for a rig that bends: inputs in, frames in, state out.
@@ -94,6 +103,14 @@ class Navigator {
   /// twice
   FrameReport process(const StereoFrame& frame);
 
+  /// adaptive: begins to estimate theta, as a constant that walks and a part that is fresh in every frame,
+  /// instead of trusting it. Told by whoever found out (SupervisedNavigator).
+  void distrust(const Doubt& doubt);
+
+  /// adaptive: takes over the state of a constrained filter (lcekf with a witness, all six directions or
+  /// fewer), which was led astray by nothing; what its witness has learned becomes theta.
+  void take_over(const Navigator& constrained, const Doubt& doubt);
+
   /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
   void assume_theta(const RigParameters& theta);
 
@@ -108,18 +125,23 @@ class Navigator {
   [[nodiscard]] Newborn bear(const StereoFrame& frame);
   /// @param shift  from the assumed rig to the one at which this frame is linearised
   void update_with(const StereoFrame& frame, const Newborn& newborn, const RigParameters& shift,
-                   FrameReport& report);
+                   double dt, FrameReport& report);
   void book(const StackedFrame& stacked, const std::vector<bool>& accepted, const Newborn& newborn,
             FrameReport& report);
   [[nodiscard]] ParameterTreatment treatment() const;
-  void watch(const ParameterTreatment& how, const UpdateReport& update, FrameReport& report);
+  [[nodiscard]] BirthMode birth_mode() const;
+  void walk_theta(double dt);
+  void learn_from(const ParameterTreatment& how, const UpdateReport& update, double dt, FrameReport& report);
+  [[nodiscard]] std::optional<ParameterEvidence> gathered(const ParameterTreatment& how) const;
 
   NavigatorOptions options_;
   StereoCalibration calibration_;  // theta is the one in use
+  RigParameters scale_;            // one plausible error of the calibration that was given
   MountedRig rig_;
   Estimate estimate_;
   InputBuffer inputs_;
   std::optional<HealthMonitor> monitor_;
+  WhiteSize fresh_;        // adaptive: zero as long as theta is trusted
   std::int64_t last_frame_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 

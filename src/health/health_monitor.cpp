@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -31,6 +32,8 @@ constexpr double kNamedLater = 4.0;
 constexpr double kSuspectFactor = 20.0;    // suspect where an alarm's p-value is that near
 constexpr double kRecovered = 0.01;        // p-value of a window that ends an alarm
 constexpr double kLongestFrame = 1.0;      // [s], a longer gap has no more chances of a false alarm
+/// When a window is looked at, as shares of its length.
+constexpr std::array<double, 5> kLooks = {1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 1.0};
 constexpr double kNanoseconds = 1e-9;
 
 double seconds(std::int64_t from_ns, std::int64_t to_ns) {
@@ -96,6 +99,7 @@ HealthMonitor::Offset HealthMonitor::offset(const ParameterEvidence& evidence,
 void HealthMonitor::gather(const HealthInput& input) {
   if (restarts_ || !started_) {
     gathered_ = {};
+    looks_ = 0;
     gathered_since_ns_ = started_ ? last_ns_ : input.t_ns;
   }
   restarts_ = false;
@@ -124,10 +128,13 @@ bool HealthMonitor::test(const HealthInput& input, double frame_p, double window
   const double hours = std::min(seconds(last_ns_, input.t_ns), kLongestFrame) / 3600.0;
   const double share = 0.5 * options_.false_alarms_per_hour;
   const double frame_limit = started_ ? share * hours : 0.0;
-  const double window_limit = std::min(share * options_.window_s / 3600.0, 0.5);
-  const bool ends = seconds(gathered_since_ns_, input.t_ns) >= options_.window_s;
+  const double window_limit = share * options_.window_s / 3600.0 / static_cast<double>(kLooks.size());
+  const double age = seconds(gathered_since_ns_, input.t_ns);
+  const bool looks = looks_ < kLooks.size() && age >= kLooks[looks_] * options_.window_s;
+  looks_ += looks ? 1 : 0;
+  const bool ends = age >= options_.window_s;
   const bool frame_rejects = frame_p < frame_limit;
-  const bool window_rejects = ends && window_p < window_limit;
+  const bool window_rejects = looks && window_p < window_limit;
   suspect_ = frame_p < kSuspectFactor * frame_limit || window_p < kSuspectFactor * window_limit;
   if (frame_rejects || window_rejects) {
     if (!changed_ns_) {
@@ -143,7 +150,7 @@ bool HealthMonitor::test(const HealthInput& input, double frame_p, double window
   if (ends) {
     sigma_of_window_ = gathered.sigma;
   }
-  restarts_ = ends || frame_rejects;
+  restarts_ = ends || frame_rejects || window_rejects;
   return frame_rejects || window_rejects;
 }
 

@@ -144,6 +144,20 @@ void Estimate::restart_witness(double sigma) {
   P.scatter(block, columns);
 }
 
+void Estimate::promote_witness(const MatrixXd& directions) {
+  MatrixXd B = MatrixXd::Zero(6, 6);
+  B.leftCols(directions.cols()) = directions;
+  theta += B * witness;
+  const std::array<Index, 2> block = {layout_.witness(), layout_.witness() + kTriplet};
+  MatrixXd columns;
+  P.gather(block, columns);
+  columns = (columns * B.transpose()).eval();
+  columns.middleRows<6>(layout_.witness()) = (B * columns.middleRows<6>(layout_.witness())).eval();
+  P.scatter(block, columns);
+  layout_.has_theta = true;
+  layout_.has_witness = false;
+}
+
 Index Estimate::append_triplet(Tenant tenant) {
   tenants_.push_back(tenant);
   return P.append(kTriplet);

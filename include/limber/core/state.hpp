@@ -25,6 +25,9 @@ enum class MotionModel : std::uint8_t {
   kOdometry           ///< nothing: body velocity and rate are inputs
 };
 
+/// IMU and odometry show how long a metre is; a constant-velocity model does not.
+[[nodiscard]] inline bool has_scale(MotionModel motion) { return motion != MotionModel::kConstantVelocity; }
+
 /// Mean of the body's state. Fields that the motion model does not use stay as they are.
 struct NavigationState {
   std::int64_t t_ns = 0;

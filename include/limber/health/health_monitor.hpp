@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -65,8 +66,8 @@ struct HealthInput {
 
 /// @brief Watches the part of the innovation that only a wrong calibration explains.
 ///
-/// Two tests share the false-alarm rate: each frame's evidence, and that gathered over a window, tested when
-/// the window ends. Under a sound calibration both are chi-square, so their thresholds follow from the rate
+/// Two tests share the false-alarm rate: each frame's evidence, and that gathered over a window, tested five
+/// times while it grows. Under a sound calibration both are chi-square, so their thresholds follow from the rate
 /// alone. Both are measured against the noise that the other rows show (NIS / dof), so that a wrong sigma_px
 /// raises no alarm.
 /// @note docs/derivations/health.md
@@ -101,6 +102,7 @@ class HealthMonitor {
   RigParameters sigma_of_window_;  // of the last whole window
   double nis_ = 0.0, dof_ = 0.0;
   std::int64_t last_ns_ = 0, gathered_since_ns_ = 0;
+  std::size_t looks_ = 0;  // at the present window, so far
   bool started_ = false, restarts_ = false, suspect_ = false;
   std::optional<std::int64_t> changed_ns_;  // decalibrated since
   std::array<bool, 6> named_{};

@@ -51,6 +51,9 @@ class Estimate {
   /// correlated with nothing. For layouts that have one.
   void restart_witness(double sigma);
 
+  /// The witness becomes theta: theta gains `directions` times its mean, 6×k, k <= 6, and the layout says so.
+  void promote_witness(const Eigen::MatrixXd& directions);
+
   /// Clones the body's pose into the state as a new anchor; returns its index. A whisker of noise (1 µm, 0.1
   /// µrad) keeps P positive definite while clone and pose are otherwise the same.
   int add_anchor(const Pose& T_body_cam0);
