@@ -11,9 +11,10 @@ namespace {
 constexpr double kFalseHandoversPerHour = 0.01;
 constexpr double kSurpriseFactor = 1.5;  // a change may be larger than what showed of it so far
 constexpr double kLeastDoubt = 1.0;      // plausible errors
-/// Without IMU or odometry a change of the baseline's length shows against a map that knew the old one alone:
-/// after that long, and if there was no other change that recently [s].
+/// Without IMU or odometry nothing but the map knows how long a metre is, and a new length of the baseline
+/// can be learned from it alone: when it is that old [s], and unless the rig keeps changing.
 constexpr double kMapKnowsScale = 5.0;
+constexpr int kMostDoubts = 2;  // within that time
 
 double seconds(std::int64_t from_ns, std::int64_t to_ns) {
   return 1e-9 * static_cast<double>(to_ns - from_ns);
@@ -73,17 +74,14 @@ Doubt SupervisedNavigator::doubt(const HealthReport& why) const {
   Doubt out;
   out.fresh = (kSurpriseFactor * delta.cwiseAbs().cwiseQuotient(scale_)).cwiseMax(kLeastDoubt);
   out.jump = out.fresh.cwiseAbs2().asDiagonal();
-  const bool map_knows = seconds(supervision_->began_ns, why.t_ns) > kMapKnowsScale &&
-                         seconds(supervision_->doubted_ns, why.t_ns) > kMapKnowsScale;
-  if (!has_scale(navigator_.options().motion) && !map_knows) {
-    out.jump = without_length(out.jump, navigator_.estimate().theta);
-  }
   return out;
 }
 
-void SupervisedNavigator::set_checkpoints() {
-  supervision_->recent = {navigator_, {}};
-  supervision_->older = supervision_->recent;
+/// Whether a length of the baseline that changed could be learned.
+bool SupervisedNavigator::knows_scale(std::int64_t t_ns) const {
+  return has_scale(navigator_.options().motion) ||
+         (seconds(supervision_->began_ns, t_ns) > kMapKnowsScale &&
+          supervision_->doubts < kMostDoubts);
 }
 
 /// Comes again from the older checkpoint, in doubt this time.
@@ -110,30 +108,47 @@ FrameReport SupervisedNavigator::process(const StereoFrame& frame) {
   if (!supervision_) {
     return report;
   }
-  Supervision& s = *supervision_;
   log(frame);
-  const FrameReport audit = s.auditor.process(frame);
-  const std::optional<HealthReport> own =
-      report.evidence ? std::optional(s.own_watchdog.judge(*report.evidence)) : std::nullopt;
-  const std::optional<HealthReport> auditors =
-      audit.evidence ? std::optional(s.auditors_watchdog.judge(*audit.evidence)) : std::nullopt;
-  if (own && own->alarm) {
-    report = go_back(*own);
-    s.doubted_ns = frame.t_ns;
-    s.trusts = false;
-    set_checkpoints();
-  } else if (auditors && auditors->alarm && s.trusts) {
-    Doubt how{Eigen::Matrix<double, 6, 6>::Zero(), WhiteSize::Vector6::Constant(kLeastDoubt)};
-    navigator_.take_over(s.auditor, how);
-    s.doubted_ns = frame.t_ns;
-    s.trusts = false;
-    set_checkpoints();
-  } else if (s.own_watchdog.restarts()) {
-    s.older = std::move(s.recent);
-    s.recent = {navigator_, {}};
+  const FrameReport audit = supervision_->auditor.process(frame);
+  if (navigator_.options().method == Method::kAdaptive) {
+    supervise(report, audit);
   }
   report.health = audit.health;
   return report;
+}
+
+void SupervisedNavigator::supervise(FrameReport& report, const FrameReport& audit) {
+  Supervision& s = *supervision_;
+  const auto judged = [](HealthMonitor& watchdog, const std::optional<HealthInput>& evidence) {
+    return evidence ? watchdog.judge(*evidence) : HealthReport{};
+  };
+  const HealthReport own = judged(s.own_watchdog, report.evidence);
+  const HealthReport auditors = judged(s.auditors_watchdog, audit.evidence);
+  const bool auditor_alarms = auditors.alarm && s.trusts;
+  if (seconds(s.doubted_ns, report.t_ns) > kMapKnowsScale) {
+    s.doubts = 0;
+  }
+  if (!own.alarm && !auditor_alarms) {
+    if (s.own_watchdog.restarts()) {
+      s.older = std::move(s.recent);
+      s.recent = {navigator_, {}};
+    }
+    return;
+  }
+  if (!knows_scale(report.t_ns)) {
+    navigator_ = s.auditor;
+    report = audit;
+  } else if (own.alarm) {
+    report = go_back(own);
+  } else {
+    navigator_.take_over(s.auditor, {Eigen::Matrix<double, 6, 6>::Zero(),
+                                     WhiteSize::Vector6::Constant(kLeastDoubt)});
+  }
+  ++s.doubts;
+  s.doubted_ns = report.t_ns;
+  s.trusts = false;
+  s.recent = {navigator_, {}};
+  s.older = s.recent;
 }
 
 }  // namespace limber

@@ -18,7 +18,8 @@ namespace limber {
 /// beside it on the same inputs and that no calibration can lead astray. When the first rejects, the filter
 /// goes back to a checkpoint from before the window in which it happened and comes again with theta in
 /// doubt; when the second does, it takes over the constrained filter's state. From then on the filter learns
-/// how much theta stays wrong and how much of it is fresh in every frame.
+/// how much theta stays wrong and how much of it is fresh in every frame. Where nothing but a young map fixes
+/// the scale, neither could be learned: there the constrained filter itself goes on.
 /// @note docs/derivations/adaptive.md
 class SupervisedNavigator {
  public:
@@ -45,14 +46,16 @@ class SupervisedNavigator {
     HealthMonitor own_watchdog, auditors_watchdog;
     Checkpoint older, recent;
     std::int64_t began_ns = 0;
-    std::int64_t doubted_ns = 0;
+    std::int64_t doubted_ns = 0;  // last
+    int doubts = 0;               // in a row
     bool trusts = true;
   };
 
   void log(const Event& event);
   FrameReport go_back(const HealthReport& why);
   [[nodiscard]] Doubt doubt(const HealthReport& why) const;
-  void set_checkpoints();
+  [[nodiscard]] bool knows_scale(std::int64_t t_ns) const;
+  void supervise(FrameReport& report, const FrameReport& audit);
 
   RigParameters scale_;  // one plausible error
   Navigator navigator_;
