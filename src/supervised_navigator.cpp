@@ -22,8 +22,8 @@ double seconds(std::int64_t from_ns, std::int64_t to_ns) {
 
 NavigatorOptions auditors(NavigatorOptions options) {
   options.method = Method::kLcekf;
-  options.constraints.kind =
-      has_scale(options.motion) ? ConstraintSet::Kind::kFull : ConstraintSet::Kind::kRotationDirection;
+  options.constraints.kind = has_scale(options.motion) ? ConstraintSet::Kind::kFull
+                                                       : ConstraintSet::Kind::kRotationDirection;
   if (!options.health) {
     options.health = HealthOptions{};
   }
@@ -43,13 +43,8 @@ SupervisedNavigator::SupervisedNavigator(const NavigatorOptions& options,
     : scale_(plausible_error(calibration.baseline())), navigator_(options, calibration, initial) {
   if (options.method == Method::kAdaptive) {
     const HealthMonitor watchdog(watchdogs(), calibration.baseline());
-    supervision_.emplace(Supervision{Navigator(auditors(options), calibration, initial),
-                                     watchdog,
-                                     watchdog,
-                                     {navigator_, {}},
-                                     {navigator_, {}},
-                                     initial.nav.t_ns,
-                                     initial.nav.t_ns});
+    supervision_.emplace(Supervision{Navigator(auditors(options), calibration, initial), watchdog, watchdog,
+                                     {navigator_, {}}, {navigator_, {}}, initial.nav.t_ns, initial.nav.t_ns});
   }
 }
 
@@ -85,7 +80,8 @@ Doubt SupervisedNavigator::doubt(const HealthReport& why) const {
 /// Whether a length of the baseline that changed could be learned.
 bool SupervisedNavigator::knows_scale(std::int64_t t_ns) const {
   return has_scale(navigator_.options().motion) ||
-         (seconds(supervision_->began_ns, t_ns) > kMapKnowsScale && supervision_->doubts < kMostDoubts);
+         (seconds(supervision_->began_ns, t_ns) > kMapKnowsScale &&
+          supervision_->doubts < kMostDoubts);
 }
 
 /// Comes again from the older checkpoint, in doubt this time.
@@ -145,8 +141,8 @@ void SupervisedNavigator::supervise(FrameReport& report, const FrameReport& audi
   } else if (own.alarm) {
     report = go_back(own);
   } else {
-    navigator_.take_over(s.auditor,
-                         {Eigen::Matrix<double, 6, 6>::Zero(), WhiteSize::Vector6::Constant(kLeastDoubt)});
+    navigator_.take_over(s.auditor, {Eigen::Matrix<double, 6, 6>::Zero(),
+                                     WhiteSize::Vector6::Constant(kLeastDoubt)});
   }
   ++s.doubts;
   s.doubted_ns = report.t_ns;

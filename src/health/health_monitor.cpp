@@ -29,9 +29,9 @@ constexpr double kNoisePrior = 500.0;
 constexpr double kNamedAtOnce = 3.3;
 /// ... and later, while evidence gathers and many frames are looked at.
 constexpr double kNamedLater = 4.0;
-constexpr double kSuspectFactor = 20.0;  // suspect where an alarm's p-value is that near
-constexpr double kRecovered = 0.01;      // p-value of a window that ends an alarm
-constexpr double kLongestFrame = 1.0;    // [s], a longer gap has no more chances of a false alarm
+constexpr double kSuspectFactor = 20.0;    // suspect where an alarm's p-value is that near
+constexpr double kRecovered = 0.01;        // p-value of a window that ends an alarm
+constexpr double kLongestFrame = 1.0;      // [s], a longer gap has no more chances of a false alarm
 /// When a window is looked at, as shares of its length.
 constexpr std::array<double, 5> kLooks = {1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 1.0};
 constexpr double kNanoseconds = 1e-9;
