@@ -136,10 +136,9 @@ bool HealthMonitor::test(const HealthInput& input, double frame_p, double window
   const bool frame_rejects = frame_p < frame_limit;
   const bool window_rejects = looks && window_p < window_limit;
   suspect_ = frame_p < kSuspectFactor * frame_limit || window_p < kSuspectFactor * window_limit;
-  if (frame_rejects || window_rejects) {
-    if (!changed_ns_) {
-      changed_ns_ = frame_rejects ? input.t_ns : gathered_since_ns_;
-    }
+  const bool is_new = !changed_ns_ && (frame_rejects || window_rejects);
+  if (is_new) {
+    changed_ns_ = frame_rejects ? input.t_ns : gathered_since_ns_;
     name_axes(frame_rejects ? frame : gathered, kNamedAtOnce);
   } else if (changed_ns_ && window_p < window_limit) {
     name_axes(gathered, kNamedLater);
@@ -150,7 +149,7 @@ bool HealthMonitor::test(const HealthInput& input, double frame_p, double window
   if (ends) {
     sigma_of_window_ = gathered.sigma;
   }
-  restarts_ = ends || frame_rejects || window_rejects;
+  restarts_ = ends || is_new;  // from here on evidence of the new rig gathers
   return frame_rejects || window_rejects;
 }
 
