@@ -40,9 +40,9 @@ HealthOptions watchdogs() {
 
 SupervisedNavigator::SupervisedNavigator(const NavigatorOptions& options,
                                          const StereoCalibration& calibration, const InitialState& initial)
-    : scale_(plausible_error(calibration.baseline())), navigator_(options, calibration, initial) {
+    : baseline_(calibration.baseline()), navigator_(options, calibration, initial) {
   if (options.method == Method::kAdaptive) {
-    const HealthMonitor watchdog(watchdogs(), calibration.baseline());
+    const HealthMonitor watchdog(watchdogs(), baseline_);
     supervision_.emplace(Supervision{Navigator(auditors(options), calibration, initial), watchdog, watchdog,
                                      {navigator_, {}}, {navigator_, {}}, initial.nav.t_ns, initial.nav.t_ns});
   }
@@ -72,7 +72,7 @@ void SupervisedNavigator::add_odometry(const OdometrySample& sample) {
 Doubt SupervisedNavigator::doubt(const HealthReport& why) const {
   const RigParameters& delta = why.p_value < why.gathered_p_value ? why.delta : why.gathered_delta;
   Doubt out;
-  out.fresh = (kSurpriseFactor * delta.cwiseAbs().cwiseQuotient(scale_)).cwiseMax(kLeastDoubt);
+  out.fresh = (kSurpriseFactor * delta.cwiseAbs().cwiseQuotient(plausible_error(baseline_))).cwiseMax(kLeastDoubt);
   out.jump = out.fresh.cwiseAbs2().asDiagonal();
   return out;
 }
@@ -147,6 +147,7 @@ void SupervisedNavigator::supervise(FrameReport& report, const FrameReport& audi
   ++s.doubts;
   s.doubted_ns = report.t_ns;
   s.trusts = false;
+  s.own_watchdog = HealthMonitor(watchdogs(), baseline_);
   s.recent = {navigator_, {}};
   s.older = s.recent;
 }

@@ -26,9 +26,9 @@ constexpr double kWeakest = 1.0 / (kWidest * kWidest);
 /// The noise of the other rows is believed as if one had seen this many of them with the stated noise.
 constexpr double kNoisePrior = 500.0;
 /// An axis is named where it is that many standard deviations off, in the frame of the alarm ...
-constexpr double kNamedAtOnce = 3.3;
+constexpr double kNamedAtOnce = 3.5;
 /// ... and later, while evidence gathers and many frames are looked at.
-constexpr double kNamedLater = 4.0;
+constexpr double kNamedLater = 4.5;
 constexpr double kSuspectFactor = 20.0;    // suspect where an alarm's p-value is that near
 constexpr double kRecovered = 0.01;        // p-value of a window that ends an alarm
 constexpr double kLongestFrame = 1.0;      // [s], a longer gap has no more chances of a false alarm
