@@ -58,6 +58,7 @@ Outcome watch(const Scenario& scenario, const Settings& settings, std::uint64_t 
   variant.method = method_from_string(settings.method);
   RunOptions options = run_options(scenario, variant, settings.seed, run);
   options.false_alarms_per_hour = settings.rate;
+  options.watch = true;
   const RunRecord record = run_recording(recording, options, matched_frames(recording));
   Outcome out;
   bool was_alarmed = false;

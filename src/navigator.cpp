@@ -55,6 +55,9 @@ RigParameters theta_sigma(const NavigatorOptions& options, const StereoCalibrati
 
 NavigatorOptions completed(NavigatorOptions options) {
   options.birth.kind = options.landmarks;
+  if (options.method == Method::kAdaptive && !options.health) {
+    options.health.emplace();  // it lives on what the monitor sees
+  }
   if (!(options.sigma_px.array() > 0.0).all()) {
     throw std::invalid_argument("navigator: sigma_px must be positive");
   }
