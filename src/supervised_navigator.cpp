@@ -33,6 +33,7 @@ NavigatorOptions auditors(NavigatorOptions options) {
 HealthOptions watchdogs() {
   HealthOptions options;
   options.false_alarms_per_hour = kFalseHandoversPerHour;
+  options.most_dispersion = 1.0;  // to learn what scatters is what a doubt is for
   return options;
 }
 

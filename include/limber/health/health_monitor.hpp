@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "limber/sensors/calibration.hpp"
 #include "limber/update/evidence.hpp"
@@ -34,6 +35,10 @@ struct HealthOptions {
   /// An axis with a larger standard deviation over a window than this cannot be judged [plausible errors:
   /// 0.1 deg, 5 % of the baseline].
   double resolution = 0.2;
+  /// Real pixels have errors that a frame's points share (lenses, corners that lean), which look like a rig that
+  /// wavers. The evidence of frames may scatter about its mean by up to this factor more than pixel noise
+  /// explains, in variance, before that counts against the rig. 1: pixel noise is all there is.
+  double most_dispersion = 4.0;
 };
 
 /// What one frame told the monitor.
@@ -66,6 +71,8 @@ struct HealthInput {
 
 /// @brief Watches the part of the innovation that only a wrong calibration explains.
 ///
+/// What frames scatter beyond pixel noise, up to a limit, and how long they stay on one side, is learned from
+/// how they deviate from the mean of their window.
 /// Two tests share the false-alarm rate: each frame's evidence, and that gathered over a window, tested five
 /// times while it grows. Under a sound calibration both are chi-square, so their thresholds follow from the rate
 /// alone. Both are measured against the noise that the other rows show (NIS / dof), so that a wrong sigma_px
@@ -87,9 +94,13 @@ class HealthMonitor {
   };
 
   [[nodiscard]] double noise() const;
-  [[nodiscard]] double p_value(const ParameterEvidence& evidence) const;
-  [[nodiscard]] Offset offset(const ParameterEvidence& evidence, const Eigen::MatrixXd& directions) const;
+  [[nodiscard]] double p_value(const ParameterEvidence& evidence, double dispersion) const;
+  [[nodiscard]] Offset offset(const ParameterEvidence& evidence, const Eigen::MatrixXd& directions,
+                              double dispersion) const;
   void gather(const HealthInput& input);
+  void scatter(const ParameterEvidence& frame);
+  [[nodiscard]] double dispersion() const;
+  [[nodiscard]] double dispersion_of_window() const;
   bool test(const HealthInput& input, double frame_p, double window_p, const Offset& frame,
             const Offset& gathered);
   void name_axes(const Offset& offset, double threshold);
@@ -101,6 +112,9 @@ class HealthMonitor {
   ParameterEvidence gathered_;  // since gathered_since_ns_
   RigParameters sigma_of_window_;  // of the last whole window
   double nis_ = 0.0, dof_ = 0.0;
+  std::vector<Eigen::VectorXd> whitened_;  // beta_hat of the window's frames in units of their noise
+  // Over past windows, about the mean of each: sums of squares and of products of neighbours, and numbers.
+  double squares_ = 0.0, products_ = 0.0, numbers_ = 0.0;
   std::int64_t last_ns_ = 0, gathered_since_ns_ = 0;
   std::size_t looks_ = 0;  // at the present window, so far
   bool started_ = false, restarts_ = false, suspect_ = false;
