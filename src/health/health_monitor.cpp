@@ -34,6 +34,8 @@ constexpr double kSuspectFactor = 20.0;    // suspect where an alarm's p-value i
 constexpr double kRecovered = 0.01;        // p-value of a window that ends an alarm
 constexpr double kLongestFrame = 1.0;      // [s], a longer gap has no more chances of a false alarm
 constexpr double kKeptPerWindow = 0.9;     // of what earlier windows said about scatter
+constexpr double kRemembered = 0.98;       // of the largest scatter of a window, per window
+constexpr double kLuckyScatter = 1.25;     // the largest of many windows of white frames
 constexpr std::size_t kFewestFrames = 10;  // of a window that has a scatter
 constexpr double kWhiteEnough = 0.2;       // correlation of neighbours that pose and map may cause
 constexpr double kMostCorrelated = 0.95;
@@ -88,13 +90,17 @@ void HealthMonitor::scatter(const ParameterEvidence& frame) {
     for (const VectorXd& u : whitened_) {
       mean += u / n;
     }
+    double squares = 0.0, numbers = 0.0;
     squares_ *= kKeptPerWindow;
     products_ *= kKeptPerWindow;
-    numbers_ *= kKeptPerWindow;
     for (std::size_t k = 0; k < whitened_.size() && whitened_.size() >= kFewestFrames; ++k) {
-      squares_ += (whitened_[k] - mean).squaredNorm() * n / (n - 1.0);
-      numbers_ += static_cast<double>(mean.size());
+      squares += (whitened_[k] - mean).squaredNorm() * n / (n - 1.0);
+      numbers += static_cast<double>(mean.size());
       products_ += k > 0 ? (whitened_[k] - mean).dot(whitened_[k - 1] - mean) : 0.0;
+    }
+    squares_ += squares;
+    if (numbers > 0.0) {
+      largest_scatter_ = std::max(kRemembered * largest_scatter_.value_or(0.0), squares / numbers);
     }
     whitened_.clear();
   }
@@ -107,7 +113,8 @@ void HealthMonitor::scatter(const ParameterEvidence& frame) {
 
 /// Of frames; as large as is allowed while nothing is known.
 double HealthMonitor::dispersion() const {
-  const double measured = numbers_ > 0.0 ? squares_ / numbers_ / noise() : options_.most_dispersion;
+  const double measured =
+      largest_scatter_ ? *largest_scatter_ / (kLuckyScatter * noise()) : options_.most_dispersion;
   return std::clamp(measured, 1.0, options_.most_dispersion);
 }
 

@@ -113,8 +113,10 @@ class HealthMonitor {
   RigParameters sigma_of_window_;  // of the last whole window
   double nis_ = 0.0, dof_ = 0.0;
   std::vector<Eigen::VectorXd> whitened_;  // beta_hat of the window's frames in units of their noise
-  // Over past windows, about the mean of each: sums of squares and of products of neighbours, and numbers.
-  double squares_ = 0.0, products_ = 0.0, numbers_ = 0.0;
+  // Over past windows, about the mean of each: sums of squares and of products of neighbours, and the largest
+  // mean square.
+  double squares_ = 0.0, products_ = 0.0;
+  std::optional<double> largest_scatter_;
   std::int64_t last_ns_ = 0, gathered_since_ns_ = 0;
   std::size_t looks_ = 0;  // at the present window, so far
   bool started_ = false, restarts_ = false, suspect_ = false;
