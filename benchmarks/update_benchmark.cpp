@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One update of the plain EKF beside one of the constrained EKF: same covariance, same stereo frame.
+// One update beside another: constrained and plain EKF, with and without the health monitor. Same
+// covariance, same stereo frame.
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Core>
@@ -76,44 +77,75 @@ double time_update(const limber::Covariance& prior, const limber::LinearMeasurem
   return std::chrono::duration<double>(end - begin).count();
 }
 
+/// One way to update, with the covariance that it needs.
+struct Contestant {
+  limber::Covariance prior;
+  limber::ParameterTreatment treatment;
+};
+
 /// Times of both, taken in turn so that a busy machine slows both alike; each is judged by its fastest run,
 /// which is the one that nobody disturbed.
-void ekf_beside_lcekf(benchmark::State& state) {
-  Draws draws;
-  const Index n = state.range(0);
-  const limber::Covariance prior = make_covariance(n, draws);
-  const limber::LinearMeasurement frame = make_frame(n, state.range(1), draws);
-  const limber::ParameterTreatment free;
-  limber::ParameterTreatment full;
-  full.constrained = MatrixXd::Identity(kParameters, kParameters);
-
-  double best_ekf = 1e9, best_lcekf = 1e9;
-  bool ekf_first = true;
+void race(benchmark::State& state, const limber::LinearMeasurement& frame, const Contestant& base,
+          const Contestant& rival) {
+  double best_base = 1e9, best_rival = 1e9;
+  bool base_first = true;
   for (auto _ : state) {
-    double ekf = 0.0, lcekf = 0.0;
-    if (ekf_first) {
-      ekf = time_update(prior, frame, free);
-      lcekf = time_update(prior, frame, full);
-    } else {
-      lcekf = time_update(prior, frame, full);
-      ekf = time_update(prior, frame, free);
-    }
-    ekf_first = !ekf_first;
-    best_ekf = std::min(best_ekf, ekf);
-    best_lcekf = std::min(best_lcekf, lcekf);
-    state.SetIterationTime(lcekf);
+    double base_s = 0.0, rival_s = 0.0;
+    const auto time_base = [&] { base_s = time_update(base.prior, frame, base.treatment); };
+    const auto time_rival = [&] { rival_s = time_update(rival.prior, frame, rival.treatment); };
+    base_first ? (time_base(), time_rival()) : (time_rival(), time_base());
+    base_first = !base_first;
+    best_base = std::min(best_base, base_s);
+    best_rival = std::min(best_rival, rival_s);
+    state.SetIterationTime(rival_s);
   }
-  state.counters["ekf_ms"] = 1e3 * best_ekf;
-  state.counters["lcekf_ms"] = 1e3 * best_lcekf;
-  state.counters["ratio"] = best_lcekf / best_ekf;
+  state.counters["base_ms"] = 1e3 * best_base;
+  state.counters["ms"] = 1e3 * best_rival;
+  state.counters["ratio"] = best_rival / best_base;
 }
 
-BENCHMARK(ekf_beside_lcekf)
-    ->ArgNames({"states", "points"})
-    ->ArgsProduct({{99, 249, 501, 750, 999}, {20, 40, 60, 100}})
-    ->UseManualTime()
-    ->MinTime(0.3)
-    ->Unit(benchmark::kMillisecond);
+void lcekf_beside_ekf(benchmark::State& state) {
+  Draws draws;
+  const Contestant ekf{make_covariance(state.range(0), draws), {}};
+  Contestant lcekf = ekf;
+  lcekf.treatment.constrained = MatrixXd::Identity(kParameters, kParameters);
+  race(state, make_frame(state.range(0), state.range(1), draws), ekf, lcekf);
+}
+
+/// What the health monitor adds to an update of lcekf: evidence and witness, six states more.
+void watched_beside_lcekf(benchmark::State& state) {
+  Draws draws;
+  Contestant lcekf{make_covariance(state.range(0), draws), {}};
+  lcekf.treatment.constrained = MatrixXd::Identity(kParameters, kParameters);
+  Contestant watched = lcekf;
+  watched.prior.append(limber::kWitnessSize);
+  watched.prior.set_diagonal_block(state.range(0),
+                                   MatrixXd::Identity(limber::kWitnessSize, limber::kWitnessSize));
+  watched.treatment.watched = lcekf.treatment.constrained;
+  watched.treatment.witness = limber::Witness{state.range(0), Eigen::VectorXd::Zero(limber::kWitnessSize)};
+  race(state, make_frame(state.range(0), state.range(1), draws), lcekf, watched);
+}
+
+/// The same for ekf, which needs no witness.
+void watched_beside_ekf(benchmark::State& state) {
+  Draws draws;
+  const Contestant ekf{make_covariance(state.range(0), draws), {}};
+  Contestant watched = ekf;
+  watched.treatment.watched = MatrixXd::Identity(kParameters, kParameters);
+  race(state, make_frame(state.range(0), state.range(1), draws), ekf, watched);
+}
+
+void sizes(benchmark::internal::Benchmark* benchmark) {
+  benchmark->ArgNames({"states", "points"})
+      ->ArgsProduct({{99, 249, 501, 750, 999}, {20, 40, 60, 100}})
+      ->UseManualTime()
+      ->MinTime(0.3)
+      ->Unit(benchmark::kMillisecond);
+}
+
+BENCHMARK(lcekf_beside_ekf)->Apply(sizes);
+BENCHMARK(watched_beside_lcekf)->Apply(sizes);
+BENCHMARK(watched_beside_ekf)->Apply(sizes);
 
 }  // namespace
 

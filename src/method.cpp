@@ -58,6 +58,8 @@ std::string to_string(Method method) {
       return "soft";
     case Method::kConsider:
       return "consider";
+    case Method::kAdaptive:
+      return "adaptive";
     case Method::kMonoLeft:
       return "mono-left";
     case Method::kOracle:
@@ -118,6 +120,14 @@ RigParameters plausible_error(double baseline) {
   RigParameters out;
   out << Vector3d::Constant(kPlausibleAngle), Vector3d::Constant(kPlausibleShare * baseline);
   return out;
+}
+
+Eigen::Matrix<double, 6, 6> without_length(const Eigen::Matrix<double, 6, 6>& covariance,
+                                           const RigParameters& theta) {
+  const Vector3d along = theta.tail<3>().normalized();
+  Eigen::Matrix<double, 6, 6> across = Eigen::Matrix<double, 6, 6>::Identity();
+  across.bottomRightCorner<3, 3>() -= along * along.transpose();
+  return across * covariance * across.transpose();
 }
 
 MatrixXd constraint_directions(const ConstraintSet& set, const RigParameters& theta) {

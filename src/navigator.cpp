@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/navigator.hpp"
 
+#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "limber/map/operating_point.hpp"
+#include "limber/update/compress.hpp"
 #include "limber/update/gate.hpp"
 
 namespace limber {
@@ -18,25 +20,44 @@ using Eigen::MatrixXd;
 
 namespace {
 
-bool has_theta(Method method) { return method == Method::kEkfFull || method == Method::kConsider; }
+constexpr double kWitnessSigma = 10.0;  // plausible errors: 1 deg, 50 % of the baseline
+
+constexpr double kTrustedSigma = 1e-3;  // plausible errors: theta of adaptive, as long as it trusts the rig
+/// Variance that theta gains per second of walk, in variances of what is fresh in every frame: what shakes
+/// may also shift, by as much from one frame to the next at 20 Hz.
+constexpr double kWalkPerSecond = 20.0;
+
+bool has_theta(Method method) {
+  return method == Method::kEkfFull || method == Method::kConsider || method == Method::kAdaptive;
+}
+
+/// theta follows its estimate from frame to frame.
+bool estimates_theta(Method method) { return method == Method::kEkfFull || method == Method::kAdaptive; }
 
 bool constrains(const NavigatorOptions& options) {
   return options.method == Method::kLcekf && (options.constraints.kind != ConstraintSet::Kind::kListed ||
                                               options.constraints.listed != std::array<bool, 6>{});
 }
 
-/// Where theta is trusted a newborn may believe all its pixels at once: lcekf without constraints is the ekf.
-BirthMode birth_mode(const NavigatorOptions& options) {
-  return constrains(options) || options.method == Method::kSoft ? BirthMode::kDiffuse : BirthMode::kClassical;
+bool watches(const NavigatorOptions& options) {
+  return options.health.has_value() && options.method != Method::kMonoLeft;
 }
 
+/// The witness lives on the rows that a constraint leaves.
+bool has_witness(const NavigatorOptions& options) { return watches(options) && constrains(options); }
+
 RigParameters theta_sigma(const NavigatorOptions& options, const StereoCalibration& calibration) {
+  if (options.method == Method::kAdaptive) {
+    return kTrustedSigma * plausible_error(calibration.baseline());
+  }
   return options.theta_sigma.isZero() ? plausible_error(calibration.baseline()) : options.theta_sigma;
 }
 
 NavigatorOptions completed(NavigatorOptions options) {
-  options.birth.mode = birth_mode(options);
   options.birth.kind = options.landmarks;
+  if (options.method == Method::kAdaptive && !options.health) {
+    options.health.emplace();  // it lives on what the monitor sees
+  }
   if (!(options.sigma_px.array() > 0.0).all()) {
     throw std::invalid_argument("navigator: sigma_px must be positive");
   }
@@ -53,8 +74,12 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
                                 " m, expected a positive one");
   }
   const RigParameters sigma = theta_sigma(options, calibration);
-  return {StateLayout{options.motion, has_theta(options.method)}, initial.nav, initial.body_covariance,
-          calibration.theta, sigma.cwiseAbs2().asDiagonal()};
+  Estimate out(StateLayout{options.motion, has_theta(options.method), has_witness(options)}, initial.nav,
+               initial.body_covariance, calibration.theta, sigma.cwiseAbs2().asDiagonal());
+  if (has_witness(options)) {
+    out.restart_witness(kWitnessSigma);
+  }
+  return out;
 }
 
 /// The frame as a method sees it: mono-left does not look through the right camera.
@@ -67,6 +92,10 @@ StereoFrame visible(const StereoFrame& frame, Method method) {
   }
   std::erase_if(out.observations, [](const StereoObservation& o) { return !o.in_cam0 && !o.in_cam1; });
   return out;
+}
+
+double seconds(std::int64_t from_ns, std::int64_t to_ns) {
+  return 1e-9 * static_cast<double>(to_ns - from_ns);
 }
 
 void check(const StereoFrame& frame, std::int64_t state_t_ns) {
@@ -109,8 +138,13 @@ Navigator::Navigator(const NavigatorOptions& options, const StereoCalibration& c
                      const InitialState& initial)
     : options_(completed(options)),
       calibration_(calibration),
+      scale_(plausible_error(calibration.baseline())),
       rig_(mount(calibration)),
-      estimate_(make_estimate(options_, calibration, initial)) {}
+      estimate_(make_estimate(options_, calibration, initial)) {
+  if (watches(options_)) {
+    monitor_.emplace(*options_.health, calibration.baseline());
+  }
+}
 
 void Navigator::add_imu(const ImuSample& sample) {
   if (options_.motion != MotionModel::kImu) {
@@ -165,7 +199,7 @@ void Navigator::predict_to(std::int64_t t_ns) {
   if (t_ns <= estimate_.nav.t_ns) {
     return;
   }
-  const double dt = 1e-9 * static_cast<double>(t_ns - estimate_.nav.t_ns);
+  const double dt = seconds(estimate_.nav.t_ns, t_ns);
   const Index k = estimate_.layout().body_size();
   Transition whole{MatrixXd::Identity(k, k), MatrixXd::Zero(k, k)};
   for (const InputStep& step : steps_to(t_ns)) {
@@ -175,12 +209,46 @@ void Navigator::predict_to(std::int64_t t_ns) {
   }
   estimate_.nav.t_ns = t_ns;
   estimate_.P.propagate_leading(whole.Phi, whole.Q);
-  if (options_.method == Method::kEkfFull) {
-    const Index at = estimate_.layout().theta();
-    Eigen::Matrix<double, 6, 6> P_theta = estimate_.P.diagonal_block<6>(at);
-    P_theta.diagonal() += options_.theta_walk * dt;
-    estimate_.P.set_diagonal_block(at, P_theta);
+  walk_theta(dt);
+}
+
+void Navigator::walk_theta(double dt) {
+  if (!estimates_theta(options_.method)) {
+    return;
   }
+  const RigParameters fresh = kWalkPerSecond * fresh_.variance().cwiseProduct(scale_.cwiseAbs2());
+  Eigen::Matrix<double, 6, 6> walk =
+      (options_.method == Method::kEkfFull ? options_.theta_walk : fresh).asDiagonal();
+  if (options_.method == Method::kAdaptive && !has_scale(options_.motion)) {
+    walk = without_length(walk, calibration_.theta);
+  }
+  const Index at = estimate_.layout().theta();
+  estimate_.P.set_diagonal_block(at, estimate_.P.diagonal_block<6>(at) + walk * dt);
+}
+
+/// Where theta is trusted a newborn may believe all its pixels at once: lcekf without constraints is the ekf.
+BirthMode Navigator::birth_mode() const {
+  return constrains(options_) || options_.method == Method::kSoft || !fresh_.is_zero()
+             ? BirthMode::kDiffuse
+             : BirthMode::kClassical;
+}
+
+void Navigator::distrust(const Doubt& doubt) {
+  const Index at = estimate_.layout().theta();
+  Eigen::Matrix<double, 6, 6> jump = scale_.asDiagonal() * doubt.jump * scale_.asDiagonal();
+  jump.diagonal() += kTrustedSigma * kTrustedSigma * scale_.cwiseAbs2();  // keeps P positive definite
+  estimate_.P.set_diagonal_block(at, estimate_.P.diagonal_block<6>(at) + jump);
+  fresh_.begin(doubt.fresh);
+}
+
+void Navigator::take_over(const Navigator& constrained, const Doubt& doubt) {
+  estimate_ = constrained.estimate_;
+  estimate_.promote_witness(constrained.treatment().watched);
+  inputs_ = constrained.inputs_;
+  last_frame_ns_ = constrained.last_frame_ns_;
+  calibration_.theta = estimate_.theta;
+  rig_ = mount(calibration_);
+  distrust(doubt);
 }
 
 ParameterTreatment Navigator::treatment() const {
@@ -189,8 +257,53 @@ ParameterTreatment Navigator::treatment() const {
     out.constrained = constraint_directions(options_.constraints, estimate_.theta);
   } else if (options_.method == Method::kSoft) {
     out.white_covariance = theta_sigma(options_, calibration_).cwiseAbs2().asDiagonal();
+  } else if (!fresh_.is_zero()) {
+    out.white_covariance = fresh_.variance().cwiseProduct(scale_.cwiseAbs2()).asDiagonal();
+  }
+  if (has_witness(options_)) {
+    out.watched = out.constrained;
+    out.witness = Witness{estimate_.layout().witness(), estimate_.witness};
+  } else if (watches(options_)) {
+    out.watched = scale_.asDiagonal();
   }
   return out;
+}
+
+/// What the witness, or theta itself, has gathered against the assumed rig.
+std::optional<ParameterEvidence> Navigator::gathered(const ParameterTreatment& how) const {
+  if (!how.witness) {
+    return std::nullopt;
+  }
+  const Index k = how.watched.cols();
+  const MatrixXd P = estimate_.P.diagonal_block<kWitnessSize>(how.witness->at);
+  const MatrixXd information = P.llt().solve(MatrixXd::Identity(kWitnessSize, kWitnessSize));
+  ParameterEvidence out{information.topLeftCorner(k, k), (information * estimate_.witness).head(k)};
+  out.information.diagonal().array() -= 1.0 / (kWitnessSigma * kWitnessSigma);
+  return out;
+}
+
+void Navigator::learn_from(const ParameterTreatment& how, const UpdateReport& update, double dt,
+                           FrameReport& report) {
+  HealthInput input{report.t_ns, how.watched, update.evidence, gathered(how), update.nis,
+                    static_cast<double>(update.dof)};
+  if (!how.witness && !update.evidence.empty()) {
+    // Of a filter that trusts theta, NIS also counts what theta would explain.
+    const EvidenceStatistic explained = statistic(update.evidence, 1.0 / (kWitnessSigma * kWitnessSigma));
+    input.nis -= explained.value;
+    input.dof -= static_cast<double>(explained.dof);
+  }
+  report.evidence = input;
+  if (how.white_covariance.size() > 0 && !input.frame.empty()) {
+    const MatrixXd inverse = how.watched.inverse();
+    input.frame = without_white(input.frame, inverse * how.white_covariance * inverse.transpose());
+  }
+  if (!fresh_.is_zero() && !input.frame.empty()) {
+    fresh_.learn(input.frame, dt);
+  }
+  report.health = monitor_->judge(input);
+  if (how.witness && monitor_->restarts()) {
+    estimate_.restart_witness(kWitnessSigma);
+  }
 }
 
 Navigator::Newborn Navigator::bear(const StereoFrame& frame) {
@@ -234,7 +347,7 @@ void Navigator::book(const StackedFrame& stacked, const std::vector<bool>& accep
 }
 
 void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, const RigParameters& shift,
-                            FrameReport& report) {
+                            double dt, FrameReport& report) {
   StackedFrame stacked = stack_frame(estimate_, frame, rig_, options_.sigma_px, newborn, report.refused);
   if (!shift.isZero(0.0)) {
     // r = H dx + D (theta - assumed) + noise, wherever it is linearised. What is constrained does not notice;
@@ -244,8 +357,9 @@ void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, co
   std::vector<bool> accepted(stacked.track_ids.size(), true);
   if (stacked.measurement.rows() > 0) {
     const ParameterTreatment how = treatment();
-    Innovation innovation = form_innovation(estimate_.P, stacked.measurement);
+    LinearMeasurement trusted = stacked.measurement;
     if (options_.gate) {
+      const Innovation innovation = form_innovation(estimate_.P, stacked.measurement);
       const GateReport gated = gate(innovation, stacked.measurement.groups, how, options_.gate_probability);
       accepted = gated.accepted;
       report.gate_overruled = gated.overruled;
@@ -256,13 +370,13 @@ void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, co
         }
       }
       if (!gated.all_accepted()) {
-        innovation = subset(innovation, stacked.measurement.groups, accepted);
+        trusted = stacked.measurement.subset(accepted);
       }
     }
     const Eigen::Matrix<double, 6, 6> P_theta =
         has_theta(options_.method) ? estimate_.P.diagonal_block<6>(estimate_.layout().theta())
                                    : Eigen::Matrix<double, 6, 6>::Zero().eval();
-    UpdateReport update_report = update(estimate_.P, std::move(innovation), how);
+    UpdateReport update_report = update(estimate_.P, compressed(trusted), how);
     if (options_.method == Method::kConsider && update_report.status == UpdateStatus::kUpdated) {
       // Schmidt: the gain's theta rows are zero, so its block stays; the cross-covariances are those of the
       // EKF.
@@ -275,8 +389,11 @@ void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, co
     report.nis = update_report.nis;
     report.dof = update_report.dof;
     report.rank = update_report.rank;
+    if (monitor_) {
+      learn_from(how, update_report, dt, report);
+    }
   }
-  if (options_.method == Method::kEkfFull) {
+  if (estimates_theta(options_.method)) {
     calibration_.theta = estimate_.theta;
     rig_ = mount(calibration_);
   }
@@ -290,8 +407,10 @@ FrameReport Navigator::process(const StereoFrame& raw) {
   report.t_ns = frame.t_ns;
   report.observed = frame.observations.size();
 
+  const double dt = seconds(estimate_.nav.t_ns, frame.t_ns);
   predict_to(frame.t_ns);
   rest_and_recall(estimate_, frame, last_frame_ns_, options_.upkeep);
+  options_.birth.mode = birth_mode();
   const bool bear_before = options_.birth.mode == BirthMode::kDiffuse;
   RigParameters shift = RigParameters::Zero();
   if (bear_before) {
@@ -303,7 +422,7 @@ FrameReport Navigator::process(const StereoFrame& raw) {
   report.removed = forget_misplaced(estimate_, frame, last_frame_ns_, rig_[0], options_.upkeep);
   last_frame_ns_ = frame.t_ns;
   Newborn newborn = bear_before ? bear(frame) : Newborn{};
-  update_with(frame, newborn, shift, report);
+  update_with(frame, newborn, shift, dt, report);
   if (!bear_before) {
     newborn = bear(frame);
   }

@@ -17,16 +17,17 @@ enum class Method : std::uint8_t {
   kLcekf,     ///< keeps its gain blind to the constrained directions
   kSoft,      ///< expects a fresh, finite error in every frame
   kConsider,  ///< carries its uncertainty, never corrects it (Schmidt)
+  kAdaptive,  ///< trusts it until it is proven wrong, then learns how wrong it is
   kMonoLeft,  ///< does not look through the right camera
   kOracle     ///< trusts it, and is told the truth by the application (simulation only)
 };
 
 /// All methods, in the order of tables.
 inline constexpr std::array kAllMethods = {Method::kEkf,   Method::kEkfFull,  Method::kLcekf,
-                                           Method::kSoft,  Method::kConsider, Method::kMonoLeft,
-                                           Method::kOracle};
+                                           Method::kSoft,  Method::kConsider, Method::kAdaptive,
+                                           Method::kMonoLeft, Method::kOracle};
 
-/// Name on the command line: ekf, ekf-full, lcekf, soft, consider, mono-left, oracle.
+/// Name on the command line: ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left, oracle.
 [[nodiscard]] std::string to_string(Method method);
 /// @throws std::invalid_argument for another name; the message lists the known ones
 [[nodiscard]] Method method_from_string(const std::string& name);
@@ -50,6 +51,10 @@ struct ConstraintSet {
 
 /// One plausible error of each parameter: 0.1 deg, and 5 % of the baseline [rad, m].
 [[nodiscard]] RigParameters plausible_error(double baseline);
+
+/// A covariance of theta without its share along the baseline: the length is known for certain.
+[[nodiscard]] Eigen::Matrix<double, 6, 6> without_length(const Eigen::Matrix<double, 6, 6>& covariance,
+                                                         const RigParameters& theta);
 
 /// C: 6×k, columns scaled to one plausible error each. `rotation+direction` leaves the direction of t_s out.
 [[nodiscard]] Eigen::MatrixXd constraint_directions(const ConstraintSet& set, const RigParameters& theta);

@@ -4,9 +4,12 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
+#include "limber/health/health_monitor.hpp"
+#include "limber/health/white_size.hpp"
 #include "limber/map/birth.hpp"
 #include "limber/map/estimate.hpp"
 #include "limber/map/stack_frame.hpp"
@@ -44,12 +47,20 @@ struct NavigatorOptions {
   UpkeepOptions upkeep;
   bool gate = true;
   double gate_probability = 0.999;  ///< chance that a good point passes
+  /// Watches the calibration; nothing: off. mono-left has nothing to watch.
+  std::optional<HealthOptions> health = HealthOptions{};
 };
 
 /// Where to start.
 struct InitialState {
   NavigationState nav;
   Eigen::MatrixXd body_covariance;  ///< StateLayout::body_size() wide
+};
+
+/// How wrong the rig that `adaptive` takes for true may be from now on; both are learned from there.
+struct Doubt {
+  Eigen::Matrix<double, 6, 6> jump;  ///< covariance of what has changed and stays [plausible errors squared]
+  WhiteSize::Vector6 fresh;          ///< at least that large is what changes in every frame [plausible errors]
 };
 
 /// What became of one frame.
@@ -65,6 +76,9 @@ struct FrameReport {
   std::size_t removed = 0;
   bool gate_overruled = false;  ///< the gate would have refused most points, so it refused none
   std::vector<Refusal> refused;
+  std::optional<HealthReport> health;  ///< if watched
+  /// What the frame says against the rig that the filter takes for true (ekf-full, adaptive: its estimate).
+  std::optional<HealthInput> evidence;
 };
 
 /// @brief Stereo navigation for a rig that bends: inputs in, frames in, state out.
@@ -89,6 +103,14 @@ class Navigator {
   /// twice
   FrameReport process(const StereoFrame& frame);
 
+  /// adaptive: begins to estimate theta, as a constant that walks and a part that is fresh in every frame,
+  /// instead of trusting it. Told by whoever found out (SupervisedNavigator).
+  void distrust(const Doubt& doubt);
+
+  /// adaptive: takes over the state of a constrained filter (lcekf with a witness, all six directions or
+  /// fewer), which was led astray by nothing; what its witness has learned becomes theta.
+  void take_over(const Navigator& constrained, const Doubt& doubt);
+
   /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
   void assume_theta(const RigParameters& theta);
 
@@ -103,16 +125,23 @@ class Navigator {
   [[nodiscard]] Newborn bear(const StereoFrame& frame);
   /// @param shift  from the assumed rig to the one at which this frame is linearised
   void update_with(const StereoFrame& frame, const Newborn& newborn, const RigParameters& shift,
-                   FrameReport& report);
+                   double dt, FrameReport& report);
   void book(const StackedFrame& stacked, const std::vector<bool>& accepted, const Newborn& newborn,
             FrameReport& report);
   [[nodiscard]] ParameterTreatment treatment() const;
+  [[nodiscard]] BirthMode birth_mode() const;
+  void walk_theta(double dt);
+  void learn_from(const ParameterTreatment& how, const UpdateReport& update, double dt, FrameReport& report);
+  [[nodiscard]] std::optional<ParameterEvidence> gathered(const ParameterTreatment& how) const;
 
   NavigatorOptions options_;
   StereoCalibration calibration_;  // theta is the one in use
+  RigParameters scale_;            // one plausible error of the calibration that was given
   MountedRig rig_;
   Estimate estimate_;
   InputBuffer inputs_;
+  std::optional<HealthMonitor> monitor_;
+  WhiteSize fresh_;        // adaptive: zero as long as theta is trusted
   std::int64_t last_frame_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 

@@ -9,7 +9,7 @@ using Eigen::MatrixXd;
 MatrixXd SparseJacobian::dense(Index rows, Index cols) const {
   MatrixXd out = MatrixXd::Zero(rows, cols);
   for (const Block& block : blocks) {
-    out.block<2, kTriplet>(block.row, block.col) += block.value;
+    out.block(block.row, block.col, block.value.rows(), kTriplet) += block.value;
   }
   return out;
 }

@@ -97,7 +97,7 @@ bool linearise_newborn(const Estimate& estimate, const StereoObservation& observ
                        const PixelNoise& sigma_px, Landmark& landmark, const Anchor* anchor,
                        LinearMeasurement& measurement, Eigen::Matrix<double, 4, 3>& H_l) {
   const BodyPoint point = body_point(estimate.nav.T_world_body, landmark, anchor);
-  measurement = empty_measurement(4, estimate.layout());
+  measurement = empty_measurement(4);
   landmark.at = -1;
   for (Index cam = 0; cam < 2; ++cam) {
     const std::optional<PointProjection> projection =

@@ -73,6 +73,9 @@ void Estimate::retract(const Eigen::VectorXd& dx) {
   if (layout_.has_theta) {
     theta += dx.segment<6>(layout_.theta());
   }
+  if (layout_.has_witness) {
+    witness += dx.segment<6>(layout_.witness());
+  }
   for (std::size_t k = 0; k < tenants_.size(); ++k) {
     retract_triplet(tenants_[k], dx.segment<3>(layout_.map_begin() + kTriplet * static_cast<Index>(k)));
   }
@@ -131,6 +134,28 @@ void Estimate::add_attitude_coupling(const MatrixXd& U) {
   P.gather(std::array<Index, 1>{L::kAttitude}, G);
   G += 0.5 * U * G.middleRows<kTriplet>(L::kAttitude).eval();
   P.add_symmetric_product(U, G);
+}
+
+void Estimate::restart_witness(double sigma) {
+  witness.setZero();
+  const std::array<Index, 2> block = {layout_.witness(), layout_.witness() + kTriplet};
+  MatrixXd columns = MatrixXd::Zero(size(), 6);
+  columns.middleRows<6>(layout_.witness()).diagonal().setConstant(sigma * sigma);
+  P.scatter(block, columns);
+}
+
+void Estimate::promote_witness(const MatrixXd& directions) {
+  MatrixXd B = MatrixXd::Zero(6, 6);
+  B.leftCols(directions.cols()) = directions;
+  theta += B * witness;
+  const std::array<Index, 2> block = {layout_.witness(), layout_.witness() + kTriplet};
+  MatrixXd columns;
+  P.gather(block, columns);
+  columns = (columns * B.transpose()).eval();
+  columns.middleRows<6>(layout_.witness()) = (B * columns.middleRows<6>(layout_.witness())).eval();
+  P.scatter(block, columns);
+  layout_.has_theta = true;
+  layout_.has_witness = false;
 }
 
 Index Estimate::append_triplet(Tenant tenant) {

@@ -65,7 +65,7 @@ StackedFrame stack_frame(const Estimate& estimate, const StereoFrame& frame, con
   }
 
   StackedFrame out;
-  out.measurement = empty_measurement(m, estimate.layout());
+  out.measurement = empty_measurement(m);
   Index at = 0;
   for (const Row& point : points) {
     out.measurement.groups.push_back({at, point.rows()});

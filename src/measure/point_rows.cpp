@@ -6,11 +6,11 @@ namespace limber {
 using Eigen::Index;
 using L = StateLayout;
 
-LinearMeasurement empty_measurement(Index rows, const StateLayout& layout) {
+LinearMeasurement empty_measurement(Index rows) {
   LinearMeasurement out;
   out.residual.setZero(rows);
   out.sigma.setOnes(rows);
-  out.D.setZero(layout.has_theta ? 0 : rows, layout.has_theta ? 0 : 6);
+  out.D.setZero(rows, 6);
   return out;
 }
 
@@ -27,9 +27,8 @@ void write_point_rows(LinearMeasurement& measurement, Index row, const Eigen::Ve
     blocks.push_back({row, anchor->position_at, projection.J_anchor_position});
     blocks.push_back({row, anchor->attitude_at, projection.J_anchor_attitude});
   }
-  if (!layout.has_theta) {
-    measurement.D.middleRows<2>(row) = projection.J_theta;
-  } else if (!projection.J_theta.isZero(0.0)) {
+  measurement.D.middleRows<2>(row) = projection.J_theta;
+  if (layout.has_theta && !projection.J_theta.isZero(0.0)) {
     blocks.push_back({row, layout.theta(), projection.J_theta.leftCols<3>()});
     blocks.push_back({row, layout.theta() + kTriplet, projection.J_theta.rightCols<3>()});
   }

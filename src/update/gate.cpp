@@ -125,16 +125,6 @@ class Judge {
   std::map<Index, double> quantiles_;
 };
 
-std::vector<Index> kept_rows(const std::vector<RowGroup>& groups, const std::vector<bool>& kept) {
-  std::vector<Index> rows;
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    for (Index k = 0; kept[g] && k < groups[g].rows; ++k) {
-      rows.push_back(groups[g].row + k);
-    }
-  }
-  return rows;
-}
-
 }  // namespace
 
 bool GateReport::all_accepted() const {
@@ -167,13 +157,6 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
     judge.drop(groups[static_cast<std::size_t>(worst)]);
   }
   return report;
-}
-
-Innovation subset(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                  const std::vector<bool>& kept) {
-  const std::vector<Index> rows = kept_rows(groups, kept);
-  return {innovation.r(rows), innovation.D(rows, Eigen::all), innovation.PHt(Eigen::all, rows),
-          innovation.S(rows, rows)};
 }
 
 }  // namespace limber

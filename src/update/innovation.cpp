@@ -5,6 +5,7 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 namespace limber {
 
@@ -20,11 +21,12 @@ void check(const Covariance& P, const LinearMeasurement& z) {
            std::to_string(z.D.rows()) + "x" + std::to_string(z.D.cols()) + ", P is " +
            std::to_string(P.size()) + " wide";
   };
-  if (z.sigma.size() != m || (z.D.cols() > 0 && z.D.rows() != m) || m % 2 != 0) {
+  if (z.sigma.size() != m || (z.D.cols() > 0 && z.D.rows() != m)) {
     throw std::invalid_argument("measurement: shapes disagree: " + shapes());
   }
   for (const SparseJacobian::Block& block : z.H.blocks) {
-    if (block.row < 0 || block.row + 2 > m || block.col < 0 || block.col + kTriplet > P.size()) {
+    if (block.row < 0 || block.row + block.value.rows() > m || block.col < 0 ||
+        block.col + kTriplet > P.size()) {
       throw std::invalid_argument("measurement: block of H at (" + std::to_string(block.row) + ", " +
                                   std::to_string(block.col) + ") lies outside: " + shapes());
     }
@@ -43,10 +45,27 @@ std::vector<SparseJacobian::Block> whitened_by_column(const LinearMeasurement& z
                                                       const Eigen::VectorXd& weight) {
   std::vector<SparseJacobian::Block> blocks = z.H.blocks;
   for (SparseJacobian::Block& block : blocks) {
-    block.value = weight.segment<2>(block.row).asDiagonal() * block.value;
+    block.value.array().colwise() *= weight.segment(block.row, block.value.rows()).array();
   }
   std::stable_sort(blocks.begin(), blocks.end(), [](const auto& a, const auto& b) { return a.col < b.col; });
   return blocks;
+}
+
+/// out += columns Bᵀ in the columns that belong to the block's rows. columns: k×3, out: k×m.
+template <typename Columns>
+void add_product(const Columns& columns, const SparseJacobian::Block& block, MatrixXd& out) {
+  const auto add = [&](auto rows) {  // fixed, for the sake of speed
+    out.middleCols<rows()>(block.row).noalias() +=
+        columns.lazyProduct(block.value.template topRows<rows()>().transpose());
+  };
+  switch (block.value.rows()) {
+    case 1:
+      return add(std::integral_constant<int, 1>());
+    case 2:
+      return add(std::integral_constant<int, 2>());
+    default:
+      return add(std::integral_constant<int, kTriplet>());
+  }
 }
 
 }  // namespace
@@ -56,6 +75,7 @@ Innovation form_innovation(const Covariance& P, const LinearMeasurement& z) {
   const Index m = z.rows();
   const Eigen::VectorXd weight = z.sigma.cwiseInverse();
   Innovation out;
+  out.noise = z.noise;
   out.r = z.residual.cwiseProduct(weight);
   out.D = z.D.cols() > 0 ? MatrixXd(weight.asDiagonal() * z.D) : MatrixXd(m, 0);
 
@@ -68,8 +88,7 @@ Innovation form_innovation(const Covariance& P, const LinearMeasurement& z) {
       gathered = block.col;
       P.gather(std::array<Index, 1>{gathered}, columns);
     }
-    out.PHt.middleCols<2>(block.row).noalias() +=
-        columns.leftCols<kTriplet>().lazyProduct(block.value.transpose());
+    add_product(columns.leftCols<kTriplet>(), block, out.PHt);
   }
 
   // S = (P Hᵀ)ᵀ Hᵀ + I, from the few rows of P Hᵀ that H touches.
@@ -81,7 +100,7 @@ Innovation form_innovation(const Covariance& P, const LinearMeasurement& z) {
       gathered = block.col;
       rows = out.PHt.middleRows<kTriplet>(gathered).transpose();
     }
-    out.S.middleCols<2>(block.row).noalias() += rows.lazyProduct(block.value.transpose());
+    add_product(rows, block, out.S);
   }
   return out;
 }

@@ -61,11 +61,14 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
   }
   add_white_covariance(innovation, treatment);
 
+  const bool watches = treatment.watched.cols() > 0;
+  MatrixXd DB = watches ? MatrixXd(innovation.D * treatment.watched) : MatrixXd(m, 0);
   Index rank = 0;
   if (treatment.constrained.cols() > 0) {
     const NullSpaceProjection projection(innovation.D * treatment.constrained);
     rank = projection.rank();
     projection.apply_left(innovation.r);
+    projection.apply_left(DB);
     projection.apply_right(innovation.PHt);
     projection.apply_both(innovation.S);
   }
@@ -74,22 +77,33 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
     return untouched(UpdateStatus::kEmpty, P.size());
   }
 
-  Eigen::Ref<MatrixXd> S = innovation.S.topLeftCorner(dof, dof);
+  // The rows that the constraint takes away stand last: whoever watches them factorises them as well.
+  const Index rows = watches ? m : dof;
+  Eigen::Ref<MatrixXd> S = innovation.S.topLeftCorner(rows, rows);
   const Eigen::LLT<Eigen::Ref<MatrixXd>> llt(S);  // in place
   if (!is_positive_definite(llt)) {
     return untouched(UpdateStatus::kSingularInnovation, P.size());
   }
   // With S = L Lᵀ: W = P Hᵀ L⁻ᵀ, dx = W L⁻¹ r, P -= W Wᵀ.
-  const VectorXd y = llt.matrixL().solve(innovation.r.head(dof));
-  auto W = innovation.PHt.leftCols(dof);
+  const VectorXd y = llt.matrixL().solve(innovation.r.head(rows));
+  auto W = innovation.PHt.leftCols(rows);
   llt.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(W);
   UpdateReport report;
   report.status = UpdateStatus::kUpdated;
-  report.dx.noalias() = W * y;
-  report.nis = y.squaredNorm();
-  report.dof = dof;
+  report.dx.noalias() = W.leftCols(dof) * y.head(dof);
+  report.nis = y.head(dof).squaredNorm() + innovation.noise.squared_norm;
+  report.dof = dof + innovation.noise.rows;
   report.rank = rank;
-  P.subtract_outer(W);
+  P.subtract_outer(W.leftCols(dof));
+  if (watches) {
+    llt.matrixL().solveInPlace(DB);
+    report.evidence = {DB.transpose() * DB, DB.transpose() * y};
+  }
+  if (treatment.witness && rank > 0) {
+    auto own = report.dx.segment<kWitnessSize>(treatment.witness->at);
+    own += learn(P, treatment.witness->at, treatment.witness->mean + own,
+                 {y.tail(rank), DB.bottomRows(rank), W.rightCols(rank)});
+  }
   return report;
 }
 
@@ -129,8 +143,8 @@ UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measuremen
   UpdateReport report;
   report.status = UpdateStatus::kUpdated;
   report.dx = L * innovation.r;
-  report.nis = nis;
-  report.dof = innovation.r.size() - rank;
+  report.nis = nis + innovation.noise.squared_norm;
+  report.dof = innovation.r.size() - rank + innovation.noise.rows;
   report.rank = rank;
   return report;
 }

@@ -286,17 +286,5 @@ TEST(Gate, RefusesGoodPointsAsOftenAsItIsTold) {
   }
 }
 
-TEST(Subset, IsTheInnovationOfTheRowsKept) {
-  Generator generator(8);
-  const StereoProblem problem = random_frame(generator, 9);
-  const std::vector<bool> kept = {true, false, true, true, false, false, true, true, false};
-  const Innovation part = subset(form_innovation(problem.P, problem.z), problem.z.groups, kept);
-  const Innovation expected = form_innovation(problem.P, problem.z.subset(kept));
-  EXPECT_LE((part.r - expected.r).norm(), 1e-15);
-  EXPECT_LE((part.D - expected.D).norm(), 1e-15);
-  EXPECT_LE((part.PHt - expected.PHt).norm(), 1e-12 * expected.PHt.norm());
-  EXPECT_LE((part.S - expected.S).norm(), 1e-12 * expected.S.norm());
-}
-
 }  // namespace
 }  // namespace limber

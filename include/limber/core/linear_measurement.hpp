@@ -8,13 +8,13 @@
 
 namespace limber {
 
-/// @brief Jacobian H (m×n) of pairs of measurements with respect to triplets of the state: a list of 2×3
-/// blocks. Blocks that share a place add up.
+/// @brief Jacobian H (m×n) of a few measurements each with respect to triplets of the state: a list of blocks
+/// of one to three rows (a pixel: two) and three columns. Blocks that share a place add up.
 struct SparseJacobian {
   struct Block {
-    Eigen::Index row = 0;  ///< first of two rows
-    Eigen::Index col = 0;  ///< first of three columns
-    Eigen::Matrix<double, 2, 3> value;
+    Eigen::Index row = 0;  ///< the first
+    Eigen::Index col = 0;  ///< the first of three
+    Eigen::Matrix<double, Eigen::Dynamic, kTriplet, Eigen::ColMajor, kTriplet, kTriplet> value;
   };
   std::vector<Block> blocks;
 
@@ -28,13 +28,21 @@ struct RowGroup {
   Eigen::Index rows = 0;  ///< even
 };
 
+/// Rows that were taken out of a measurement because they are noise alone: they move nothing, but they count
+/// in the NIS.
+struct NoiseRows {
+  Eigen::Index rows = 0;
+  double squared_norm = 0.0;  ///< of their whitened residuals [-]
+};
+
 /// @brief A stacked measurement, linearised: r = H dx + D dtheta + noise, noise ~ N(0, diag(sigma^2)).
 struct LinearMeasurement {
   Eigen::VectorXd residual;  ///< r: m
   Eigen::VectorXd sigma;     ///< standard deviations of the noise: m, positive
   SparseJacobian H;          ///< m×n
   Eigen::MatrixXd D;         ///< m×c: Jacobian with respect to the parameters that may be wrong; c = 0: none
-  std::vector<RowGroup> groups;  ///< partition of the rows, in order
+  std::vector<RowGroup> groups;  ///< partition of the rows, in order; none after compression
+  NoiseRows noise;               ///< what compression took out
 
   [[nodiscard]] Eigen::Index rows() const { return residual.size(); }
 

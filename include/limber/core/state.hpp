@@ -13,7 +13,8 @@
 ///
 /// Error state: true = estimate ⊕ error. Additive for positions, velocities, biases, landmark values and
 /// theta; attitude local: R_true = R_est Exp(dtheta), dtheta [rad] in the body frame. Order: position,
-/// attitude, then what the motion model adds, then theta (if estimated or considered), then the triplets of
+/// attitude, then what the motion model adds, then theta (if estimated or considered), then the witness of the
+/// calibration monitor (if any; limber/update/witness.hpp), then the triplets of
 /// the map in no particular order (anchors: a position and an attitude triplet; landmarks: one).
 namespace limber {
 
@@ -23,6 +24,9 @@ enum class MotionModel : std::uint8_t {
   kConstantVelocity,  ///< velocity (world), angular rate (body)
   kOdometry           ///< nothing: body velocity and rate are inputs
 };
+
+/// IMU and odometry show how long a metre is; a constant-velocity model does not.
+[[nodiscard]] inline bool has_scale(MotionModel motion) { return motion != MotionModel::kConstantVelocity; }
 
 /// Mean of the body's state. Fields that the motion model does not use stay as they are.
 struct NavigationState {
@@ -38,6 +42,7 @@ struct NavigationState {
 struct StateLayout {
   MotionModel motion = MotionModel::kImu;
   bool has_theta = false;
+  bool has_witness = false;
 
   static constexpr Eigen::Index kPosition = 0;
   static constexpr Eigen::Index kAttitude = 3;
@@ -61,8 +66,10 @@ struct StateLayout {
   }
   /// Start of theta (six wide), valid only if has_theta.
   [[nodiscard]] Eigen::Index theta() const { return body_size(); }
+  /// Start of the witness (six wide), valid only if has_witness.
+  [[nodiscard]] Eigen::Index witness() const { return body_size() + (has_theta ? 6 : 0); }
   /// Start of the map.
-  [[nodiscard]] Eigen::Index map_begin() const { return body_size() + (has_theta ? 6 : 0); }
+  [[nodiscard]] Eigen::Index map_begin() const { return witness() + (has_witness ? 6 : 0); }
 };
 
 /// @brief The body's pose at the birth of some landmarks, a clone that stays in the state while they need it.

@@ -47,6 +47,13 @@ class Estimate {
   /// epoch ends.
   void retract(const Eigen::VectorXd& dx);
 
+  /// The witness forgets what it has learned: mean zero, standard deviation `sigma` [plausible errors] each,
+  /// correlated with nothing. For layouts that have one.
+  void restart_witness(double sigma);
+
+  /// The witness becomes theta: theta gains `directions` times its mean, 6×k, k <= 6, and the layout says so.
+  void promote_witness(const Eigen::MatrixXd& directions);
+
   /// Clones the body's pose into the state as a new anchor; returns its index. A whisker of noise (1 µm, 0.1
   /// µrad) keeps P positive definite while clone and pose are otherwise the same.
   int add_anchor(const Pose& T_body_cam0);
@@ -86,6 +93,7 @@ class Estimate {
 
   NavigationState nav;
   RigParameters theta;  ///< what the filter takes for the rig: an estimate if in the state, else assumed
+  Eigen::Matrix<double, 6, 1> witness = Eigen::Matrix<double, 6, 1>::Zero();  ///< [plausible errors]
   Covariance P;
 
  private:

@@ -9,11 +9,11 @@
 
 namespace limber {
 
-/// @brief A measurement of `rows` rows, all zero; D has six columns unless theta is part of the state.
-[[nodiscard]] LinearMeasurement empty_measurement(Eigen::Index rows, const StateLayout& layout);
+/// @brief A measurement of `rows` rows, all zero.
+[[nodiscard]] LinearMeasurement empty_measurement(Eigen::Index rows);
 
 /// @brief Writes the two rows of one point in one camera at `row` of a stacked measurement: residual, sigma,
-/// the blocks of H, and theta's share, which goes to H if theta is in the state and to D if not.
+/// the blocks of H, and theta's share, which goes to D, and to H as well if theta is in the state.
 /// @param anchor    of the landmark; null if Cartesian
 /// @param sigma_px  standard deviations of (u, v) [px]
 void write_point_rows(LinearMeasurement& measurement, Eigen::Index row, const Eigen::Vector2d& uv_measured,

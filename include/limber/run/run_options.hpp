@@ -37,8 +37,10 @@ struct RunOptions {
       theta_walk;  ///< ekf-full, variance per second; nothing: Table 1, see run_setup
   std::optional<ConstantVelocityNoise> constant_velocity_noise;  ///< nothing: the navigator's default
   double gravity = 9.81;                                         ///< [m/s^2]
+  double false_alarms_per_hour = HealthOptions{}.false_alarms_per_hour;  ///< of the health monitor; > 0
   std::uint64_t seed = 0;
   std::uint64_t run = 0;  ///< which draw of the start error
+  bool watch = true;      ///< false: no health monitor, for studies that do not ask for it
 };
 
 /// A navigator's options for a recording, and every choice that was made on the user's behalf, in plain

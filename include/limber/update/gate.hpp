@@ -30,8 +30,4 @@ struct GateReport {
 [[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
                               const ParameterTreatment& treatment, double probability);
 
-/// The innovation without the groups that are not `kept`.
-[[nodiscard]] Innovation subset(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                                const std::vector<bool>& kept);
-
 }  // namespace limber

@@ -15,6 +15,7 @@ struct Innovation {
   Eigen::MatrixXd D;    ///< m×c
   Eigen::MatrixXd PHt;  ///< P Hᵀ: n×m
   Eigen::MatrixXd S;    ///< H P Hᵀ + I: m×m, full symmetric
+  NoiseRows noise;      ///< the measurement's
 };
 
 /// @brief Whitens the measurement and forms P Hᵀ and S from the sparse H. O(n m) with the few blocks a row

@@ -3,9 +3,12 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 
 #include "limber/core/covariance.hpp"
+#include "limber/update/evidence.hpp"
 #include "limber/update/innovation.hpp"
+#include "limber/update/witness.hpp"
 
 namespace limber {
 
@@ -23,6 +26,11 @@ struct ParameterTreatment {
   Eigen::MatrixXd constrained;
   /// Sigma_w: c×c, covariance of dtheta, fresh in every measurement (time-white). Empty: none.
   Eigen::MatrixXd white_covariance;
+  /// B: c×k, what is watched: dtheta = B beta; the report then holds the evidence about beta. Columns are
+  /// scaled like C; with a constraint it has to be C itself. k = 0: nothing.
+  Eigen::MatrixXd watched;
+  /// A state that learns beta from the rows which the constraint takes from all others; needs `watched`.
+  std::optional<Witness> witness;
 };
 
 /// Outcome of an update.
@@ -30,8 +38,9 @@ struct UpdateReport {
   UpdateStatus status = UpdateStatus::kEmpty;
   Eigen::VectorXd dx;     ///< correction of the error state: n
   double nis = 0.0;       ///< normalised innovation squared of the projected rows [-]
-  Eigen::Index dof = 0;   ///< its degrees of freedom: m − rank(D C)
+  Eigen::Index dof = 0;   ///< its degrees of freedom: m − rank(D C), m with the measurement's noise rows
   Eigen::Index rank = 0;  ///< rank of D C
+  ParameterEvidence evidence;  ///< about beta; empty unless something is watched
 };
 
 /// @brief EKF update with the least-variance gain among those that obey L D C = 0 (null-space form).
@@ -46,7 +55,7 @@ struct UpdateReport {
 [[nodiscard]] UpdateReport update(Covariance& P, const LinearMeasurement& measurement,
                                   const ParameterTreatment& treatment);
 
-/// The same, from an innovation that was already formed (and perhaps gated); consumes it.
+/// The same, from an innovation that was already formed; consumes it.
 [[nodiscard]] UpdateReport update(Covariance& P, Innovation&& innovation,
                                   const ParameterTreatment& treatment);
 
