@@ -125,7 +125,8 @@ void add_run_command(CLI::App& app) {
       ->required()
       ->check(not_empty());
   command
-      ->add_option("--method", arguments->method, "ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left or oracle")
+      ->add_option("--method", arguments->method,
+                   "ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left or oracle")
       ->check(parsed_by(method_from_string))
       ->capture_default_str();
   command->add_option("--out", arguments->out, "Folder for the results")->required()->check(not_empty());

@@ -47,11 +47,11 @@ std::string step_scenario(const std::array<double, 6>& amplitude, double duratio
 /// What the monitor said in one run; new alarms only.
 struct Outcome {
   int alarms = 0, early = 0;
-  double delay = -1.0;            ///< [s] from the step to the first alarm after it; negative: none
-  std::array<bool, 6> named{};    ///< half a second after the alarm
-  std::array<double, 6> sigma{};  ///< of a frame, at the step [rad, m]
+  double delay = -1.0;                     ///< [s] from the step to the first alarm after it; negative: none
+  std::array<bool, 6> named{};             ///< half a second after the alarm
+  std::array<double, 6> sigma{};           ///< of a frame, at the step [rad, m]
   std::array<double, 6> gathered_sigma{};  ///< of the last whole window [rad, m]
-  double noncentrality = 0.0;  ///< largest that the witness could show within 5 s of the step [-]
+  double noncentrality = 0.0;              ///< largest that the witness could show within 5 s of the step [-]
 };
 
 RigParameters in_si(const std::array<double, 6>& amplitude) {
@@ -72,7 +72,8 @@ double noncentral_survival(double x, double dof, double noncentrality) {
   return noncentrality < 1000.0 ? sum : 1.0;
 }
 
-/// Chance that a window shows it, if the test is that of the monitor and all is Gaussian: its best look alone.
+/// Chance that a window shows it, if the test is that of the monitor and all is Gaussian: its best look
+/// alone.
 double achievable(double noncentrality, double rate) {
   const double p = 0.5 * rate * HealthOptions{}.window_s / 3600.0 / 5.0;
   return noncentral_survival(chi_square_quantile(1.0 - p, 6.0), 6.0, noncentrality);
@@ -112,8 +113,7 @@ Outcome watch(const Scenario& scenario, const Settings& settings, std::uint64_t 
     if (t >= kStep && t <= kStep + 5.0 && frame.evidence && frame.evidence->gathered &&
         1e-9 * static_cast<double>(health.gathered_since_ns) >= kStep - 0.1) {
       const RigParameters beta = frame.evidence->directions.colPivHouseholderQr().solve(amplitude);
-      out.noncentrality =
-          std::max(out.noncentrality, beta.dot(frame.evidence->gathered->information * beta));
+      out.noncentrality = std::max(out.noncentrality, beta.dot(frame.evidence->gathered->information * beta));
     }
     if (alarm_s >= 0.0 && t <= alarm_s + 0.5) {
       for (std::size_t k = 0; k < 6; ++k) {
@@ -128,7 +128,8 @@ std::vector<Outcome> watch_all(const std::string& text, const Settings& settings
                                const RigParameters& amplitude = RigParameters::Zero()) {
   const Scenario scenario = parse_scenario(text, "health.yaml");
   std::vector<Outcome> out(runs);
-  tbb::parallel_for(std::uint64_t{0}, runs, [&](std::uint64_t run) { out[run] = watch(scenario, settings, run, amplitude); });
+  tbb::parallel_for(std::uint64_t{0}, runs,
+                    [&](std::uint64_t run) { out[run] = watch(scenario, settings, run, amplitude); });
   return out;
 }
 
@@ -145,7 +146,8 @@ void false_alarms(const Settings& settings) {
 }
 
 void step(const char* name, const std::array<double, 6>& amplitude, const Settings& settings) {
-  const std::vector<Outcome> runs = watch_all(step_scenario(amplitude, kStep + 6.0), settings, settings.runs, in_si(amplitude));
+  const std::vector<Outcome> runs =
+      watch_all(step_scenario(amplitude, kStep + 6.0), settings, settings.runs, in_si(amplitude));
   int two_frames = 0, five_seconds = 0;
   double worst = 0.0, chance = 0.0;
   std::array<int, 6> named{}, larger{};
@@ -163,9 +165,11 @@ void step(const char* name, const std::array<double, 6>& amplitude, const Settin
       gathered[k] += run.gathered_sigma[k] / unit / static_cast<double>(runs.size());
     }
   }
-  fmt::print("\nstep {}: {} runs, found within 2 frames in {}, within 5 s in {}, slowest {:.2f} s; a window of the witness "
-             "alone, since then, would show it in {:.0f} % of them\n",
-             name, runs.size(), two_frames, five_seconds, worst, 100.0 * chance);
+  fmt::print(
+      "\nstep {}: {} runs, found within 2 frames in {}, within 5 s in {}, slowest {:.2f} s; a window of the "
+      "witness "
+      "alone, since then, would show it in {:.0f} % of them\n",
+      name, runs.size(), two_frames, five_seconds, worst, 100.0 * chance);
   fmt::print("  axis      step   sigma of a frame   of a window   |step| > 5 sigma of a frame   named\n");
   for (std::size_t k = 0; k < 6; ++k) {
     fmt::print("  {}  {:9.4f} {:18.4f} {:13.4f} {:29} {:7}\n", kAxes[k], amplitude[k], sigma[k], gathered[k],

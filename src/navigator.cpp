@@ -284,8 +284,8 @@ std::optional<ParameterEvidence> Navigator::gathered(const ParameterTreatment& h
 
 void Navigator::learn_from(const ParameterTreatment& how, const UpdateReport& update, double dt,
                            FrameReport& report) {
-  HealthInput input{report.t_ns, how.watched, update.evidence, gathered(how), update.nis,
-                    static_cast<double>(update.dof)};
+  HealthInput input{report.t_ns,   how.watched, update.evidence,
+                    gathered(how), update.nis,  static_cast<double>(update.dof)};
   if (!how.witness && !update.evidence.empty()) {
     // Of a filter that trusts theta, NIS also counts what theta would explain.
     const EvidenceStatistic explained = statistic(update.evidence, 1.0 / (kWitnessSigma * kWitnessSigma));

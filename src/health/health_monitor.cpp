@@ -130,12 +130,11 @@ double HealthMonitor::dispersion_of_window() const {
 
 double HealthMonitor::p_value(const ParameterEvidence& evidence, double dispersion) const {
   const EvidenceStatistic s = statistic(evidence, kWeakest);
-  return s.dof == 0 ? 1.0
-                    : chi_square_survival(s.value / (noise() * dispersion), static_cast<double>(s.dof));
+  return s.dof == 0 ? 1.0 : chi_square_survival(s.value / (noise() * dispersion), static_cast<double>(s.dof));
 }
 
-HealthMonitor::Offset HealthMonitor::offset(const ParameterEvidence& evidence,
-                                            const MatrixXd& directions, double dispersion) const {
+HealthMonitor::Offset HealthMonitor::offset(const ParameterEvidence& evidence, const MatrixXd& directions,
+                                            double dispersion) const {
   Offset out{RigParameters::Zero(), kWidest * scale_};
   if (evidence.empty()) {
     return out;

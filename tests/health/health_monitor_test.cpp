@@ -9,8 +9,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "limber/method.hpp"
 #include "check_covariance.hpp"
+#include "limber/method.hpp"
 #include "random_geometry.hpp"
 
 namespace limber {
@@ -37,9 +37,8 @@ class Frames {
     out.t_ns = t_ns_ += kFrameNs;
     out.directions = plausible_error(kBaseline).asDiagonal();
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information_);
-    const VectorXd e = eigen.eigenvectors() *
-                       eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().cwiseProduct(
-                           testing::random_normal(generator_, 6));
+    const VectorXd e = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().cwiseProduct(
+                                                  testing::random_normal(generator_, 6));
     out.frame = {information_, information_ * beta + noise * e};
     out.nis = noise * noise * 100.0;
     out.dof = 100.0;
@@ -51,9 +50,7 @@ class Frames {
     information_.col(axis).setZero();
   }
 
-  [[nodiscard]] Vector6 sigma() const {
-    return information_.inverse().diagonal().cwiseSqrt();
-  }
+  [[nodiscard]] Vector6 sigma() const { return information_.inverse().diagonal().cwiseSqrt(); }
 
  private:
   Generator generator_;
@@ -78,9 +75,7 @@ TEST(HealthMonitor, ASoundRigRaisesAsManyAlarmsAsAskedFor) {
   EXPECT_LE(count, 240);
 }
 
-TEST(HealthMonitor, NoiseThatIsLargerThanStatedRaisesNone) {
-  EXPECT_LE(alarms(2.0, 100.0, 1.0), 125);
-}
+TEST(HealthMonitor, NoiseThatIsLargerThanStatedRaisesNone) { EXPECT_LE(alarms(2.0, 100.0, 1.0), 125); }
 
 TEST(HealthMonitor, AStepIsFoundAtOnceAndItsAxisNamed) {
   for (int axis = 0; axis < 6; ++axis) {
@@ -124,7 +119,8 @@ TEST(HealthMonitor, ARigThatComesBackIsOkAgain) {
   HealthMonitor monitor({}, kBaseline);
   HealthReport report;
   for (int k = 0; k < 400; ++k) {
-    report = monitor.judge(frames.next(k >= 100 && k < 200 ? Vector6(Vector6::Constant(3.0)) : Vector6::Zero()));
+    report =
+        monitor.judge(frames.next(k >= 100 && k < 200 ? Vector6(Vector6::Constant(3.0)) : Vector6::Zero()));
     if (k == 199) {
       EXPECT_EQ(report.verdict, HealthVerdict::kDecalibrated);
     }

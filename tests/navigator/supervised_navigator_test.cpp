@@ -80,7 +80,9 @@ TEST(SupervisedNavigator, AStepIsLearnedAndDoesNotLeadAstray) {
   for (const MotionModel motion :
        {MotionModel::kImu, MotionModel::kOdometry, MotionModel::kConstantVelocity}) {
     SceneOptions options = ten_seconds(motion);
-    options.theta_error = [](double t) { return t < 6.0 ? RigParameters(RigParameters::Zero()) : step_error(); };
+    options.theta_error = [](double t) {
+      return t < 6.0 ? RigParameters(RigParameters::Zero()) : step_error();
+    };
     const Scene scene = make_scene(options);
     const Outcome sound = fly(make_scene(ten_seconds(motion)), Method::kEkf);
     const Outcome ekf = fly(scene, Method::kEkf), adaptive = fly(scene, Method::kAdaptive);

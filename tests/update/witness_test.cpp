@@ -64,8 +64,7 @@ Joint joseph(const WitnessProblem& problem) {
   MatrixXd G = P * H_states.transpose() * N *
                (N.transpose() * (H_states * P * H_states.transpose() + R) * N).llt().solve(N.transpose());
   const MatrixXd S = H * P * H.transpose() + R;
-  G.middleRows(at, kWitnessSize) =
-      S.llt().solve(H * P.middleCols(at, kWitnessSize)).transpose();
+  G.middleRows(at, kWitnessSize) = S.llt().solve(H * P.middleCols(at, kWitnessSize)).transpose();
   const MatrixXd A = MatrixXd::Identity(n, n) - G * H;
   Joint out{G * (problem.stereo.z.residual - DC * problem.witness.mean), A * P * A.transpose()};
   out.P += G * R * G.transpose();

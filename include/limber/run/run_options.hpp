@@ -35,8 +35,8 @@ struct RunOptions {
       theta_sigma;  ///< ekf-full, soft, consider; nothing: 0.1 deg and 5 % of the baseline
   std::optional<RigParameters>
       theta_walk;  ///< ekf-full, variance per second; nothing: Table 1, see run_setup
-  std::optional<ConstantVelocityNoise> constant_velocity_noise;  ///< nothing: the navigator's default
-  double gravity = 9.81;                                         ///< [m/s^2]
+  std::optional<ConstantVelocityNoise> constant_velocity_noise;          ///< nothing: the navigator's default
+  double gravity = 9.81;                                                 ///< [m/s^2]
   double false_alarms_per_hour = HealthOptions{}.false_alarms_per_hour;  ///< of the health monitor; > 0
   std::uint64_t seed = 0;
   std::uint64_t run = 0;  ///< which draw of the start error
