@@ -9,6 +9,7 @@
 #include <string>
 
 #include "commands.hpp"
+#include "frame_source.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/run/run_output.hpp"
 #include "messages.hpp"
@@ -18,9 +19,6 @@
 #include "report_files.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
-#ifdef LIMBER_WITH_FRONTEND
-#include "limber/frontend/stereo_tracker.hpp"
-#endif
 
 namespace limber::app {
 namespace {
@@ -30,6 +28,7 @@ struct RunArguments {
   std::string method = "lcekf", constraints, assume_error, start = "auto", landmarks = "inverse-depth",
               gate = "on";
   std::optional<double> sigma_px;
+  double false_alarms_per_hour = RunOptions{}.false_alarms_per_hour;
   std::size_t max_landmarks = 300;
   std::uint64_t seed = 0, run = 0;
 };
@@ -52,25 +51,10 @@ RunOptions to_options(const RunArguments& arguments, const Recording& recording)
       arguments.landmarks == "cartesian" ? LandmarkKind::kCartesian : LandmarkKind::kInverseDepth;
   options.gate = arguments.gate == "on";
   options.max_landmarks = arguments.max_landmarks;
+  options.false_alarms_per_hour = arguments.false_alarms_per_hour;
   options.seed = arguments.seed;
   options.run = arguments.run;
   return options;
-}
-
-FrameSource frame_source(const Recording& recording) {
-  if (recording.images.empty()) {
-    return matched_frames(recording);
-  }
-#ifdef LIMBER_WITH_FRONTEND
-  auto tracker = std::make_shared<StereoTracker>(recording.calibration);
-  return [tracker, &recording](std::size_t n) {
-    const ImagePair& pair = recording.images[n];
-    return tracker->process(pair.t_ns, pair.cam0, pair.cam1);
-  };
-#else
-  throw std::runtime_error(recording.name +
-                           " holds images, but this program was built without the image front end");
-#endif
 }
 
 std::string text_of(const std::optional<double>& value, const char* unit, int digits = 4) {
@@ -88,6 +72,9 @@ void print_summary(const RunSummary& s, const std::filesystem::path& folder) {
              text_of(s.attitude_rmse_deg, " deg"));
   fmt::print("  consistency     ANEES {} (1 = consistent), NIS per d.o.f. {}\n", text_of(s.anees, "", 2),
              text_of(s.nis_per_dof, "", 2));
+  if (s.health) {
+    fmt::print("  calibration     {} (limber health says more)\n", to_string(s.health->verdict));
+  }
   fmt::print("  time            p50 {:.2f} ms, p99 {:.2f} ms a frame, {:.1f} times real time\n",
              s.ms_per_frame_p50, s.ms_per_frame_p99, s.realtime_factor);
   fmt::print("  results in      {}\n", folder.string());
@@ -99,8 +86,7 @@ void run(const RunArguments& arguments) {
   require_writable_folder(arguments.out);
   RunRecord record;
   {
-    const std::size_t total = recording.images.empty() ? recording.frames.size() : recording.images.size();
-    Progress progress(arguments.method, total);
+    Progress progress(arguments.method, frame_count(recording));
     record =
         run_recording(recording, options, frame_source(recording), [&](std::size_t n) { progress.done(n); });
   }
@@ -167,9 +153,14 @@ void add_run_command(CLI::App& app) {
                    "Size of the map; those unseen for longest go")
       ->check(whole_number(1, 100'000))
       ->capture_default_str();
+  command
+      ->add_option("--false-alarms", arguments->false_alarms_per_hour,
+                   "Of the calibration monitor, per hour of a sound rig")
+      ->check(positive())
+      ->capture_default_str();
   command->footer(
-      "\nWrites trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, refusals.csv, summary.json,\n"
-      "report.html, and truth.tum where the truth is known.\n"
+      "\nWrites trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, health.csv, refusals.csv,\n"
+      "summary.json, report.html, and truth.tum where the truth is known.\n"
       "Example:\n  limber run data/v101 --method lcekf --assume-error 0,0.5,0,5%,0,0 --out runs/v101");
   command->callback([arguments] { run(*arguments); });
 }

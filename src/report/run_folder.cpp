@@ -59,6 +59,9 @@ RunFolder read_run_folder(const fs::path& path) {
                     fmt::format("the {} frames of trajectory.csv", folder.trajectory.size()),
                     fmt::format("{} frames", folder.frames.size()));
   }
+  if (fs::exists(path / "health.csv")) {
+    folder.health = read_health_csv(path / "health.csv");
+  }
   folder.landmarks = read_landmarks_ply(path / "landmarks.ply");
   folder.matched = match_truth(folder, path / "truth.tum");
   return folder;

@@ -12,6 +12,8 @@ namespace limber::detail {
 
 [[nodiscard]] ReportSection path_section(const RunFolder& run);
 [[nodiscard]] ReportSection error_section(const RunFolder& run);
+/// Of a run whose calibration was watched.
+[[nodiscard]] ReportSection calibration_section(const RunFolder& run);
 [[nodiscard]] ReportSection innovation_section(const RunFolder& run);
 [[nodiscard]] ReportSection point_section(const RunFolder& run);
 [[nodiscard]] ReportSection time_section(const RunFolder& run);

@@ -72,10 +72,6 @@ void remark_on_units(const std::vector<ImuSample>& imu, double gravity, std::vec
 
 }  // namespace
 
-std::size_t frame_count(const Recording& recording) {
-  return recording.images.empty() ? recording.frames.size() : recording.images.size();
-}
-
 std::int64_t frame_time(const Recording& recording, std::size_t n) {
   return recording.images.empty() ? recording.frames[n].t_ns : recording.images[n].t_ns;
 }

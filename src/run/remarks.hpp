@@ -11,7 +11,6 @@
 /// What a user should know about a recording and a run beside the results: in plain words, with numbers.
 namespace limber::detail {
 
-[[nodiscard]] std::size_t frame_count(const Recording& recording);
 [[nodiscard]] std::int64_t frame_time(const Recording& recording, std::size_t n);  ///< [ns]
 
 /// "0.000 s to 34.990 s"

@@ -17,6 +17,7 @@
 #include "limber/datasets/landmarks_ply.hpp"
 #include "limber/evaluate/consistency.hpp"
 #include "limber/evaluate/evaluation.hpp"
+#include "limber/run/health_file.hpp"
 
 namespace limber {
 namespace {
@@ -146,6 +147,7 @@ Json to_json(const RunOptions& options) {
           {"landmarks", options.landmarks == LandmarkKind::kCartesian ? "cartesian" : "inverse-depth"},
           {"gate", options.gate},
           {"max_landmarks", options.max_landmarks},
+          {"false_alarms_per_hour", options.false_alarms_per_hour},
           {"seed", options.seed},
           {"run", options.run}};
 }
@@ -172,7 +174,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["peak_rss_mb"] = s.peak_rss_mb;
   json["points_per_frame"] = s.points_per_frame;
   json["points_refused"] = s.points_refused;
-  json["health"] = nullptr;
+  json["health"] = s.health ? Json::parse(to_json(*s.health, options.false_alarms_per_hour)) : Json(nullptr);
   json["seed"] = options.seed;
   json["options"] = to_json(options);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
@@ -237,6 +239,7 @@ RunSummary summarize(const Recording& recording, const RunOptions& options, cons
   const double spent_ms = filter_ms + std::accumulate(record.source_ms.begin(), record.source_ms.end(), 0.0);
   out.realtime_factor = spent_ms > 0.0 ? 1e3 * out.duration_s / spent_ms : 0.0;
   out.peak_rss_mb = peak_rss_mb();
+  out.health = summarize_health(record.frames);
   return out;
 }
 
@@ -256,6 +259,10 @@ void write_run_output(const std::filesystem::path& folder, const RunOptions& opt
     write_landmarks_ply(staged.path() / "landmarks.ply", record.landmarks);
     write_file_atomically(staged.path() / "frames.csv", frames_csv(record));
     write_file_atomically(staged.path() / "refusals.csv", refusals_csv(record));
+    if (summary.health) {
+      write_health_csv(staged.path() / "health.csv", record.frames);
+      names.emplace_back("health.csv");
+    }
     if (!summary.truth.empty()) {
       write_tum(staged.path() / "truth.tum", summary.truth);
       names.emplace_back("truth.tum");
@@ -265,6 +272,7 @@ void write_run_output(const std::filesystem::path& folder, const RunOptions& opt
     // An older run's must not stand beside new files.
     std::filesystem::remove(folder / "summary.json");
     std::filesystem::remove(folder / "truth.tum");
+    std::filesystem::remove(folder / "health.csv");
     staged.move_files(names, folder);
   } catch (const std::filesystem::filesystem_error& error) {
     throw DataError(folder.string(), 0, "a folder that can be made and written", error.code().message());

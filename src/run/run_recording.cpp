@@ -20,7 +20,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using detail::covered_by_frames;
 using detail::covered_seconds;
-using detail::frame_count;
 using detail::frame_time;
 
 constexpr std::int64_t kWindowNs = 600'000'000;  // what an automatic start looks at
@@ -231,6 +230,10 @@ void append(std::vector<std::string>& notes, const std::vector<std::string>& mor
 }
 
 }  // namespace
+
+std::size_t frame_count(const Recording& recording) {
+  return recording.images.empty() ? recording.frames.size() : recording.images.size();
+}
 
 FrameSource matched_frames(const Recording& recording) {
   return [&recording](std::size_t n) { return recording.frames[n]; };

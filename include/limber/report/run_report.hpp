@@ -7,9 +7,11 @@
 
 namespace limber {
 
-/// @brief The report of one run: path, errors with 3 sigma, innovations, points and time per frame, options.
+/// @brief The report of one run: path, errors with 3 sigma, calibration, innovations, points and time per
+/// frame, options.
 /// @param folder what write_run_output wrote: trajectory.csv, frames.csv, landmarks.ply, summary.json, and
-/// truth.tum, without which nothing is said of errors
+/// truth.tum, without which nothing is said of errors, and health.csv, without which nothing is said of the
+/// calibration
 /// @throws DataError if a file is missing or cannot be used
 [[nodiscard]] ReportDocument run_report(const std::filesystem::path& folder);
 

@@ -8,6 +8,7 @@
 
 #include "limber/core/pose.hpp"
 #include "limber/datasets/recording.hpp"
+#include "limber/run/health_summary.hpp"
 #include "limber/run/run_recording.hpp"
 
 namespace limber {
@@ -32,6 +33,7 @@ struct RunSummary {
   double peak_rss_mb = 0.0;
   std::size_t points_refused = 0;
   double points_per_frame = 0.0;
+  std::optional<HealthSummary> health;  ///< nothing where nothing was watched (mono-left)
   /// What was taken out before position_rmse_m, attitude_rmse_deg and anees: "nothing", "position and yaw of
   /// the first pose" or "whole first pose"; empty without truth.
   std::string alignment;
@@ -47,8 +49,8 @@ struct RunSummary {
                                    const RunRecord& record);
 
 /// @brief Writes trajectory.tum, trajectory.csv, truth.tum (where the truth is known), landmarks.ply,
-/// frames.csv, refusals.csv and summary.json: all of them or none; a folder without summary.json holds no
-/// finished run. `folder` is made if needed.
+/// frames.csv, health.csv (where the calibration was watched), refusals.csv and summary.json: all of them or
+/// none; a folder without summary.json holds no finished run. `folder` is made if needed.
 /// @throws DataError if the folder cannot be written
 void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
                       const RunSummary& summary);

@@ -17,6 +17,9 @@ namespace limber {
 /// The n-th stereo frame of a recording: matched points as they are, or images through a front end.
 using FrameSource = std::function<StereoFrame(std::size_t)>;
 
+/// Stereo frames of a recording, matched points or images.
+[[nodiscard]] std::size_t frame_count(const Recording& recording);
+
 /// Frame `n` of a recording with matched points. The recording must outlive the source.
 [[nodiscard]] FrameSource matched_frames(const Recording& recording);
 

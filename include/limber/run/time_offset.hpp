@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/samples.hpp"
+
+/// @file
+/// Clocks that disagree look like a rig that bends while it moves. Both estimates are least squares with
+/// Huber weights over a whole recording, apart from any filter.
+namespace limber {
+
+/// How much later than stamped something was taken, and its standard deviation [s].
+struct TimeOffset {
+  double seconds = 0.0, sigma = 0.0;
+};
+
+/// @brief Of cam1 against cam0. A right pixel that is late by tau is off by tau times its velocity; across its
+/// epipolar line no depth can explain that. Beside tau, the five parameters of the rig are estimated that move
+/// points across it (all but the baseline's length), so that a wrong calibration is none of the clock.
+/// @return nothing with fewer than 200 points that were followed through three frames, or where the motion
+/// does not tell them apart. sigma counts a track's residuals as one draw: they are alike along a track.
+[[nodiscard]] std::optional<TimeOffset> cam1_time_offset(const StereoCalibration& calibration,
+                                                         std::span<const StereoFrame> frames);
+
+/// @brief Of the cameras against the IMU: rotation from one frame to the next by stereo points, against the
+/// gyro's mean rate over the same time, moved by tau; with a constant gyro bias.
+/// @return nothing unless the body is the IMU and 50 pairs of frames tell
+[[nodiscard]] std::optional<TimeOffset> camera_time_offset(const StereoCalibration& calibration,
+                                                           std::span<const StereoFrame> frames,
+                                                           std::span<const ImuSample> imu);
+
+}  // namespace limber
