@@ -77,10 +77,10 @@ int run(CLI::App& app, int argc, char** argv) {
 }
 
 // Every frame's large matrices come and go. What is freed stays with the program, instead of going back to
-// the kernel, which would clear it each time (a tenth of a run).
+// the kernel, which would clear it each time (a tenth of a run). 32 MiB is the most that every glibc accepts.
 void keep_freed_memory() {
 #ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_MMAP_THRESHOLD, 1 << 25);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
 #endif
 }

@@ -101,7 +101,8 @@ void add_study_command(CLI::App& app) {
   command
       ->add_option(
           "--methods", arguments->methods,
-          "Comma-separated: ekf, ekf-full, lcekf, soft, consider, mono-left, oracle, each with options: "
+          "Comma-separated: ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left, oracle, each with "
+          "options: "
           "lcekf:rotation+direction, lcekf:ax,tx, ekf:cartesian, ekf-full:walk=x10, ekf-full:walk=1e-6/1")
       ->check(parsed_by(method_variants_from_string))
       ->capture_default_str();

@@ -72,9 +72,11 @@ LIMBER_RUN_BENCHMARK(paper_ii, ekf, kEkf);
 LIMBER_RUN_BENCHMARK(paper_ii, ekf_full, kEkfFull);
 LIMBER_RUN_BENCHMARK(paper_ii, lcekf, kLcekf);
 LIMBER_RUN_BENCHMARK(paper_ii, mono_left, kMonoLeft);
+LIMBER_RUN_BENCHMARK(paper_ii, adaptive, kAdaptive);
 LIMBER_RUN_BENCHMARK(euroc_imu_april, ekf, kEkf);
 LIMBER_RUN_BENCHMARK(euroc_imu_april, ekf_full, kEkfFull);
 LIMBER_RUN_BENCHMARK(euroc_imu_april, lcekf, kLcekf);
+LIMBER_RUN_BENCHMARK(euroc_imu_april, adaptive, kAdaptive);
 
 }  // namespace
 

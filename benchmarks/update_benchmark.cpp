@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One update of the plain EKF beside one of the constrained EKF: same covariance, same stereo frame.
+// One update beside another: constrained and plain EKF, with and without the health monitor. Same
+// covariance, same stereo frame.
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Core>
@@ -18,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr Index kParameters = 6;
 constexpr Index kRowsPerPoint = 4;
-constexpr Index kMapBegin = 15;  // body with IMU; the map follows
+constexpr Index kBody = 15;  // with IMU; a witness or the map follows
 
 class Draws {
  public:
@@ -44,16 +45,16 @@ limber::Covariance make_covariance(Index n, Draws& draws) {
 
 /// `points` stereo points: 4 rows each, H with blocks for position, attitude and the landmark, D on the right
 /// rows. Landmarks are spread over the whole map; a map smaller than the frame is seen more than once.
-limber::LinearMeasurement make_frame(Index n, Index points, Draws& draws) {
+limber::LinearMeasurement make_frame(Index n, Index points, Draws& draws, Index map_begin = kBody) {
   const Index m = kRowsPerPoint * points;
   limber::LinearMeasurement z;
   z.residual = draws.matrix(m, 1, 1.0);
   z.sigma = Eigen::VectorXd::Constant(m, 0.5);
   z.D = MatrixXd::Zero(m, kParameters);
-  const Index landmarks = (n - kMapBegin) / limber::kTriplet;
+  const Index landmarks = (n - map_begin) / limber::kTriplet;
   for (Index point = 0; point < points; ++point) {
     const Index landmark =
-        kMapBegin + limber::kTriplet * (landmarks >= points ? point * landmarks / points : point % landmarks);
+        map_begin + limber::kTriplet * (landmarks >= points ? point * landmarks / points : point % landmarks);
     for (Index camera = 0; camera < 2; ++camera) {
       const Index row = kRowsPerPoint * point + 2 * camera;
       for (const Index col : {Index{0}, Index{3}, landmark}) {
@@ -76,44 +77,74 @@ double time_update(const limber::Covariance& prior, const limber::LinearMeasurem
   return std::chrono::duration<double>(end - begin).count();
 }
 
-/// Times of both, taken in turn so that a busy machine slows both alike; each is judged by its fastest run,
-/// which is the one that nobody disturbed.
-void ekf_beside_lcekf(benchmark::State& state) {
-  Draws draws;
-  const Index n = state.range(0);
-  const limber::Covariance prior = make_covariance(n, draws);
-  const limber::LinearMeasurement frame = make_frame(n, state.range(1), draws);
-  const limber::ParameterTreatment free;
-  limber::ParameterTreatment full;
-  full.constrained = MatrixXd::Identity(kParameters, kParameters);
+/// One way to update, with the covariance that it needs.
+struct Contestant {
+  limber::Covariance prior;
+  limber::LinearMeasurement frame;
+  limber::ParameterTreatment treatment;
+};
 
-  double best_ekf = 1e9, best_lcekf = 1e9;
-  bool ekf_first = true;
-  for (auto _ : state) {
-    double ekf = 0.0, lcekf = 0.0;
-    if (ekf_first) {
-      ekf = time_update(prior, frame, free);
-      lcekf = time_update(prior, frame, full);
-    } else {
-      lcekf = time_update(prior, frame, full);
-      ekf = time_update(prior, frame, free);
-    }
-    ekf_first = !ekf_first;
-    best_ekf = std::min(best_ekf, ekf);
-    best_lcekf = std::min(best_lcekf, lcekf);
-    state.SetIterationTime(lcekf);
-  }
-  state.counters["ekf_ms"] = 1e3 * best_ekf;
-  state.counters["lcekf_ms"] = 1e3 * best_lcekf;
-  state.counters["ratio"] = best_lcekf / best_ekf;
+Contestant contestant(const benchmark::State& state, Index witness = 0) {
+  Draws draws;
+  const Index n = state.range(0) + witness;
+  return {make_covariance(n, draws), make_frame(n, state.range(1), draws, kBody + witness), {}};
 }
 
-BENCHMARK(ekf_beside_lcekf)
-    ->ArgNames({"states", "points"})
-    ->ArgsProduct({{99, 249, 501, 750, 999}, {20, 40, 60, 100}})
-    ->UseManualTime()
-    ->MinTime(0.3)
-    ->Unit(benchmark::kMillisecond);
+/// Times of both, taken in turn so that a busy machine slows both alike; each is judged by its fastest run,
+/// which is the one that nobody disturbed.
+void race(benchmark::State& state, const Contestant& base, const Contestant& rival) {
+  double best_base = 1e9, best_rival = 1e9;
+  bool base_first = true;
+  for (auto _ : state) {
+    double base_s = 0.0, rival_s = 0.0;
+    const auto time_base = [&] { base_s = time_update(base.prior, base.frame, base.treatment); };
+    const auto time_rival = [&] { rival_s = time_update(rival.prior, rival.frame, rival.treatment); };
+    base_first ? (time_base(), time_rival()) : (time_rival(), time_base());
+    base_first = !base_first;
+    best_base = std::min(best_base, base_s);
+    best_rival = std::min(best_rival, rival_s);
+    state.SetIterationTime(rival_s);
+  }
+  state.counters["base_ms"] = 1e3 * best_base;
+  state.counters["ms"] = 1e3 * best_rival;
+  state.counters["ratio"] = best_rival / best_base;
+}
+
+void lcekf_beside_ekf(benchmark::State& state) {
+  const Contestant ekf = contestant(state);
+  Contestant lcekf = ekf;
+  lcekf.treatment.constrained = MatrixXd::Identity(kParameters, kParameters);
+  race(state, ekf, lcekf);
+}
+
+/// What the health monitor adds to an update of lcekf: evidence and a witness, six states more.
+void watched_beside_lcekf(benchmark::State& state) {
+  Contestant lcekf = contestant(state), watched = contestant(state, limber::kWitnessSize);
+  lcekf.treatment.constrained = watched.treatment.constrained = watched.treatment.watched =
+      MatrixXd::Identity(kParameters, kParameters);
+  watched.treatment.witness = limber::Witness{kBody, Eigen::VectorXd::Zero(limber::kWitnessSize)};
+  race(state, lcekf, watched);
+}
+
+/// The same for ekf, which needs no witness.
+void watched_beside_ekf(benchmark::State& state) {
+  const Contestant ekf = contestant(state);
+  Contestant watched = ekf;
+  watched.treatment.watched = MatrixXd::Identity(kParameters, kParameters);
+  race(state, ekf, watched);
+}
+
+void sizes(benchmark::internal::Benchmark* benchmark) {
+  benchmark->ArgNames({"states", "points"})
+      ->ArgsProduct({{99, 249, 501, 750, 999}, {20, 40, 60, 100}})
+      ->UseManualTime()
+      ->MinTime(0.3)
+      ->Unit(benchmark::kMillisecond);
+}
+
+BENCHMARK(lcekf_beside_ekf)->Apply(sizes);
+BENCHMARK(watched_beside_lcekf)->Apply(sizes);
+BENCHMARK(watched_beside_ekf)->Apply(sizes);
 
 }  // namespace
 

@@ -69,5 +69,5 @@ echo
 table=$PWD/scripts/print_summary_table.py
 (cd "$start" && python3 "$table" "${summaries[@]}")
 echo
-echo "Each folder holds trajectory.tum, trajectory.csv, landmarks.ply and summary.json."
+echo "Each folder holds trajectory.tum, trajectory.csv, landmarks.ply, summary.json and report.html, which any browser opens."
 echo "Next: $limber run --help"

@@ -55,6 +55,9 @@ RigParameters theta_sigma(const NavigatorOptions& options, const StereoCalibrati
 
 NavigatorOptions completed(NavigatorOptions options) {
   options.birth.kind = options.landmarks;
+  if (options.method == Method::kAdaptive && !options.health) {
+    options.health.emplace();  // it lives on what the monitor sees
+  }
   if (!(options.sigma_px.array() > 0.0).all()) {
     throw std::invalid_argument("navigator: sigma_px must be positive");
   }
@@ -281,8 +284,8 @@ std::optional<ParameterEvidence> Navigator::gathered(const ParameterTreatment& h
 
 void Navigator::learn_from(const ParameterTreatment& how, const UpdateReport& update, double dt,
                            FrameReport& report) {
-  HealthInput input{report.t_ns, how.watched, update.evidence, gathered(how), update.nis,
-                    static_cast<double>(update.dof)};
+  HealthInput input{report.t_ns,   how.watched, update.evidence,
+                    gathered(how), update.nis,  static_cast<double>(update.dof)};
   if (!how.witness && !update.evidence.empty()) {
     // Of a filter that trusts theta, NIS also counts what theta would explain.
     const EvidenceStatistic explained = statistic(update.evidence, 1.0 / (kWitnessSigma * kWitnessSigma));

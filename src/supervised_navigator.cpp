@@ -22,8 +22,8 @@ double seconds(std::int64_t from_ns, std::int64_t to_ns) {
 
 NavigatorOptions auditors(NavigatorOptions options) {
   options.method = Method::kLcekf;
-  options.constraints.kind = has_scale(options.motion) ? ConstraintSet::Kind::kFull
-                                                       : ConstraintSet::Kind::kRotationDirection;
+  options.constraints.kind =
+      has_scale(options.motion) ? ConstraintSet::Kind::kFull : ConstraintSet::Kind::kRotationDirection;
   if (!options.health) {
     options.health = HealthOptions{};
   }
@@ -33,6 +33,7 @@ NavigatorOptions auditors(NavigatorOptions options) {
 HealthOptions watchdogs() {
   HealthOptions options;
   options.false_alarms_per_hour = kFalseHandoversPerHour;
+  options.most_dispersion = 1.0;  // to learn what scatters is what a doubt is for
   return options;
 }
 
@@ -40,11 +41,16 @@ HealthOptions watchdogs() {
 
 SupervisedNavigator::SupervisedNavigator(const NavigatorOptions& options,
                                          const StereoCalibration& calibration, const InitialState& initial)
-    : scale_(plausible_error(calibration.baseline())), navigator_(options, calibration, initial) {
+    : baseline_(calibration.baseline()), navigator_(options, calibration, initial) {
   if (options.method == Method::kAdaptive) {
-    const HealthMonitor watchdog(watchdogs(), calibration.baseline());
-    supervision_.emplace(Supervision{Navigator(auditors(options), calibration, initial), watchdog, watchdog,
-                                     {navigator_, {}}, {navigator_, {}}, initial.nav.t_ns, initial.nav.t_ns});
+    const HealthMonitor watchdog(watchdogs(), baseline_);
+    supervision_.emplace(Supervision{Navigator(auditors(options), calibration, initial),
+                                     watchdog,
+                                     watchdog,
+                                     {navigator_, {}},
+                                     {navigator_, {}},
+                                     initial.nav.t_ns,
+                                     initial.nav.t_ns});
   }
 }
 
@@ -72,7 +78,8 @@ void SupervisedNavigator::add_odometry(const OdometrySample& sample) {
 Doubt SupervisedNavigator::doubt(const HealthReport& why) const {
   const RigParameters& delta = why.p_value < why.gathered_p_value ? why.delta : why.gathered_delta;
   Doubt out;
-  out.fresh = (kSurpriseFactor * delta.cwiseAbs().cwiseQuotient(scale_)).cwiseMax(kLeastDoubt);
+  out.fresh =
+      (kSurpriseFactor * delta.cwiseAbs().cwiseQuotient(plausible_error(baseline_))).cwiseMax(kLeastDoubt);
   out.jump = out.fresh.cwiseAbs2().asDiagonal();
   return out;
 }
@@ -80,8 +87,7 @@ Doubt SupervisedNavigator::doubt(const HealthReport& why) const {
 /// Whether a length of the baseline that changed could be learned.
 bool SupervisedNavigator::knows_scale(std::int64_t t_ns) const {
   return has_scale(navigator_.options().motion) ||
-         (seconds(supervision_->began_ns, t_ns) > kMapKnowsScale &&
-          supervision_->doubts < kMostDoubts);
+         (seconds(supervision_->began_ns, t_ns) > kMapKnowsScale && supervision_->doubts < kMostDoubts);
 }
 
 /// Comes again from the older checkpoint, in doubt this time.
@@ -141,12 +147,13 @@ void SupervisedNavigator::supervise(FrameReport& report, const FrameReport& audi
   } else if (own.alarm) {
     report = go_back(own);
   } else {
-    navigator_.take_over(s.auditor, {Eigen::Matrix<double, 6, 6>::Zero(),
-                                     WhiteSize::Vector6::Constant(kLeastDoubt)});
+    navigator_.take_over(s.auditor,
+                         {Eigen::Matrix<double, 6, 6>::Zero(), WhiteSize::Vector6::Constant(kLeastDoubt)});
   }
   ++s.doubts;
   s.doubted_ns = report.t_ns;
   s.trusts = false;
+  s.own_watchdog = HealthMonitor(watchdogs(), baseline_);
   s.recent = {navigator_, {}};
   s.older = s.recent;
 }

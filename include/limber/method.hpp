@@ -23,8 +23,8 @@ enum class Method : std::uint8_t {
 };
 
 /// All methods, in the order of tables.
-inline constexpr std::array kAllMethods = {Method::kEkf,   Method::kEkfFull,  Method::kLcekf,
-                                           Method::kSoft,  Method::kConsider, Method::kAdaptive,
+inline constexpr std::array kAllMethods = {Method::kEkf,      Method::kEkfFull,  Method::kLcekf,
+                                           Method::kSoft,     Method::kConsider, Method::kAdaptive,
                                            Method::kMonoLeft, Method::kOracle};
 
 /// Name on the command line: ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left, oracle.

@@ -60,7 +60,7 @@ struct InitialState {
 /// How wrong the rig that `adaptive` takes for true may be from now on; both are learned from there.
 struct Doubt {
   Eigen::Matrix<double, 6, 6> jump;  ///< covariance of what has changed and stays [plausible errors squared]
-  WhiteSize::Vector6 fresh;          ///< at least that large is what changes in every frame [plausible errors]
+  WhiteSize::Vector6 fresh;  ///< at least that large is what changes in every frame [plausible errors]
 };
 
 /// What became of one frame.
@@ -124,8 +124,8 @@ class Navigator {
   [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns);
   [[nodiscard]] Newborn bear(const StereoFrame& frame);
   /// @param shift  from the assumed rig to the one at which this frame is linearised
-  void update_with(const StereoFrame& frame, const Newborn& newborn, const RigParameters& shift,
-                   double dt, FrameReport& report);
+  void update_with(const StereoFrame& frame, const Newborn& newborn, const RigParameters& shift, double dt,
+                   FrameReport& report);
   void book(const StackedFrame& stacked, const std::vector<bool>& accepted, const Newborn& newborn,
             FrameReport& report);
   [[nodiscard]] ParameterTreatment treatment() const;
@@ -141,7 +141,7 @@ class Navigator {
   Estimate estimate_;
   InputBuffer inputs_;
   std::optional<HealthMonitor> monitor_;
-  WhiteSize fresh_;        // adaptive: zero as long as theta is trusted
+  WhiteSize fresh_;  // adaptive: zero as long as theta is trusted
   std::int64_t last_frame_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 

@@ -57,7 +57,7 @@ class SupervisedNavigator {
   [[nodiscard]] bool knows_scale(std::int64_t t_ns) const;
   void supervise(FrameReport& report, const FrameReport& audit);
 
-  RigParameters scale_;  // one plausible error
+  double baseline_;  // of the assumed calibration [m]
   Navigator navigator_;
   std::optional<Supervision> supervision_;  // adaptive
 };

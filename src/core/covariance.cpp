@@ -28,6 +28,16 @@ void Covariance::set_diagonal_block(Index start, const Eigen::Ref<const MatrixXd
   data_.block(start, start, value.rows(), value.cols()).triangularView<Eigen::Lower>() = value;
 }
 
+void Covariance::assign(const Eigen::Ref<const MatrixXd>& value) {
+  size_ = 0;
+  append(value.rows());
+  set_diagonal_block(0, value);
+}
+
+MatrixXd Covariance::times(const Eigen::Ref<const MatrixXd>& X) const {
+  return data_.topLeftCorner(size_, size_).selfadjointView<Eigen::Lower>() * X;
+}
+
 void Covariance::gather(std::span<const Index> starts, MatrixXd& columns) const {
   columns.resize(size_, kTriplet * static_cast<Index>(starts.size()));
   Index out = 0;
@@ -65,6 +75,11 @@ void Covariance::add_symmetric_product(const Eigen::Ref<const MatrixXd>& U,
   left << U, V;
   right << V, U;
   data_.topLeftCorner(size_, size_).triangularView<Eigen::Lower>() += left * right.transpose();
+}
+
+void Covariance::add_congruence(const Eigen::Ref<const MatrixXd>& G, const Eigen::Ref<const MatrixXd>& U) {
+  const MatrixXd GU = G * U;
+  data_.topLeftCorner(size_, size_).triangularView<Eigen::Lower>() += GU * G.transpose();
 }
 
 void Covariance::transform_triplet(Index start, const Eigen::Matrix3d& M) {

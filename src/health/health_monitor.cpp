@@ -16,6 +16,7 @@ namespace limber {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 namespace {
 
@@ -26,12 +27,18 @@ constexpr double kWeakest = 1.0 / (kWidest * kWidest);
 /// The noise of the other rows is believed as if one had seen this many of them with the stated noise.
 constexpr double kNoisePrior = 500.0;
 /// An axis is named where it is that many standard deviations off, in the frame of the alarm ...
-constexpr double kNamedAtOnce = 3.3;
+constexpr double kNamedAtOnce = 3.5;
 /// ... and later, while evidence gathers and many frames are looked at.
-constexpr double kNamedLater = 4.0;
+constexpr double kNamedLater = 4.5;
 constexpr double kSuspectFactor = 20.0;    // suspect where an alarm's p-value is that near
 constexpr double kRecovered = 0.01;        // p-value of a window that ends an alarm
 constexpr double kLongestFrame = 1.0;      // [s], a longer gap has no more chances of a false alarm
+constexpr double kKeptPerWindow = 0.9;     // of what earlier windows said about scatter
+constexpr double kRemembered = 0.98;       // of the largest scatter of a window, per window
+constexpr double kLuckyScatter = 1.25;     // the largest of many windows of white frames
+constexpr std::size_t kFewestFrames = 10;  // of a window that has a scatter
+constexpr double kWhiteEnough = 0.2;       // correlation of neighbours that pose and map may cause
+constexpr double kMostCorrelated = 0.95;
 /// When a window is looked at, as shares of its length.
 constexpr std::array<double, 5> kLooks = {1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 1.0};
 constexpr double kNanoseconds = 1e-9;
@@ -68,26 +75,75 @@ HealthMonitor::HealthMonitor(const HealthOptions& options, double baseline)
   check(options.false_alarms_per_hour, "false_alarms_per_hour");
   check(options.window_s, "window_s");
   check(options.resolution, "resolution");
+  check(options.most_dispersion, "most_dispersion");
   sigma_of_window_.setConstant(std::numeric_limits<double>::infinity());
 }
 
-double HealthMonitor::noise() const { return (nis_ + kNoisePrior) / (dof_ + kNoisePrior); }
+/// Never less than was stated: rows that fit too well say nothing for the others.
+double HealthMonitor::noise() const { return std::max((nis_ + kNoisePrior) / (dof_ + kNoisePrior), 1.0); }
 
-double HealthMonitor::p_value(const ParameterEvidence& evidence) const {
-  const EvidenceStatistic s = statistic(evidence, kWeakest);
-  return s.dof == 0 ? 1.0 : chi_square_survival(s.value / noise(), static_cast<double>(s.dof));
+/// The window is over: how its frames deviated from their mean.
+void HealthMonitor::scatter(const ParameterEvidence& frame) {
+  if (restarts_) {
+    VectorXd mean = VectorXd::Zero(whitened_.empty() ? 0 : whitened_.front().size());
+    const auto n = static_cast<double>(whitened_.size());
+    for (const VectorXd& u : whitened_) {
+      mean += u / n;
+    }
+    double squares = 0.0, numbers = 0.0;
+    squares_ *= kKeptPerWindow;
+    products_ *= kKeptPerWindow;
+    for (std::size_t k = 0; k < whitened_.size() && whitened_.size() >= kFewestFrames; ++k) {
+      squares += (whitened_[k] - mean).squaredNorm() * n / (n - 1.0);
+      numbers += static_cast<double>(mean.size());
+      products_ += k > 0 ? (whitened_[k] - mean).dot(whitened_[k - 1] - mean) : 0.0;
+    }
+    squares_ += squares;
+    if (numbers > 0.0) {
+      largest_scatter_ = std::max(kRemembered * largest_scatter_.value_or(0.0), squares / numbers);
+    }
+    whitened_.clear();
+  }
+  const Eigen::LLT<MatrixXd> llt(frame.information);
+  if (!frame.empty() && llt.info() == Eigen::Success &&
+      (whitened_.empty() || whitened_.front().size() == frame.vector.size())) {
+    whitened_.emplace_back(llt.matrixL().solve(frame.vector));
+  }
 }
 
-HealthMonitor::Offset HealthMonitor::offset(const ParameterEvidence& evidence,
-                                            const MatrixXd& directions) const {
+/// Of frames; as large as is allowed while nothing is known.
+double HealthMonitor::dispersion() const {
+  const double measured =
+      largest_scatter_ ? *largest_scatter_ / (kLuckyScatter * noise()) : options_.most_dispersion;
+  return std::clamp(measured, 1.0, options_.most_dispersion);
+}
+
+/// Of a window's sum: neighbours that lean to the same side count as fewer (first-order autoregression).
+double HealthMonitor::dispersion_of_window() const {
+  if (options_.most_dispersion <= 1.0 || !(squares_ > 0.0)) {
+    return dispersion();
+  }
+  const double correlation =
+      std::clamp((products_ / squares_ - kWhiteEnough) / (1.0 - kWhiteEnough), 0.0, kMostCorrelated);
+  return dispersion() * (1.0 + correlation) / (1.0 - correlation);
+}
+
+double HealthMonitor::p_value(const ParameterEvidence& evidence, double dispersion) const {
+  const EvidenceStatistic s = statistic(evidence, kWeakest);
+  return s.dof == 0 ? 1.0 : chi_square_survival(s.value / (noise() * dispersion), static_cast<double>(s.dof));
+}
+
+HealthMonitor::Offset HealthMonitor::offset(const ParameterEvidence& evidence, const MatrixXd& directions,
+                                            double dispersion) const {
   Offset out{RigParameters::Zero(), kWidest * scale_};
   if (evidence.empty()) {
     return out;
   }
-  MatrixXd A = evidence.information / noise();
+  const double variance = noise() * dispersion;
+  MatrixXd A = evidence.information / variance;
   A.diagonal().array() += kWeakest;
   const MatrixXd covariance = A.llt().solve(MatrixXd::Identity(A.rows(), A.cols()));
-  out.delta = directions * (covariance * evidence.vector) / noise();
+  out.delta = directions * (covariance * evidence.vector) / variance;
   out.sigma = (directions * covariance * directions.transpose()).diagonal().cwiseSqrt();
   // What no direction touches (the length of the baseline, say) stays unknown.
   const MatrixXd B = scale_.cwiseInverse().asDiagonal() * directions;
@@ -136,10 +192,9 @@ bool HealthMonitor::test(const HealthInput& input, double frame_p, double window
   const bool frame_rejects = frame_p < frame_limit;
   const bool window_rejects = looks && window_p < window_limit;
   suspect_ = frame_p < kSuspectFactor * frame_limit || window_p < kSuspectFactor * window_limit;
-  if (frame_rejects || window_rejects) {
-    if (!changed_ns_) {
-      changed_ns_ = frame_rejects ? input.t_ns : gathered_since_ns_;
-    }
+  const bool is_new = !changed_ns_ && (frame_rejects || window_rejects);
+  if (is_new) {
+    changed_ns_ = frame_rejects ? input.t_ns : gathered_since_ns_;
     name_axes(frame_rejects ? frame : gathered, kNamedAtOnce);
   } else if (changed_ns_ && window_p < window_limit) {
     name_axes(gathered, kNamedLater);
@@ -150,7 +205,7 @@ bool HealthMonitor::test(const HealthInput& input, double frame_p, double window
   if (ends) {
     sigma_of_window_ = gathered.sigma;
   }
-  restarts_ = ends || frame_rejects || window_rejects;
+  restarts_ = ends || is_new;  // from here on evidence of the new rig gathers
   return frame_rejects || window_rejects;
 }
 
@@ -177,13 +232,14 @@ HealthVerdict HealthMonitor::verdict(const HealthReport& report) const {
 HealthReport HealthMonitor::judge(const HealthInput& input) {
   nis_ += input.nis;
   dof_ += input.dof;
+  scatter(input.frame);
   gather(input);
-  const Offset frame = offset(input.frame, input.directions);
-  const Offset gathered = offset(gathered_, input.directions);
+  const Offset frame = offset(input.frame, input.directions, dispersion());
+  const Offset gathered = offset(gathered_, input.directions, dispersion_of_window());
   HealthReport report;
   report.t_ns = input.t_ns;
-  report.p_value = p_value(input.frame);
-  report.gathered_p_value = p_value(gathered_);
+  report.p_value = p_value(input.frame, dispersion());
+  report.gathered_p_value = p_value(gathered_, dispersion_of_window());
   report.gathered_since_ns = gathered_since_ns_;
   report.alarm = test(input, report.p_value, report.gathered_p_value, frame, gathered);
   report.delta = frame.delta;

@@ -39,38 +39,6 @@ std::vector<Index> operator+(std::vector<Index> a, const std::vector<Index>& b) 
   return a;
 }
 
-/// Copies what lies between the removed rows, run by run. (An indexed view would copy number by number.)
-/// @param removed  sorted
-MatrixXd without_rows(const MatrixXd& from, const std::vector<Index>& removed) {
-  MatrixXd to(from.rows() - static_cast<Index>(removed.size()), from.cols());
-  Index in = 0, out = 0;
-  const auto copy_to = [&](Index end) {
-    to.middleRows(out, end - in) = from.middleRows(in, end - in);
-    out += end - in;
-    in = end + 1;
-  };
-  for (const Index row : removed) {
-    copy_to(row);
-  }
-  copy_to(from.rows());
-  return to;
-}
-
-MatrixXd without_columns(const MatrixXd& from, const std::vector<Index>& removed) {
-  MatrixXd to(from.rows(), from.cols() - static_cast<Index>(removed.size()));
-  Index in = 0, out = 0;
-  const auto copy_to = [&](Index end) {
-    to.middleCols(out, end - in) = from.middleCols(in, end - in);
-    out += end - in;
-    in = end + 1;
-  };
-  for (const Index column : removed) {
-    copy_to(column);
-  }
-  copy_to(from.cols());
-  return to;
-}
-
 /// F with F Fᵀ = A⁺, A symmetric positive semidefinite: directions that only rounding fills are left out.
 MatrixXd root_of_pseudo_inverse(const MatrixXd& A) {
   const VectorXd scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
@@ -81,129 +49,131 @@ MatrixXd root_of_pseudo_inverse(const MatrixXd& A) {
   return scale.asDiagonal() * eigen.eigenvectors() * root.asDiagonal();
 }
 
-void set_covariance(Covariance& P, const MatrixXd& dense) {
-  P = Covariance();
-  P.append(dense.rows());
-  P.set_diagonal_block(0, dense);
+/// Appends triplets with their columns: rows before beside their own.
+void append(Covariance& P, const MatrixXd& columns) {
+  const Index first = P.append(columns.cols());
+  std::vector<Index> starts;
+  for (Index at = first; at < P.size(); at += kTriplet) {
+    starts.push_back(at);
+  }
+  P.scatter(starts, columns);
 }
 
 }  // namespace
+
+/// Rows of Gᵀ of states of P, zero where a state is no part of z.
+MatrixXd DormantBlock::rows_of(const std::vector<Index>& states, Index body_size) const {
+  MatrixXd out(static_cast<Index>(states.size()), size());
+  for (Index column = 0; column < out.cols(); ++column) {
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      const Index row = states[k] - body_size;
+      out(static_cast<Index>(k), column) = row >= 0 && row < z_size() ? Gt_(row, column) : 0.0;
+    }
+  }
+  return out;
+}
 
 bool DormantBlock::change_epoch(Covariance& P, Index body_size, const EpochChange& change) {
   const MatrixXd dense = P.dense();
   const std::vector<Index> body = counted(0, body_size);
   const std::vector<Index> z = body + scalars(change.kept);
-  // What leaves: first the old z (its clone of the body among them) and the rest in any order.
+  // What leaves: first the retired, then the rest (the old clone of the body among them).
   const std::vector<Index> retired = scalars(change.retired);
   const std::vector<Index> left = retired + scalars(change.dropped);
-  const bool stays_empty = empty() && retired.empty();
-  if (stays_empty) {
-    G_.resize(0, 0);
-    set_covariance(P, dense(z, z));
+  const MatrixXd P_zz = dense(z, z);
+  if (empty() && retired.empty()) {
+    Gt_.resize(0, 0);
+    P.assign(P_zz);
     return true;
   }
-  const MatrixXd P_zz = dense(z, z);
   const Eigen::LLT<MatrixXd> llt(P_zz);
   if (llt.info() != Eigen::Success) {
     return false;
   }
   // left = A z + u, u independent of z.
   const MatrixXd P_zl = dense(z, left);
-  const MatrixXd A = llt.solve(P_zl).transpose();
-  MatrixXd U = dense(left, left) - A * P_zl;
+  const MatrixXd At = llt.solve(P_zl);
+  MatrixXd U = dense(left, left) - P_zl.transpose() * At;
   U = (0.5 * (U + U.transpose())).eval();
 
-  const Index old_size = size(), old_z = z_size(), added = static_cast<Index>(retired.size());
-  const auto old_column = [&](Index k) { return k >= body_size && k < body_size + old_z; };
-  MatrixXd G_left = MatrixXd::Zero(old_size, static_cast<Index>(left.size()));
-  MatrixXd G = MatrixXd::Zero(old_size + added, static_cast<Index>(z.size()));
-  for (std::size_t k = 0; k < left.size() && old_size > 0; ++k) {
-    if (old_column(left[k])) {
-      G_left.col(static_cast<Index>(k)) = G_.col(left[k] - body_size);
-    }
-  }
-  G.topRows(old_size).noalias() = G_left * A;
-  for (std::size_t k = 0; k < z.size() && old_size > 0; ++k) {
-    if (old_column(z[k])) {
-      G.col(static_cast<Index>(k)).head(old_size) += G_.col(z[k] - body_size);
-    }
-  }
-  G.bottomRows(added) = A.topRows(added);
+  const Index old_size = size(), added = static_cast<Index>(retired.size());
+  const MatrixXd Gt_left = rows_of(left, body_size);
+  MatrixXd Gt(At.rows(), old_size + added);
+  Gt.leftCols(old_size) = rows_of(z, body_size);
+  Gt.leftCols(old_size).noalias() += At * Gt_left;
+  Gt.rightCols(added) = At.leftCols(added);
+  Gt_ = std::move(Gt);
 
-  MatrixXd E(old_size + added, old_size + added);
-  const MatrixXd G_U = G_left * U;
-  E.topLeftCorner(old_size, old_size) = E_;
-  E.topLeftCorner(old_size, old_size).noalias() += G_U * G_left.transpose();
-  E.topRightCorner(old_size, added) = G_U.leftCols(added);
-  E.bottomLeftCorner(added, old_size) = G_U.leftCols(added).transpose();
-  E.bottomRightCorner(added, added) = U.topLeftCorner(added, added);
+  E_.add_congruence(Gt_left.transpose(), U);
+  MatrixXd columns(old_size + added, added);
+  columns.topRows(old_size).noalias() = Gt_left.transpose() * U.leftCols(added);
+  columns.bottomRows(added) = U.topLeftCorner(added, added);
+  append(E_, columns);
 
-  G_ = std::move(G);
-  E_ = std::move(E);
   const std::vector<Index> active = body + z;  // the clone is the body once more
-  set_covariance(P, dense(active, active));
+  P.assign(dense(active, active));
   return true;
 }
 
 void DormantBlock::recall(Covariance& P, Index body_size, std::span<const Index> rows) {
   const std::vector<Index> back = scalars(rows);
-  const MatrixXd G_back = G_(back, Eigen::all);
-  const MatrixXd E_back = E_(back, back);
-
-  const MatrixXd dense = P.dense();
   const Index before = P.size(), count = static_cast<Index>(back.size());
-  MatrixXd joint(before + count, before + count);
-  joint.topLeftCorner(before, before) = dense;
-  joint.bottomLeftCorner(count, before).noalias() = G_back * dense.middleRows(body_size, z_size());
-  joint.bottomRightCorner(count, count).noalias() =
-      joint.block(before, body_size, count, z_size()) * G_back.transpose();
-  joint.bottomRightCorner(count, count) += E_back;
-  set_covariance(P, joint);
+  const MatrixXd Gt_back = Gt_(Eigen::all, back);
+  MatrixXd E_back;
+  E_.gather(rows, E_back);
+
+  MatrixXd from_z = MatrixXd::Zero(before, count);
+  from_z.middleRows(body_size, z_size()) = Gt_back;
+  MatrixXd columns(before + count, count);
+  columns.topRows(before) = P.times(from_z);
+  columns.bottomRows(count).noalias() = Gt_back.transpose() * columns.middleRows(body_size, z_size());
+  columns.bottomRows(count) += E_back(back, Eigen::all);
+  append(P, columns);
 
   // The others' remainders e = B e_back + e', and e_back = x_back − G_back z.
-  std::vector<Index> removed = back;
-  std::sort(removed.begin(), removed.end());
-  const MatrixXd F = root_of_pseudo_inverse(E_back);
-  const MatrixXd W = without_rows(E_(Eigen::all, back), removed) * F;
-  const MatrixXd B = W * F.transpose();
-  MatrixXd G(size() - count, z_size() + count);
-  G << without_rows(G_, removed), B;
-  G.leftCols(z_size()).noalias() -= B * G_back;
-  E_ = without_columns(without_rows(E_, removed), removed);
-  E_.noalias() -= W * W.transpose();
-  G_ = std::move(G);
+  const MatrixXd F = root_of_pseudo_inverse(E_back(back, Eigen::all));
+  const MatrixXd W = E_back * F;
+  const MatrixXd Bt = F * W.transpose();
+  MatrixXd Gt(z_size() + count, size());
+  Gt << Gt_, Bt;
+  Gt.topRows(z_size()).noalias() -= Gt_back * Bt;
+  Gt_ = std::move(Gt);
+  E_.subtract_outer(W);
+  std::vector<Index> leaving(rows.begin(), rows.end());
+  std::sort(leaving.rbegin(), leaving.rend());
+  for (const Index row : leaving) {
+    remove(row);
+  }
 }
 
 Index DormantBlock::remove(Index row) {
-  const Index last = size() - kTriplet;
+  const Index last = E_.remove_triplet(row);
   if (row != last) {
-    G_.middleRows<kTriplet>(row) = G_.bottomRows<kTriplet>().eval();
-    E_.middleRows<kTriplet>(row) = E_.bottomRows<kTriplet>().eval();
-    E_.middleCols<kTriplet>(row) = E_.rightCols<kTriplet>().eval();
+    Gt_.middleCols<kTriplet>(row) = Gt_.rightCols<kTriplet>().eval();
   }
-  G_.conservativeResize(last, Eigen::NoChange);
-  E_.conservativeResize(last, last);
+  Gt_.conservativeResize(Eigen::NoChange, last);
   return last;
 }
 
 MatrixXd DormantBlock::cross(const Covariance& P, Index body_size, Index row) const {
-  return G_.middleRows<kTriplet>(row) * P.block(body_size, 0, z_size(), P.size());
+  MatrixXd from_z = MatrixXd::Zero(P.size(), kTriplet);
+  from_z.middleRows(body_size, z_size()) = Gt_.middleCols<kTriplet>(row);
+  return P.times(from_z).transpose();
 }
 
 Eigen::Matrix3d DormantBlock::triplet_block(const Covariance& P, Index body_size, Index row,
                                             Index other) const {
-  return E_.block<kTriplet, kTriplet>(row, other) + cross(P, body_size, row).middleCols(body_size, z_size()) *
-                                                        G_.middleRows<kTriplet>(other).transpose();
+  return E_.triplet_block(row, other) +
+         cross(P, body_size, row).middleCols(body_size, z_size()) * Gt_.middleCols<kTriplet>(other);
 }
 
 void DormantBlock::transform_row(Index row, const Eigen::Matrix3d& M) {
-  G_.middleRows<kTriplet>(row) = (M * G_.middleRows<kTriplet>(row)).eval();
-  E_.middleRows<kTriplet>(row) = (M * E_.middleRows<kTriplet>(row)).eval();
-  E_.middleCols<kTriplet>(row) = (E_.middleCols<kTriplet>(row) * M.transpose()).eval();
+  Gt_.middleCols<kTriplet>(row) = (Gt_.middleCols<kTriplet>(row) * M.transpose()).eval();
+  E_.transform_triplet(row, M);
 }
 
 void DormantBlock::transform_column(Index column, const Eigen::Matrix3d& M) {
-  G_.middleCols<kTriplet>(column) = (G_.middleCols<kTriplet>(column) * M.inverse()).eval();
+  Gt_.middleRows<kTriplet>(column) = (M.inverse().transpose() * Gt_.middleRows<kTriplet>(column)).eval();
 }
 
 }  // namespace limber

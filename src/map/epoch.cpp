@@ -135,21 +135,16 @@ void Estimate::wake(const std::vector<std::int64_t>& recalled) {
   }
   dormant_.recall(P, layout_.map_begin(), rows);
   std::vector<Tenant> woken;
-  std::vector<bool> leaves(sleepers_.size(), false);
   for (const Index row : rows) {
-    const auto k = static_cast<std::size_t>(row / kTriplet);
-    woken.push_back(sleepers_[k]);
-    leaves[k] = true;
+    woken.push_back(sleepers_[static_cast<std::size_t>(row / kTriplet)]);
   }
-  std::vector<Tenant> rest;
-  for (std::size_t k = 0; k < sleepers_.size(); ++k) {
-    if (!leaves[k]) {
-      rest.push_back(sleepers_[k]);
+  std::sort(rows.rbegin(), rows.rend());
+  for (const Index row : rows) {
+    const Tenant moved = sleepers_.back();
+    sleepers_.pop_back();
+    if (static_cast<std::size_t>(row / kTriplet) < sleepers_.size()) {
+      move_in(moved, row, true);
     }
-  }
-  sleepers_ = rest;
-  for (std::size_t k = 0; k < rest.size(); ++k) {
-    move_in(rest[k], kTriplet * static_cast<Index>(k), true);
   }
   for (const Tenant tenant : woken) {
     tenants_.push_back(tenant);

@@ -144,7 +144,11 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   navigator.theta_walk = options.theta_walk.value_or(default_walk(setup.calibration.baseline()));
   navigator.landmarks = options.landmarks;
   navigator.gate = options.gate;
-  navigator.health->false_alarms_per_hour = options.false_alarms_per_hour;
+  if (options.watch) {
+    navigator.health->false_alarms_per_hour = options.false_alarms_per_hour;
+  } else {
+    navigator.health.reset();
+  }
   navigator.upkeep.max_landmarks = options.max_landmarks;
   if (!recording.images.empty()) {
     navigator.upkeep.forget_after_s = 0.0;  // a track that the front end has lost never comes back

@@ -106,6 +106,7 @@ RunOptions run_options(const Scenario& scenario, const MethodVariant& variant, s
   options.max_landmarks = static_cast<std::size_t>(filter.max_landmarks);
   options.seed = seed;
   options.run = run;
+  options.watch = false;
   return options;
 }
 

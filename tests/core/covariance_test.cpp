@@ -181,6 +181,31 @@ TEST(Covariance, ScatterUndoesGather) {
   }
 }
 
+TEST(Covariance, AssignedValuesReplaceWhatWasThere) {
+  Generator generator(21);
+  Pair pair(generator, 30);
+  for (const Index n : {12, 90, 30}) {
+    pair.twin.P = random_symmetric(generator, n);
+    pair.covariance.assign(pair.twin.P);
+    pair.expect_equal();
+    EXPECT_EQ(pair.covariance.append(3), n);
+    pair.twin.append(3);
+    pair.expect_equal();
+  }
+}
+
+TEST(Covariance, ProductsAreThoseOfTheDenseMatrix) {
+  Generator generator(22);
+  for (const Index n : {12, 30, 90}) {
+    Pair pair(generator, n);
+    const MatrixXd X = random_matrix(generator, n, 5), U = random_symmetric(generator, 5);
+    EXPECT_LE((pair.covariance.times(X) - pair.twin.P * X).cwiseAbs().maxCoeff(), 1e-12);
+    pair.covariance.add_congruence(X, U);
+    pair.twin.P += X * U * X.transpose();
+    pair.expect_equal(1e-12);
+  }
+}
+
 TEST(Covariance, PropagationMovesTheLeadingBlockAndItsCrossTerms) {
   Generator generator(7);
   for (const Index n : {kBody, Index{15}, Index{60}}) {

@@ -111,18 +111,24 @@ class Pair {
     }
     ASSERT_TRUE(block_.change_epoch(P_, kBody, change));
     active_ = kept;
-    dormant_.clear();
+    dormant_ = sleepers;
     std::vector<Index> rows;
     for (std::size_t k = 0; k < sleepers.size(); ++k) {
       if (testing::random_scalar(generator_, 0.0, 1.0) < wake) {
         rows.push_back(3 * static_cast<Index>(k));
-        active_.push_back(sleepers[k]);
-      } else {
-        dormant_.push_back(sleepers[k]);
       }
+    }
+    std::shuffle(rows.begin(), rows.end(), generator_);
+    for (const Index row : rows) {
+      active_.push_back(sleepers[static_cast<std::size_t>(row / 3)]);
     }
     if (!rows.empty()) {
       block_.recall(P_, kBody, rows);
+    }
+    std::sort(rows.rbegin(), rows.rend());
+    for (const Index row : rows) {
+      dormant_[static_cast<std::size_t>(row / 3)] = dormant_.back();
+      dormant_.pop_back();
     }
     drift_.setZero(block_.z_size());
   }

@@ -32,7 +32,7 @@ LinearMeasurement written(const StateLayout& layout, const PointProjection& proj
                           const Anchor* anchor) {
   Landmark landmark;
   landmark.at = 30;
-  LinearMeasurement z = empty_measurement(kRows, layout);
+  LinearMeasurement z = empty_measurement(kRows);
   write_point_rows(z, kRow, {101.0, 198.0}, {0.5, 0.7}, projection, landmark, anchor, layout);
   return z;
 }
@@ -68,10 +68,10 @@ TEST(PointRows, ThetaGoesToDWhenItIsNotInTheState) {
   EXPECT_EQ(MatrixXd(z.D.bottomRows<2>()), MatrixXd(marked_projection().J_theta));
 }
 
-TEST(PointRows, ThetaGoesToHWhenItIsInTheState) {
+TEST(PointRows, ThetaGoesToHAsWellWhenItIsInTheState) {
   const StateLayout layout{MotionModel::kConstantVelocity, true};
   const LinearMeasurement z = written(layout, marked_projection(), nullptr);
-  EXPECT_EQ(z.D.cols(), 0);
+  EXPECT_EQ(MatrixXd(z.D.bottomRows<2>()), MatrixXd(marked_projection().J_theta));
   const MatrixXd H = z.H.dense(kRows, 33);
   EXPECT_EQ(MatrixXd(H.block(kRow, layout.theta(), 2, 6)), MatrixXd(marked_projection().J_theta));
 }

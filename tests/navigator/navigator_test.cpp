@@ -346,7 +346,7 @@ TEST(Navigator, ThetaCanBeAssumedUnlessItIsInTheState) {
     Navigator navigator(with_method(scene, method), scene.calibration, scene.initial);
     RigParameters theta = scene.calibration.theta;
     theta(3) *= 1.1;
-    if (method == Method::kEkfFull || method == Method::kConsider) {
+    if (method == Method::kEkfFull || method == Method::kConsider || method == Method::kAdaptive) {
       EXPECT_THROW(navigator.assume_theta(theta), std::invalid_argument);
     } else {
       navigator.assume_theta(theta);

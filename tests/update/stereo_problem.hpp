@@ -81,7 +81,7 @@ inline StereoProblem make_problem(Generator& generator, std::string name,
   for (const SeenPoint& point : points) {
     m += 2 * (Eigen::Index{point.in_cam0} + Eigen::Index{point.in_cam1});
   }
-  out.z = empty_measurement(m, layout);
+  out.z = empty_measurement(m);
   Eigen::Index row = 0;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Eigen::Vector3d& X = points[k].X_cam0;

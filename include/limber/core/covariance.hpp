@@ -45,6 +45,12 @@ class Covariance {
   /// Sets the diagonal block that starts at `start`; only the lower triangle of `value` is read.
   void set_diagonal_block(Eigen::Index start, const Eigen::Ref<const Eigen::MatrixXd>& value);
 
+  /// P := value, n×n of any size; only the lower triangle of `value` is read.
+  void assign(const Eigen::Ref<const Eigen::MatrixXd>& value);
+
+  /// P X, X: n×k.
+  [[nodiscard]] Eigen::MatrixXd times(const Eigen::Ref<const Eigen::MatrixXd>& X) const;
+
   /// Columns of the triplets that start at `starts`, side by side: n × 3|starts|.
   void gather(std::span<const Eigen::Index> starts, Eigen::MatrixXd& columns) const;
 
@@ -58,6 +64,9 @@ class Covariance {
   /// P += U Vᵀ + V Uᵀ, U and V: n×k.
   void add_symmetric_product(const Eigen::Ref<const Eigen::MatrixXd>& U,
                              const Eigen::Ref<const Eigen::MatrixXd>& V);
+
+  /// P += G U Gᵀ, G: n×k, U: k×k symmetric, both triangles given.
+  void add_congruence(const Eigen::Ref<const Eigen::MatrixXd>& G, const Eigen::Ref<const Eigen::MatrixXd>& U);
 
   /// Applies x' = M x to the triplet at `start`, M: 3×3.
   void transform_triplet(Eigen::Index start, const Eigen::Matrix3d& M);

@@ -13,9 +13,9 @@
 ///
 /// Error state: true = estimate ⊕ error. Additive for positions, velocities, biases, landmark values and
 /// theta; attitude local: R_true = R_est Exp(dtheta), dtheta [rad] in the body frame. Order: position,
-/// attitude, then what the motion model adds, then theta (if estimated or considered), then the witness of the
-/// calibration monitor (if any; limber/update/witness.hpp), then the triplets of
-/// the map in no particular order (anchors: a position and an attitude triplet; landmarks: one).
+/// attitude, then what the motion model adds, then theta (if estimated or considered), then the witness of
+/// the calibration monitor (if any; limber/update/witness.hpp), then the triplets of the map in no particular
+/// order (anchors: a position and an attitude triplet; landmarks: one).
 namespace limber {
 
 /// What drives the prediction, and so what the state holds beside the pose.

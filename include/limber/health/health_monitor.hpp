@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "limber/sensors/calibration.hpp"
 #include "limber/update/evidence.hpp"
@@ -17,10 +18,10 @@ namespace limber {
 
 /// What can be said of a calibration, or of one of its axes.
 enum class HealthVerdict : std::uint8_t {
-  kOk,           ///< what is seen agrees with the assumed calibration
-  kSuspect,      ///< it hardly does; no alarm yet
-  kDecalibrated, ///< it does not
-  kCannotTell    ///< the geometry is too weak to see
+  kOk,            ///< what is seen agrees with the assumed calibration
+  kSuspect,       ///< it hardly does; no alarm yet
+  kDecalibrated,  ///< it does not
+  kCannotTell     ///< the geometry is too weak to see
 };
 
 /// "ok", "suspect", "decalibrated", "cannot tell".
@@ -34,22 +35,26 @@ struct HealthOptions {
   /// An axis with a larger standard deviation over a window than this cannot be judged [plausible errors:
   /// 0.1 deg, 5 % of the baseline].
   double resolution = 0.2;
+  /// Real pixels have errors that a frame's points share (lenses, corners that lean), which look like a rig
+  /// that wavers. The evidence of frames may scatter about its mean by up to this factor more than pixel
+  /// noise explains, in variance, before that counts against the rig. 1: pixel noise is all there is.
+  double most_dispersion = 4.0;
 };
 
 /// What one frame told the monitor.
 struct HealthReport {
   std::int64_t t_ns = 0;
   HealthVerdict verdict = HealthVerdict::kCannotTell;
-  std::array<HealthVerdict, 6> axes{};        ///< ax, ay, az, tx, ty, tz
+  std::array<HealthVerdict, 6> axes{};          ///< ax, ay, az, tx, ty, tz
   RigParameters delta = RigParameters::Zero();  ///< true minus assumed theta, from this frame alone [rad, m]
   RigParameters sigma = RigParameters::Zero();  ///< its standard deviation [rad, m]
   RigParameters gathered_delta = RigParameters::Zero();  ///< since `gathered_since_ns` [rad, m]
   RigParameters gathered_sigma = RigParameters::Zero();  ///< its standard deviation [rad, m]
   std::int64_t gathered_since_ns = 0;
-  double p_value = 1.0;                        ///< of this frame alone
-  double gathered_p_value = 1.0;               ///< of what was gathered
-  bool alarm = false;                          ///< a test rejects in this frame
-  std::optional<std::int64_t> changed_ns;      ///< decalibrated: since when
+  double p_value = 1.0;                    ///< of this frame alone
+  double gathered_p_value = 1.0;           ///< of what was gathered
+  bool alarm = false;                      ///< a test rejects in this frame
+  std::optional<std::int64_t> changed_ns;  ///< decalibrated: since when
 };
 
 /// What a filter hands over after a frame.
@@ -60,16 +65,18 @@ struct HealthInput {
   /// About a constant beta, since the last restart, if the filter keeps a witness; else the monitor adds up
   /// the frames, which is right where innovations are white (a filter that trusts its calibration).
   std::optional<ParameterEvidence> gathered;
-  double nis = 0.0;            ///< of the rows that theta does not touch [-]
-  double dof = 0.0;            ///< its degrees of freedom
+  double nis = 0.0;  ///< of the rows that theta does not touch [-]
+  double dof = 0.0;  ///< its degrees of freedom
 };
 
 /// @brief Watches the part of the innovation that only a wrong calibration explains.
 ///
+/// What frames scatter beyond pixel noise, up to a limit, and how long they stay on one side, is learned from
+/// how they deviate from the mean of their window.
 /// Two tests share the false-alarm rate: each frame's evidence, and that gathered over a window, tested five
-/// times while it grows. Under a sound calibration both are chi-square, so their thresholds follow from the rate
-/// alone. Both are measured against the noise that the other rows show (NIS / dof), so that a wrong sigma_px
-/// raises no alarm.
+/// times while it grows. Under a sound calibration both are chi-square, so their thresholds follow from the
+/// rate alone. Both are measured against the noise that the other rows show (NIS / dof), so that a wrong
+/// sigma_px raises no alarm.
 /// @note docs/derivations/health.md
 class HealthMonitor {
  public:
@@ -87,9 +94,13 @@ class HealthMonitor {
   };
 
   [[nodiscard]] double noise() const;
-  [[nodiscard]] double p_value(const ParameterEvidence& evidence) const;
-  [[nodiscard]] Offset offset(const ParameterEvidence& evidence, const Eigen::MatrixXd& directions) const;
+  [[nodiscard]] double p_value(const ParameterEvidence& evidence, double dispersion) const;
+  [[nodiscard]] Offset offset(const ParameterEvidence& evidence, const Eigen::MatrixXd& directions,
+                              double dispersion) const;
   void gather(const HealthInput& input);
+  void scatter(const ParameterEvidence& frame);
+  [[nodiscard]] double dispersion() const;
+  [[nodiscard]] double dispersion_of_window() const;
   bool test(const HealthInput& input, double frame_p, double window_p, const Offset& frame,
             const Offset& gathered);
   void name_axes(const Offset& offset, double threshold);
@@ -97,10 +108,15 @@ class HealthMonitor {
   [[nodiscard]] HealthVerdict verdict(const HealthReport& report) const;
 
   HealthOptions options_;
-  RigParameters scale_;         // one plausible error
-  ParameterEvidence gathered_;  // since gathered_since_ns_
+  RigParameters scale_;            // one plausible error
+  ParameterEvidence gathered_;     // since gathered_since_ns_
   RigParameters sigma_of_window_;  // of the last whole window
   double nis_ = 0.0, dof_ = 0.0;
+  std::vector<Eigen::VectorXd> whitened_;  // beta_hat of the window's frames in units of their noise
+  // Over past windows, about the mean of each: sums of squares and of products of neighbours, and the largest
+  // mean square.
+  double squares_ = 0.0, products_ = 0.0;
+  std::optional<double> largest_scatter_;
   std::int64_t last_ns_ = 0, gathered_since_ns_ = 0;
   std::size_t looks_ = 0;  // at the present window, so far
   bool started_ = false, restarts_ = false, suspect_ = false;

@@ -30,10 +30,10 @@ struct EpochChange {
 class DormantBlock {
  public:
   /// Number of scalar states, three per triplet.
-  [[nodiscard]] Eigen::Index size() const { return G_.rows(); }
-  [[nodiscard]] bool empty() const { return G_.rows() == 0; }
+  [[nodiscard]] Eigen::Index size() const { return E_.size(); }
+  [[nodiscard]] bool empty() const { return size() == 0; }
   /// Size of z; zero outside of an epoch.
-  [[nodiscard]] Eigen::Index z_size() const { return G_.cols(); }
+  [[nodiscard]] Eigen::Index z_size() const { return Gt_.rows(); }
 
   /// @brief Ends an epoch and begins the next: z becomes (clone of the body now, change.kept).
   ///
@@ -45,7 +45,8 @@ class DormantBlock {
   bool change_epoch(Covariance& P, Eigen::Index body_size, const EpochChange& change);
 
   /// @brief Makes the triplets at rows `rows` active again: appended to P (and to z) in the given order.
-  /// Call right after change_epoch, while P is [body | z]. The rows behind them move up, order kept.
+  /// Call right after change_epoch, while P is [body | z]. Their places are taken as by remove(), the last
+  /// row first.
   void recall(Covariance& P, Eigen::Index body_size, std::span<const Eigen::Index> rows);
 
   /// Forgets the triplet at `row`; the last one takes its place. @return where that one came from
@@ -53,12 +54,12 @@ class DormantBlock {
 
   /// Correction of the dormant means that a correction dz of z implies.
   [[nodiscard]] Eigen::VectorXd correction(const Eigen::Ref<const Eigen::VectorXd>& dz) const {
-    return G_ * dz;
+    return Gt_.transpose() * dz;
   }
   /// The same for one triplet.
   [[nodiscard]] Eigen::Vector3d correction(Eigen::Index row,
                                            const Eigen::Ref<const Eigen::VectorXd>& dz) const {
-    return G_.middleRows<kTriplet>(row) * dz;
+    return Gt_.middleCols<kTriplet>(row).transpose() * dz;
   }
 
   /// Covariance of the triplets at two rows, P as during the epoch.
@@ -69,7 +70,7 @@ class DormantBlock {
 
   /// x_d := x_d + C z_k for the triplet at `row`, z_k the triplet of z at `column`.
   void couple_row(Eigen::Index row, Eigen::Index column, const Eigen::Matrix3d& C) {
-    G_.block<kTriplet, kTriplet>(row, column) += C;
+    Gt_.block<kTriplet, kTriplet>(column, row) += C.transpose();
   }
   /// x_d := M x_d for the triplet at `row`.
   void transform_row(Eigen::Index row, const Eigen::Matrix3d& M);
@@ -78,12 +79,15 @@ class DormantBlock {
   void transform_column(Eigen::Index column, const Eigen::Matrix3d& M);
   /// z_k is from now on measured as z_k := z_k + C z_j.
   void couple_column(Eigen::Index column, Eigen::Index other, const Eigen::Matrix3d& C) {
-    G_.middleCols<kTriplet>(other) -= (G_.middleCols<kTriplet>(column) * C).eval();
+    Gt_.middleRows<kTriplet>(other) -= (C.transpose() * Gt_.middleRows<kTriplet>(column)).eval();
   }
 
  private:
-  Eigen::MatrixXd G_;  // size × z_size
-  Eigen::MatrixXd E_;  // size × size, both triangles
+  [[nodiscard]] Eigen::MatrixXd rows_of(const std::vector<Eigen::Index>& states,
+                                        Eigen::Index body_size) const;
+
+  Eigen::MatrixXd Gt_;  // Gᵀ: z_size × size
+  Covariance E_;        // size × size
 };
 
 }  // namespace limber
