@@ -16,11 +16,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kAxisWords = {"nod, about x",     "vergence, about y",    "roll, about z",
-                                   "right, along x", "down, along y", "forward, along z"};
-constexpr double kSignificant = 5.0;                        // standard deviations of a time offset ...
-constexpr double kLeastCam1 = 1e-3, kLeastCamera = 3e-3;    // ... that is at least that large [s]
-constexpr double kAtTheStart = 5.0;                         // [s] a change that early was there before
+constexpr std::array kAxisWords = {"nod, about x",   "vergence, about y", "roll, about z",
+                                   "right, along x", "down, along y",     "forward, along z"};
+constexpr double kSignificant = 5.0;                      // standard deviations of a time offset ...
+constexpr double kLeastCam1 = 1e-3, kLeastCamera = 3e-3;  // ... that is at least that large [s]
+constexpr double kAtTheStart = 5.0;                       // [s] a change that early was there before
 
 std::string_view conclusion(HealthVerdict verdict) {
   switch (verdict) {
@@ -49,7 +49,8 @@ std::string advice(const Diagnosis& diagnosis) {
     case HealthVerdict::kCannotTell:
       break;
   }
-  return "record more motion: turn and tilt the rig, with at least twenty points in both cameras, some of them "
+  return "record more motion: turn and tilt the rig, with at least twenty points in both cameras, some of "
+         "them "
          "nearer than a hundred baselines";
 }
 
@@ -58,8 +59,8 @@ std::optional<std::string> offset_in_words(const std::optional<TimeOffset>& offs
   if (!offset || std::abs(offset->seconds) < std::max(least, kSignificant * offset->sigma)) {
     return std::nullopt;
   }
-  return fmt::format("{} {:.1f} ± {:.1f} ms {} than stamped: it looks like a rig that bends while it moves", what,
-                     1e3 * std::abs(offset->seconds), 1e3 * offset->sigma,
+  return fmt::format("{} {:.1f} ± {:.1f} ms {} than stamped: it looks like a rig that bends while it moves",
+                     what, 1e3 * std::abs(offset->seconds), 1e3 * offset->sigma,
                      offset->seconds > 0.0 ? "later" : "earlier");
 }
 
@@ -83,8 +84,8 @@ void add_axes(Out out, const HealthSummary& health) {
   fmt::format_to(out, "\n{:<24}{:>15}{:>12}\n", "cam1 against cam0", "true - assumed", "± sigma");
   for (std::size_t k = 0; k < 6; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    fmt::format_to(out, "{}  {:<20}{:>+15.4f}{:>12.4f} {:<4}{}\n", kRigAxes[k], kAxisWords[k], delta(i), sigma(i),
-                   k < 3 ? "deg" : "mm",
+    fmt::format_to(out, "{}  {:<20}{:>+15.4f}{:>12.4f} {:<4}{}\n", kRigAxes[k], kAxisWords[k], delta(i),
+                   sigma(i), k < 3 ? "deg" : "mm",
                    health.axes[k] == HealthVerdict::kDecalibrated ? "MOVED" : to_string(health.axes[k]));
   }
 }
@@ -173,21 +174,20 @@ std::string to_json(const Diagnosis& diagnosis) {
                       {"error_m", effect.error ? Json(*effect.error) : Json(nullptr)},
                       {"sigma_m", effect.sigma}});
   }
-  const Json json = {
-      {"dataset", diagnosis.dataset},
-      {"verdict", to_string(verdict_of(diagnosis))},
-      {"frames", diagnosis.frames},
-      {"duration_s", diagnosis.duration_s},
-      {"nis_per_dof", diagnosis.nis_per_dof ? Json(*diagnosis.nis_per_dof) : Json(nullptr)},
-      {"health", diagnosis.health
-                     ? Json::parse(limber::to_json(*diagnosis.health, diagnosis.false_alarms_per_hour))
-                     : Json(nullptr)},
-      {"depths", depths},
-      {"mistakes", all_mistakes(diagnosis)},
-      {"time_offset_cam1_cam0", json_of(diagnosis.cam1_offset)},
-      {"time_offset_cameras_imu", json_of(diagnosis.camera_offset)},
-      {"failure", diagnosis.failure.empty() ? Json(nullptr) : Json(diagnosis.failure)},
-      {"advice", advice(diagnosis)}};
+  const Json json = {{"dataset", diagnosis.dataset},
+                     {"verdict", to_string(verdict_of(diagnosis))},
+                     {"frames", diagnosis.frames},
+                     {"duration_s", diagnosis.duration_s},
+                     {"nis_per_dof", diagnosis.nis_per_dof ? Json(*diagnosis.nis_per_dof) : Json(nullptr)},
+                     {"health", diagnosis.health ? Json::parse(limber::to_json(
+                                                       *diagnosis.health, diagnosis.false_alarms_per_hour))
+                                                 : Json(nullptr)},
+                     {"depths", depths},
+                     {"mistakes", all_mistakes(diagnosis)},
+                     {"time_offset_cam1_cam0", json_of(diagnosis.cam1_offset)},
+                     {"time_offset_cameras_imu", json_of(diagnosis.camera_offset)},
+                     {"failure", diagnosis.failure.empty() ? Json(nullptr) : Json(diagnosis.failure)},
+                     {"advice", advice(diagnosis)}};
   return json.dump(2) + "\n";
 }
 

@@ -20,12 +20,12 @@ struct Diagnosis {
   double duration_s = 0.0;
   double false_alarms_per_hour = 0.0;
   std::optional<double> nis_per_dof;
-  std::optional<HealthSummary> health;   ///< nothing if the run failed, or no frame could be judged
-  std::vector<DepthEffect> depths;       ///< of health->since_change
-  std::vector<std::string> mistakes;     ///< of the calibration, see calibration_mistakes
+  std::optional<HealthSummary> health;      ///< nothing if the run failed, or no frame could be judged
+  std::vector<DepthEffect> depths;          ///< of health->since_change
+  std::vector<std::string> mistakes;        ///< of the calibration, see calibration_mistakes
   std::optional<TimeOffset> cam1_offset;    ///< of cam1 against cam0
   std::optional<TimeOffset> camera_offset;  ///< of the cameras against the IMU
-  std::string failure;                   ///< why the run failed; empty if it did not
+  std::string failure;                      ///< why the run failed; empty if it did not
 };
 
 /// `decalibrated` if the monitor says so or a mistake was found.

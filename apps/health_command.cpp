@@ -130,8 +130,9 @@ void add_options(CLI::App& command, HealthArguments& arguments) {
       ->required()
       ->check(not_empty());
   command
-      .add_option("--assume-error", arguments.assume_error,
-                  "ax,ay,az,tx,ty,tz added to the assumed calibration: degrees and metres, 5% is of the baseline")
+      .add_option(
+          "--assume-error", arguments.assume_error,
+          "ax,ay,az,tx,ty,tz added to the assumed calibration: degrees and metres, 5% is of the baseline")
       ->check(parsed_by([](const std::string& text) { return parse_rig_error(text, 1.0); }));
   command
       .add_option("--sigma-px", arguments.sigma_px,
@@ -158,7 +159,8 @@ void add_options(CLI::App& command, HealthArguments& arguments) {
 
 void add_health_command(CLI::App& app) {
   auto arguments = std::make_shared<HealthArguments>();
-  CLI::App* command = app.add_subcommand("health", "Is the calibration the problem? What moved, and since when");
+  CLI::App* command =
+      app.add_subcommand("health", "Is the calibration the problem? What moved, and since when");
   add_options(*command, *arguments);
   command->footer(
       "\nNavigates with lcekf, which no calibration can lead astray, and watches what the right camera says\n"

@@ -165,14 +165,14 @@ ReportSection calibration_section(const RunFolder& run) {
   ReportSection section{"calibration", "Calibration", {}};
   section.blocks.emplace_back(ReportText{fmt::format("Verdict: {}.", to_string(summary.verdict))});
   section.blocks.emplace_back(axis_table(summary));
-  section.blocks.emplace_back(offset_figure(
-      run, windows, 0,
-      figure_over_time("health-rotation", "Offset of the rig: rotation",
-                       {{"ax", "deg"}, {"ay", "deg"}, {"az", "deg"}}, caption)));
-  section.blocks.emplace_back(offset_figure(
-      run, windows, 3,
-      figure_over_time("health-translation", "Offset of the rig: translation",
-                       {{"tx", "mm"}, {"ty", "mm"}, {"tz", "mm"}}, caption)));
+  section.blocks.emplace_back(
+      offset_figure(run, windows, 0,
+                    figure_over_time("health-rotation", "Offset of the rig: rotation",
+                                     {{"ax", "deg"}, {"ay", "deg"}, {"az", "deg"}}, caption)));
+  section.blocks.emplace_back(
+      offset_figure(run, windows, 3,
+                    figure_over_time("health-translation", "Offset of the rig: translation",
+                                     {{"tx", "mm"}, {"ty", "mm"}, {"tz", "mm"}}, caption)));
   section.blocks.emplace_back(p_value_figure(run));
   section.blocks.emplace_back(stretch_table(run));
   return section;

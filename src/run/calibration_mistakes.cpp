@@ -91,8 +91,9 @@ std::optional<std::string> geometry_mistake(const StereoCalibration& calibration
     const double share = share_that_agrees(pairs, mistake.T_cam1_cam0, focal_px);
     if (share > best) {
       best = share;
-      words = fmt::format("{}: {:.0f} % of the stereo points agree with the calibration, {:.0f} % would without",
-                          mistake.words, 100.0 * given, 100.0 * share);
+      words =
+          fmt::format("{}: {:.0f} % of the stereo points agree with the calibration, {:.0f} % would without",
+                      mistake.words, 100.0 * given, 100.0 * share);
     }
   }
   return words;
@@ -103,10 +104,11 @@ void check_image(const Camera& camera, const std::vector<Vector2d>& pixels, cons
   const Vector2d size(camera.width, camera.height);
   const Vector2d centre = Vector2d(camera.cu, camera.cv).cwiseQuotient(size);
   if ((centre - Vector2d::Constant(0.5)).cwiseAbs().maxCoeff() > kOffCentre) {
-    out.push_back(fmt::format(
-        "the principal point of {} ({:.0f}, {:.0f}) lies far from the centre of {} x {} pixels: intrinsics of "
-        "another resolution?",
-        name, camera.cu, camera.cv, camera.width, camera.height));
+    out.push_back(
+        fmt::format("the principal point of {} ({:.0f}, {:.0f}) lies far from the centre of {} x {} pixels: "
+                    "intrinsics of "
+                    "another resolution?",
+                    name, camera.cu, camera.cv, camera.width, camera.height));
   }
   if (pixels.size() < kEnoughPoints) {
     return;
@@ -119,9 +121,10 @@ void check_image(const Camera& camera, const std::vector<Vector2d>& pixels, cons
     largest = largest.cwiseMax(uv);
   }
   if (share > kShareOutside) {
-    out.push_back(fmt::format(
-        "{:.0f} % of the points of {} lie outside its {} x {} pixels, up to ({:.0f}, {:.0f}): wrong resolution?",
-        100.0 * share, name, camera.width, camera.height, largest.x(), largest.y()));
+    out.push_back(
+        fmt::format("{:.0f} % of the points of {} lie outside its {} x {} pixels, up to ({:.0f}, {:.0f}): "
+                    "wrong resolution?",
+                    100.0 * share, name, camera.width, camera.height, largest.x(), largest.y()));
   } else if (largest.cwiseQuotient(size).maxCoeff() < kCorner) {
     out.push_back(fmt::format(
         "no point of {} lies beyond ({:.0f}, {:.0f}) in an image of {} x {} pixels: wrong resolution?", name,

@@ -36,8 +36,8 @@ std::optional<double> depth_error(const RigParameters& assumed, const RigParamet
 std::vector<DepthEffect> depth_effects(const RigParameters& assumed, const RigOffset& offset) {
   std::vector<DepthEffect> out;
   for (const double depth : kShownDepths) {
-    out.push_back({depth, depth_error(assumed, offset.delta, depth),
-                   std::sqrt(variance(assumed, offset, depth))});
+    out.push_back(
+        {depth, depth_error(assumed, offset.delta, depth), std::sqrt(variance(assumed, offset, depth))});
   }
   return out;
 }

@@ -14,8 +14,8 @@ namespace limber {
 namespace {
 
 constexpr std::size_t kVerdict = 1, kAlarm = 2, kPValue = 3, kDelta = 4, kSigma = 10, kSince = 16,
-                      kGatheredPValue = 17, kGatheredDelta = 18, kGatheredSigma = 24, kAxes = 30, kChanged = 36,
-                      kColumns = 37;
+                      kGatheredPValue = 17, kGatheredDelta = 18, kGatheredSigma = 24, kAxes = 30,
+                      kChanged = 36, kColumns = 37;
 
 constexpr std::array kVerdicts = {HealthVerdict::kOk, HealthVerdict::kSuspect, HealthVerdict::kDecalibrated,
                                   HealthVerdict::kCannotTell};

@@ -10,12 +10,15 @@
 
 namespace limber {
 
-/// @brief Mistakes that look like a rig that has moved, each as a sentence with numbers; none if none is found.
+/// @brief Mistakes that look like a rig that has moved, each as a sentence with numbers; none if none is
+/// found.
 ///
-/// - Swapped cameras, T_BS of one or both cameras inverted, or a baseline of the wrong sign: less than half of
+/// - Swapped cameras, T_BS of one or both cameras inverted, or a baseline of the wrong sign: less than half
+/// of
 ///   the stereo points agree with the calibration (3 px from their epipolar line, in front of both cameras),
 ///   and more than 80 % would without the mistake.
-/// - Wrong resolution: more than 1 % of the pixels lie outside an image; a principal point further than a fifth
+/// - Wrong resolution: more than 1 % of the pixels lie outside an image; a principal point further than a
+/// fifth
 ///   of the image from its centre; or all points of a camera within 60 % of both width and height.
 [[nodiscard]] std::vector<std::string> calibration_mistakes(const StereoCalibration& calibration,
                                                             std::span<const StereoFrame> frames);

@@ -19,8 +19,8 @@ struct DepthEffect {
 /// Where the effect is shown [m].
 inline constexpr std::array kShownDepths = {5.0, 10.0, 20.0};
 
-/// @brief Measured minus true depth of a point straight ahead of cam0: seen by the true rig (assumed + delta),
-/// triangulated with the assumed one.
+/// @brief Measured minus true depth of a point straight ahead of cam0: seen by the true rig (assumed +
+/// delta), triangulated with the assumed one.
 /// @param depth  > 0 [m]
 [[nodiscard]] std::optional<double> depth_error(const RigParameters& assumed, const RigParameters& delta,
                                                 double depth);

@@ -37,9 +37,9 @@ struct HealthSummary {
 /// half of the decalibrated frames (where it kept to none: those of the first alarm), and `cannot tell` if it
 /// never could be judged.
 ///
-/// A window's estimate is the last report before the evidence is begun anew. Windows are averaged axis by axis,
-/// weighted by 1 / sigma². Successive windows share the errors of pose and map, so sigma is the mean of theirs
-/// with the same weights, and not divided by the root of their number.
+/// A window's estimate is the last report before the evidence is begun anew. Windows are averaged axis by
+/// axis, weighted by 1 / sigma². Successive windows share the errors of pose and map, so sigma is the mean of
+/// theirs with the same weights, and not divided by the root of their number.
 /// @return nothing if no frame has a health report
 [[nodiscard]] std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frames);
 
