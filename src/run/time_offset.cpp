@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/run/time_offset.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
@@ -24,19 +24,21 @@ using Eigen::VectorXd;
 
 constexpr double kLongestStep = 0.3;  // [s] between frames that follow each other
 constexpr std::size_t kEnoughPoints = 200, kEnoughPairs = 50;
-constexpr double kHuber = 2.0;         // robust standard deviations
+constexpr double kHuber = 2.0;  // robust standard deviations
 constexpr double kMadToSigma = 1.4826;
 constexpr int kReweightings = 5, kShifts = 8;
-constexpr double kStep = 1e-6;         // of numerical derivatives [rad, shares of the baseline]
-constexpr double kLargestOffset = 1.0; // [s]
+constexpr double kStep = 1e-6;          // of numerical derivatives [rad, shares of the baseline]
+constexpr double kLargestOffset = 1.0;  // [s]
 
 double seconds(std::int64_t from_ns, std::int64_t to_ns) {
   return 1e-9 * static_cast<double>(to_ns - from_ns);
 }
 
-/// Rows of y = A x + noise; rows of one cluster share their noise.
+/// Rows of y = A x + noise; rows of one cluster share their noise. Z are the instruments: the same as A, but
+/// where A is measured with noise, something that goes with it and has noise of its own. Without them noise
+/// in A would make x too small.
 struct Rows {
-  std::vector<VectorXd> A;
+  std::vector<VectorXd> A, Z;
   std::vector<double> y;
   std::vector<std::int64_t> cluster;
 };
@@ -55,7 +57,7 @@ double robust_sigma(std::vector<double> residuals) {
   return kMadToSigma * *middle;
 }
 
-/// Iteratively reweighted least squares with a covariance that is robust to clusters.
+/// Iteratively reweighted instrumental variables, with a covariance that is robust to clusters.
 std::optional<Solution> solve(const Rows& rows) {
   const Eigen::Index n = rows.A.front().size();
   VectorXd x = VectorXd::Zero(n);
@@ -73,13 +75,13 @@ std::optional<Solution> solve(const Rows& rows) {
     for (std::size_t k = 0; k < rows.y.size(); ++k) {
       const double size = std::abs(residuals[k]);
       const double weight = size <= limit || size == 0.0 ? 1.0 : limit / size;
-      A += weight * rows.A[k] * rows.A[k].transpose();
-      b += weight * residuals[k] * rows.A[k];
+      A += weight * rows.Z[k] * rows.A[k].transpose();
+      b += weight * residuals[k] * rows.Z[k];
       auto& score = scores.try_emplace(rows.cluster[k], VectorXd::Zero(n)).first->second;
-      score += weight * residuals[k] * rows.A[k];
+      score += weight * residuals[k] * rows.Z[k];
     }
-    const Eigen::LDLT<MatrixXd> factor(A);
-    if (factor.info() != Eigen::Success || !(factor.rcond() > 1e-14)) {
+    const Eigen::FullPivLU<MatrixXd> factor(A);
+    if (!factor.isInvertible()) {
       return std::nullopt;
     }
     x += factor.solve(b);
@@ -88,8 +90,8 @@ std::optional<Solution> solve(const Rows& rows) {
   for (const auto& [cluster, score] : scores) {
     B += score * score.transpose();
   }
-  const MatrixXd inverse = A.ldlt().solve(MatrixXd::Identity(n, n));
-  return Solution{x, std::sqrt((inverse * B * inverse)(n - 1, n - 1))};
+  const MatrixXd inverse = A.inverse();
+  return Solution{x, std::sqrt((inverse * B * inverse.transpose())(n - 1, n - 1))};
 }
 
 /// The rig moved along one of the five directions that stereo points alone can see.
@@ -139,9 +141,11 @@ Rows epipolar_rows(const StereoCalibration& calibration, std::span<const StereoF
       for (std::size_t k = 0; k < 5; ++k) {
         row(static_cast<Eigen::Index>(k)) = (detail::epipolar_error(pair, moved[k]) - error) / kStep;
       }
-      const Vector3d velocity = (b->second.cam1 - a->second.cam1) / dt;
-      row(5) = detail::epipolar_line(pair.cam0, T_cam1_cam0).dot(velocity);
+      const Vector3d line = detail::epipolar_line(pair.cam0, T_cam1_cam0);
+      row(5) = line.dot(b->second.cam1 - a->second.cam1) / dt;
       rows.A.push_back(row);
+      row(5) = line.dot(T_cam1_cam0.R * (b->second.cam0 - a->second.cam0)) / dt;
+      rows.Z.push_back(row);
       rows.y.push_back(error);
       rows.cluster.push_back(id);
     }
@@ -215,6 +219,7 @@ Rows gyro_rows(const std::vector<Turn>& turns, std::span<const ImuSample> imu, d
       row(axis) = 1.0;
       row(3) = slope(axis);
       rows.A.push_back(row);
+      rows.Z.push_back(row);
       rows.y.push_back(turns[k].rate(axis) - (*mean)(axis));
       rows.cluster.push_back(static_cast<std::int64_t>(k));
     }

@@ -42,7 +42,8 @@ Json summary_in(const fs::path& folder) { return Json::parse(read_text(folder / 
 /// All that a run wrote, without what a clock says.
 std::string content_without_times(const fs::path& folder) {
   std::string content;
-  for (const char* const name : {"trajectory.tum", "trajectory.csv", "landmarks.ply", "refusals.csv"}) {
+  for (const char* const name :
+       {"trajectory.tum", "trajectory.csv", "landmarks.ply", "health.csv", "refusals.csv"}) {
     content += read_text(folder / name);
   }
   // The last two columns of frames.csv are times.
@@ -58,8 +59,8 @@ TEST_F(RunCommand, WritesItsFilesWellFormed) {
   ASSERT_EQ(run().exit_code, 0);
   EXPECT_THAT(files_below(out()),
               IsSupersetOf({"trajectory.tum", "trajectory.csv", "truth.tum", "landmarks.ply", "frames.csv",
-                            "refusals.csv", "summary.json"}));
-  EXPECT_LE(files_below(out()).size(), 8u);  // and report.html, if this build makes pages
+                            "health.csv", "refusals.csv", "summary.json"}));
+  EXPECT_LE(files_below(out()).size(), 9u);  // and report.html, if this build makes pages
   const auto rows = read_trajectory_csv(out() / "trajectory.csv");
   const auto poses = read_tum(out() / "trajectory.tum");
   ASSERT_EQ(rows.size(), 41u);
@@ -79,7 +80,7 @@ TEST_F(RunCommand, WritesItsFilesWellFormed) {
   EXPECT_EQ(summary["dataset"], "log");
   EXPECT_EQ(summary["frames"], 41);
   EXPECT_LT(summary["ate_m"]["se3"], 0.2);
-  EXPECT_TRUE(summary["health"].is_null());
+  EXPECT_EQ(summary["health"]["verdict"], "decalibrated");  // case (ii)
 }
 
 TEST_F(RunCommand, PrintsTheResultToStdoutAndNotesToStderrWithoutAnyAnimation) {

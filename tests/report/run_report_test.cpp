@@ -74,7 +74,7 @@ TEST_F(RunReport, HasItsSectionsInOrder) {
   navigate(testing::short_recording());
   const ReportDocument document = run_report(folder_.path());
   EXPECT_THAT(section_ids(document),
-              ElementsAre("trajectory", "errors", "innovations", "points", "time", "summary"));
+              ElementsAre("trajectory", "errors", "calibration", "innovations", "points", "time", "summary"));
   EXPECT_EQ(document.title, "lcekf on short");
   EXPECT_NO_THROW((void)report_json(document));
 }
@@ -169,6 +169,21 @@ TEST_F(RunReport, DrawsInnovationsPerDegreeOfFreedomWithinTheirBand) {
   }
   // Binomial(41, 0.95): fewer than 34 within has a probability of 0.0003. One seed, so it cannot flicker.
   EXPECT_GE(inside, 34u);
+}
+
+TEST_F(RunReport, DrawsTheCalibrationWhereItWasWatched) {
+  navigate(testing::short_recording());
+  const ReportDocument document = run_report(folder_.path());
+  EXPECT_EQ(std::get<ReportText>(document.sections[2].blocks[0]).text, "Verdict: decalibrated.");
+  const ReportFigure& p_value = figure(document, "health-p-value");
+  EXPECT_TRUE(p_value.starts_in_log);
+  EXPECT_EQ(p_value.traces[0].y.size(), record_.frames.size());
+  EXPECT_NE(find_trace(p_value, "alarm"), nullptr);
+  const ReportFigure& rotation = figure(document, "health-rotation");
+  ASSERT_NE(find_trace(rotation, "offset", 2), nullptr);
+  EXPECT_NE(find_trace(rotation, "+3 sigma", 2), nullptr);
+  fs::remove(file("health.csv"));
+  EXPECT_THAT(section_ids(run_report(folder_.path())), ::testing::Not(::testing::Contains("calibration")));
 }
 
 TEST_F(RunReport, TellsOptionsAndNotes) {

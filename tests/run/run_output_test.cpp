@@ -109,7 +109,7 @@ TEST(WriteRunOutput, WritesEveryFileAndNothingElse) {
   write_run_output(out, run.options, run.record, run.summary);
   EXPECT_THAT(files_in(out),
               UnorderedElementsAre("trajectory.tum", "trajectory.csv", "truth.tum", "landmarks.ply",
-                                   "frames.csv", "refusals.csv", "summary.json"));
+                                   "frames.csv", "health.csv", "refusals.csv", "summary.json"));
   const std::vector<TrajectoryRow> rows = read_trajectory_csv(out / "trajectory.csv");
   ASSERT_EQ(rows.size(), run.record.trajectory.size());
   EXPECT_EQ(rows.back().T_world_body.p, run.record.trajectory.back().T_world_body.p);

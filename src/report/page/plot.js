@@ -103,6 +103,7 @@ function planeLayout(figure, series, view, theme) {
   const last = axisKey(panels - 1);
   const layout = { xaxis: { ...baseAxis(theme, unitText(figure.x)), anchor: `y${last}` } };
   figure.y.forEach((axis, panel) => {
+    const decades = view.log ? decadesOf(figure, series, view, panel) : 0;
     const top = 1 - panel * (height + gap);
     layout[`yaxis${axisKey(panel)}`] = {
       ...baseAxis(theme, unitText(axis)),
@@ -110,7 +111,7 @@ function planeLayout(figure, series, view, theme) {
       type: view.log ? 'log' : 'linear',
       rangemode: figure.log_switch ? 'tozero' : 'normal',
       nticks: panels > 1 ? 5 : 8,
-      ...(view.log && decadesOf(figure, series, view, panel) > 1.7 ? { dtick: 1 } : {}),
+      ...(decades > 1.7 ? { dtick: Math.ceil(decades / 8) } : {}),
     };
   });
   if (figure.kind === 'top-view') {

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include <nlohmann/json.hpp>
+
+#include "cli/small_log.hpp"
+#include "limber/run/health_file.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+using Json = nlohmann::json;
+using testing::expect_refused;
+using testing::files_below;
+using testing::ProgramResult;
+using testing::run_limber;
+
+class HealthCommand : public testing::SmallLog {
+ protected:
+  /// `limber health` on the log, from the truth: what is tested here is what the program says.
+  [[nodiscard]] ProgramResult health(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {"health", log().string(), "--init", "groundtruth"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_limber(arguments);
+  }
+  void write(const Recording& recording) { write_track_log(recording, log()); }
+};
+
+Recording sound() {
+  Scenario scenario = testing::short_scenario();
+  scenario.duration = 4.0;
+  scenario.decalibration.clear();
+  return simulate(scenario, 1);
+}
+
+Recording with_a_blind_right_camera() {
+  Recording recording = sound();
+  for (StereoFrame& frame : recording.frames) {
+    std::erase_if(frame.observations, [](const StereoObservation& o) { return !o.in_cam0; });
+    for (StereoObservation& o : frame.observations) {
+      o.in_cam1 = false;
+    }
+  }
+  return recording;
+}
+
+TEST_F(HealthCommand, EndsWithZeroOnASoundRig) {
+  write(sound());
+  const ProgramResult result = health();
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+  EXPECT_THAT(result.out, HasSubstr("log: ok, what was seen agrees with the calibration"));
+  EXPECT_THAT(result.out, HasSubstr("What to do: nothing"));
+}
+
+TEST_F(HealthCommand, EndsWithThreeOnAWrongCalibrationAndNamesWhatIsWrong) {
+  write(sound());
+  const ProgramResult result = health({"--assume-error", "0,0,0.5,0,0,0", "--json"});
+  EXPECT_EQ(result.exit_code, 3) << result.out << result.err;
+  const Json json = Json::parse(result.out);
+  EXPECT_EQ(json["verdict"], "decalibrated");
+  EXPECT_EQ(json["health"]["axes"]["az"], "decalibrated");
+  EXPECT_NEAR(json["health"]["delta_mean"][2].get<double>(), -0.5,
+              3.0 * json["health"]["delta_sigma"][2].get<double>());
+}
+
+TEST_F(HealthCommand, EndsWithFourWhereNothingCanBeTold) {
+  write(with_a_blind_right_camera());
+  const ProgramResult result = health();
+  EXPECT_EQ(result.exit_code, 4) << result.out << result.err;
+  EXPECT_THAT(result.out, HasSubstr("log: cannot tell"));
+}
+
+TEST_F(HealthCommand, RecognisesSwappedCameras) {
+  Recording recording = sound();
+  for (StereoFrame& frame : recording.frames) {
+    for (StereoObservation& o : frame.observations) {
+      std::swap(o.uv_cam0, o.uv_cam1);
+      std::swap(o.in_cam0, o.in_cam1);
+    }
+  }
+  write(recording);
+  const ProgramResult result = health();
+  EXPECT_EQ(result.exit_code, 3) << result.out << result.err;
+  EXPECT_THAT(result.out, HasSubstr("the two cameras are swapped"));
+}
+
+TEST_F(HealthCommand, KeepsTheRunWhereItIsTold) {
+  EXPECT_EQ(health({"--out", out().string()}).exit_code, 3);
+  EXPECT_THAT(files_below(out()), IsSupersetOf({"health.csv", "summary.json"}));
+  EXPECT_EQ(read_health_csv(out() / "health.csv").size(), 41u);
+  const Json summary = Json::parse(testing::read_text(out() / "summary.json"));
+  EXPECT_EQ(summary["health"]["verdict"], "decalibrated");
+  EXPECT_EQ(summary["options"]["false_alarms_per_hour"], 0.1);
+}
+
+TEST_F(HealthCommand, WithoutAFolderLeavesNothing) {
+  const auto before = files_below(folder());
+  (void)health();
+  EXPECT_EQ(files_below(folder()), before);
+}
+
+TEST_F(HealthCommand, RefusesBadOptions) {
+  for (const std::vector<std::string>& bad :
+       std::vector<std::vector<std::string>>{{"--false-alarms", "0"},
+                                             {"--false-alarms", "-1"},
+                                             {"--gravity", "nan"},
+                                             {"--assume-error", "1,2"}}) {
+    expect_refused(health(bad), 2, bad.front());
+  }
+  expect_refused(run_limber({"health"}), 2, "DATASET");
+  expect_refused(run_limber({"health", (folder() / "none").string()}), 1, "none");
+}
+
+TEST_F(HealthCommand, IsExplained) {
+  const ProgramResult help = run_limber({"health", "--help"});
+  EXPECT_THAT(help.out, HasSubstr("0 ok, 3 decalibrated, 4 cannot tell, 5 suspect"));
+  EXPECT_THAT(help.out, HasSubstr("limber health data/v101"));
+}
+
+}  // namespace
+}  // namespace limber
