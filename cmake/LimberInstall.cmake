@@ -61,7 +61,7 @@ endforeach()
 # The filter's headers: core/ to map/, and the navigator.
 file(GLOB limber_filter_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/limber/*.hpp)
 install(FILES ${limber_filter_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber)
-foreach(room core sensors predict measure update map initialize)
+foreach(room core sensors predict measure update health map initialize)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/limber/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber)
 endforeach()
 

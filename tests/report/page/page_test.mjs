@@ -57,7 +57,7 @@ test('the report of a run has every figure, and each can be drawn', async () => 
     }
     return ids.map((id) => [id, document.querySelectorAll(`#${id} .main-svg, #${id} canvas`).length > 0]);
   });
-  assert.deepEqual(drawn.map(([id]) => id), ['path', 'path-3d', 'position-error', 'attitude-error', 'nis', 'points-per-frame', 'time-per-frame']);
+  assert.deepEqual(drawn.map(([id]) => id), ['path', 'path-3d', 'position-error', 'attitude-error', 'health-rotation', 'health-translation', 'health-p-value', 'nis', 'points-per-frame', 'time-per-frame']);
   assert.ok(drawn.every(([, ok]) => ok), JSON.stringify(drawn));
 });
 
