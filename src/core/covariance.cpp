@@ -78,6 +78,9 @@ void Covariance::add_symmetric_product(const Eigen::Ref<const MatrixXd>& U,
 }
 
 void Covariance::add_congruence(const Eigen::Ref<const MatrixXd>& G, const Eigen::Ref<const MatrixXd>& U) {
+  if (size_ == 0) {
+    return;
+  }
   const MatrixXd GU = G * U;
   data_.topLeftCorner(size_, size_).triangularView<Eigen::Lower>() += GU * G.transpose();
 }
