@@ -17,8 +17,8 @@
 #include "limber/run/run_output.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
-#include "parsed_by.hpp"
 #include "progress.hpp"
+#include "recording_options.hpp"
 #include "report_files.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
@@ -26,25 +26,16 @@
 namespace limber::app {
 namespace {
 
-struct HealthArguments {
-  std::filesystem::path dataset, out;
-  std::string assume_error, start = "auto";
-  std::optional<double> sigma_px;
+struct HealthArguments : RecordingArguments {
+  std::filesystem::path out;
   double gravity = RunOptions{}.gravity;
-  double false_alarms_per_hour = RunOptions{}.false_alarms_per_hour;
   bool json = false;
 };
 
 RunOptions to_options(const HealthArguments& arguments, const Recording& recording) {
-  RunOptions options;
+  RunOptions options = to_run_options(arguments, recording);
   options.method = Method::kLcekf;
-  if (!arguments.assume_error.empty()) {
-    options.assume_error = parse_rig_error(arguments.assume_error, recording.calibration.baseline());
-  }
-  options.sigma_px = arguments.sigma_px;
-  options.start = arguments.start == "groundtruth" ? StartMode::kGroundTruth : StartMode::kAuto;
   options.gravity = arguments.gravity;
-  options.false_alarms_per_hour = arguments.false_alarms_per_hour;
   return options;
 }
 
@@ -126,28 +117,8 @@ void health(const HealthArguments& arguments) {
 }
 
 void add_options(CLI::App& command, HealthArguments& arguments) {
-  command.add_option("DATASET", arguments.dataset, "Track log, EuRoC folder or KITTI odometry folder")
-      ->required()
-      ->check(not_empty());
-  command
-      .add_option(
-          "--assume-error", arguments.assume_error,
-          "ax,ay,az,tx,ty,tz added to the assumed calibration: degrees and metres, 5% is of the baseline")
-      ->check(parsed_by([](const std::string& text) { return parse_rig_error(text, 1.0); }));
-  command
-      .add_option("--sigma-px", arguments.sigma_px,
-                  "Pixel noise [px]; default: the recording's, else 0.5 for images and 1 for tracks")
-      ->check(positive());
+  add_recording_options(command, arguments);
   command.add_option("--gravity", arguments.gravity, "At the place of the recording [m/s^2]")
-      ->check(positive())
-      ->capture_default_str();
-  command
-      .add_option("--init", arguments.start,
-                  "auto: from sensors; groundtruth: from the truth plus a drawn error")
-      ->check(CLI::IsMember({"auto", "groundtruth"}))
-      ->capture_default_str();
-  command
-      .add_option("--false-alarms", arguments.false_alarms_per_hour, "Per hour of a sound rig, on average")
       ->check(positive())
       ->capture_default_str();
   command.add_option("--out", arguments.out, "Keep the run's files and its report in this folder")

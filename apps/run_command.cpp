@@ -16,6 +16,7 @@
 #include "output_folder.hpp"
 #include "parsed_by.hpp"
 #include "progress.hpp"
+#include "recording_options.hpp"
 #include "report_files.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
@@ -23,18 +24,15 @@
 namespace limber::app {
 namespace {
 
-struct RunArguments {
-  std::filesystem::path dataset, out;
-  std::string method = "lcekf", constraints, assume_error, start = "auto", landmarks = "inverse-depth",
-              gate = "on";
-  std::optional<double> sigma_px;
-  double false_alarms_per_hour = RunOptions{}.false_alarms_per_hour;
+struct RunArguments : RecordingArguments {
+  std::filesystem::path out;
+  std::string method = "lcekf", constraints, landmarks = "inverse-depth", gate = "on";
   std::size_t max_landmarks = 300;
   std::uint64_t seed = 0, run = 0;
 };
 
 RunOptions to_options(const RunArguments& arguments, const Recording& recording) {
-  RunOptions options;
+  RunOptions options = to_run_options(arguments, recording);
   options.method = method_from_string(arguments.method);
   if (!arguments.constraints.empty()) {
     if (options.method != Method::kLcekf) {
@@ -42,16 +40,10 @@ RunOptions to_options(const RunArguments& arguments, const Recording& recording)
     }
     options.constraints = constraint_set_from_string(arguments.constraints);
   }
-  if (!arguments.assume_error.empty()) {
-    options.assume_error = parse_rig_error(arguments.assume_error, recording.calibration.baseline());
-  }
-  options.sigma_px = arguments.sigma_px;
-  options.start = arguments.start == "groundtruth" ? StartMode::kGroundTruth : StartMode::kAuto;
   options.landmarks =
       arguments.landmarks == "cartesian" ? LandmarkKind::kCartesian : LandmarkKind::kInverseDepth;
   options.gate = arguments.gate == "on";
   options.max_landmarks = arguments.max_landmarks;
-  options.false_alarms_per_hour = arguments.false_alarms_per_hour;
   options.seed = arguments.seed;
   options.run = arguments.run;
   return options;
@@ -107,9 +99,7 @@ void run(const RunArguments& arguments) {
 void add_run_command(CLI::App& app) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "Navigate through a recording with one method");
-  command->add_option("DATASET", arguments->dataset, "Track log, EuRoC folder or KITTI odometry folder")
-      ->required()
-      ->check(not_empty());
+  add_recording_options(*command, *arguments);
   command
       ->add_option("--method", arguments->method,
                    "ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left or oracle")
@@ -122,25 +112,11 @@ void add_run_command(CLI::App& app) {
                    "full where "
                    "IMU or odometry fix the scale, else rotation+direction")
       ->check(parsed_by(constraint_set_from_string));
-  command
-      ->add_option(
-          "--assume-error", arguments->assume_error,
-          "ax,ay,az,tx,ty,tz added to the assumed calibration: degrees and metres, 5% is of the baseline")
-      ->check(parsed_by([](const std::string& text) { return parse_rig_error(text, 1.0); }));
-  command
-      ->add_option("--sigma-px", arguments->sigma_px,
-                   "Pixel noise [px]; default: the recording's, else 0.5 for images and 1 for tracks")
-      ->check(positive());
   command->add_option("--seed", arguments->seed, "Of the start error with --init groundtruth")
       ->check(whole_number())
       ->capture_default_str();
   command->add_option("--run", arguments->run, "Which draw of the start error, as in limber simulate")
       ->check(whole_number())
-      ->capture_default_str();
-  command
-      ->add_option("--init", arguments->start,
-                   "auto: from sensors; groundtruth: from the truth plus a drawn error")
-      ->check(CLI::IsMember({"auto", "groundtruth"}))
       ->capture_default_str();
   command->add_option("--landmarks", arguments->landmarks, "inverse-depth, or cartesian as in the paper")
       ->check(CLI::IsMember({"inverse-depth", "cartesian"}))
@@ -152,11 +128,6 @@ void add_run_command(CLI::App& app) {
       ->add_option("--max-landmarks", arguments->max_landmarks,
                    "Size of the map; those unseen for longest go")
       ->check(whole_number(1, 100'000))
-      ->capture_default_str();
-  command
-      ->add_option("--false-alarms", arguments->false_alarms_per_hour,
-                   "Of the calibration monitor, per hour of a sound rig")
-      ->check(positive())
       ->capture_default_str();
   command->footer(
       "\nWrites trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, health.csv, refusals.csv,\n"

@@ -12,11 +12,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "limber/core/chi_square.hpp"
+#include "limber/run/health_summary.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
@@ -26,8 +26,7 @@ namespace {
 
 using namespace limber;
 
-constexpr double kStep = 10.0;  // [s], when a rig is bent
-constexpr std::array<const char*, 6> kAxes = {"ax", "ay", "az", "tx", "ty", "tz"};
+constexpr double kStep = 10.0;                                                   // [s], when a rig is bent
 constexpr std::array<double, 6> kPaper = {0.01, -0.05, 0.1, 0.1, -0.01, 0.005};  // [deg, m]
 
 struct Settings {
@@ -46,7 +45,7 @@ std::string step_scenario(const std::array<double, 6>& amplitude, double duratio
 
 /// What the monitor said in one run; new alarms only.
 struct Outcome {
-  int alarms = 0, early = 0;
+  int alarms = 0;
   double delay = -1.0;                     ///< [s] from the step to the first alarm after it; negative: none
   std::array<bool, 6> named{};             ///< half a second after the alarm
   std::array<double, 6> sigma{};           ///< of a frame, at the step [rad, m]
@@ -100,7 +99,6 @@ Outcome watch(const Scenario& scenario, const Settings& settings, std::uint64_t 
     const bool is_new = health.alarm && !was_alarmed;
     was_alarmed = health.changed_ns.has_value();
     out.alarms += is_new ? 1 : 0;
-    out.early += is_new && t < kStep - 1e-6 ? 1 : 0;
     if (t < kStep - 1e-6) {
       for (std::size_t k = 0; k < 6; ++k) {
         out.sigma[k] = health.sigma(static_cast<Eigen::Index>(k));
@@ -172,8 +170,8 @@ void step(const char* name, const std::array<double, 6>& amplitude, const Settin
       name, runs.size(), two_frames, five_seconds, worst, 100.0 * chance);
   fmt::print("  axis      step   sigma of a frame   of a window   |step| > 5 sigma of a frame   named\n");
   for (std::size_t k = 0; k < 6; ++k) {
-    fmt::print("  {}  {:9.4f} {:18.4f} {:13.4f} {:29} {:7}\n", kAxes[k], amplitude[k], sigma[k], gathered[k],
-               larger[k], named[k]);
+    fmt::print("  {}  {:9.4f} {:18.4f} {:13.4f} {:29} {:7}\n", kRigAxes[k], amplitude[k], sigma[k],
+               gathered[k], larger[k], named[k]);
   }
 }
 
@@ -204,7 +202,7 @@ int main(int argc, char** argv) {
     for (std::size_t k = 0; k < 6; ++k) {
       std::array<double, 6> single{};
       single[k] = kPaper[k];
-      step(fmt::format("of {} alone", kAxes[k]).c_str(), single, settings);
+      step(fmt::format("of {} alone", kRigAxes[k]).c_str(), single, settings);
     }
   }
   return 0;

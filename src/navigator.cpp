@@ -9,6 +9,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "limber/core/time.hpp"
 #include "limber/map/operating_point.hpp"
 #include "limber/update/compress.hpp"
 #include "limber/update/gate.hpp"
@@ -94,10 +95,6 @@ StereoFrame visible(const StereoFrame& frame, Method method) {
   return out;
 }
 
-double seconds(std::int64_t from_ns, std::int64_t to_ns) {
-  return 1e-9 * static_cast<double>(to_ns - from_ns);
-}
-
 void check(const StereoFrame& frame, std::int64_t state_t_ns) {
   const auto fail = [&](const std::string& what) {
     throw std::invalid_argument("frame at " + std::to_string(frame.t_ns) + " ns " + what);
@@ -176,7 +173,7 @@ std::vector<InputStep> Navigator::steps_to(std::int64_t t_ns) {
   }
   InputStep step;
   step.t_end_ns = t_ns;
-  step.dt = 1e-9 * static_cast<double>(t_ns - begin_ns);
+  step.dt = seconds_between(begin_ns, t_ns);
   return {step};
 }
 
@@ -199,7 +196,7 @@ void Navigator::predict_to(std::int64_t t_ns) {
   if (t_ns <= estimate_.nav.t_ns) {
     return;
   }
-  const double dt = seconds(estimate_.nav.t_ns, t_ns);
+  const double dt = seconds_between(estimate_.nav.t_ns, t_ns);
   const Index k = estimate_.layout().body_size();
   Transition whole{MatrixXd::Identity(k, k), MatrixXd::Zero(k, k)};
   for (const InputStep& step : steps_to(t_ns)) {
@@ -269,7 +266,7 @@ ParameterTreatment Navigator::treatment() const {
   return out;
 }
 
-/// What the witness, or theta itself, has gathered against the assumed rig.
+/// What the witness has gathered against the assumed rig; nothing without one.
 std::optional<ParameterEvidence> Navigator::gathered(const ParameterTreatment& how) const {
   if (!how.witness) {
     return std::nullopt;
@@ -407,7 +404,7 @@ FrameReport Navigator::process(const StereoFrame& raw) {
   report.t_ns = frame.t_ns;
   report.observed = frame.observations.size();
 
-  const double dt = seconds(estimate_.nav.t_ns, frame.t_ns);
+  const double dt = seconds_between(estimate_.nav.t_ns, frame.t_ns);
   predict_to(frame.t_ns);
   rest_and_recall(estimate_, frame, last_frame_ns_, options_.upkeep);
   options_.birth.mode = birth_mode();

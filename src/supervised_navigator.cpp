@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "limber/core/time.hpp"
+
 namespace limber {
 
 namespace {
@@ -15,10 +17,6 @@ constexpr double kLeastDoubt = 1.0;      // plausible errors
 /// can be learned from it alone: when it is that old [s], and unless the rig keeps changing.
 constexpr double kMapKnowsScale = 5.0;
 constexpr int kMostDoubts = 2;  // within that time
-
-double seconds(std::int64_t from_ns, std::int64_t to_ns) {
-  return 1e-9 * static_cast<double>(to_ns - from_ns);
-}
 
 NavigatorOptions auditors(NavigatorOptions options) {
   options.method = Method::kLcekf;
@@ -87,7 +85,8 @@ Doubt SupervisedNavigator::doubt(const HealthReport& why) const {
 /// Whether a length of the baseline that changed could be learned.
 bool SupervisedNavigator::knows_scale(std::int64_t t_ns) const {
   return has_scale(navigator_.options().motion) ||
-         (seconds(supervision_->began_ns, t_ns) > kMapKnowsScale && supervision_->doubts < kMostDoubts);
+         (seconds_between(supervision_->began_ns, t_ns) > kMapKnowsScale &&
+          supervision_->doubts < kMostDoubts);
 }
 
 /// Comes again from the older checkpoint, in doubt this time.
@@ -131,7 +130,7 @@ void SupervisedNavigator::supervise(FrameReport& report, const FrameReport& audi
   const HealthReport own = judged(s.own_watchdog, report.evidence);
   const HealthReport auditors = judged(s.auditors_watchdog, audit.evidence);
   const bool auditor_alarms = auditors.alarm && s.trusts;
-  if (seconds(s.doubted_ns, report.t_ns) > kMapKnowsScale) {
+  if (seconds_between(s.doubted_ns, report.t_ns) > kMapKnowsScale) {
     s.doubts = 0;
   }
   if (!own.alarm && !auditor_alarms) {

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "limber/core/chi_square.hpp"
+#include "limber/core/time.hpp"
 #include "limber/method.hpp"
 
 namespace limber {
@@ -41,11 +42,6 @@ constexpr double kWhiteEnough = 0.2;       // correlation of neighbours that pos
 constexpr double kMostCorrelated = 0.95;
 /// When a window is looked at, as shares of its length.
 constexpr std::array<double, 5> kLooks = {1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 1.0};
-constexpr double kNanoseconds = 1e-9;
-
-double seconds(std::int64_t from_ns, std::int64_t to_ns) {
-  return kNanoseconds * static_cast<double>(to_ns - from_ns);
-}
 
 void check(double value, const char* name) {
   if (!(value > 0.0) || !std::isfinite(value)) {
@@ -181,11 +177,11 @@ void HealthMonitor::name_axes(const Offset& offset, double threshold) {
 /// The tests: each frame, and each window as it ends.
 bool HealthMonitor::test(const HealthInput& input, double frame_p, double window_p, const Offset& frame,
                          const Offset& gathered) {
-  const double hours = std::min(seconds(last_ns_, input.t_ns), kLongestFrame) / 3600.0;
+  const double hours = std::min(seconds_between(last_ns_, input.t_ns), kLongestFrame) / 3600.0;
   const double share = 0.5 * options_.false_alarms_per_hour;
   const double frame_limit = started_ ? share * hours : 0.0;
   const double window_limit = share * options_.window_s / 3600.0 / static_cast<double>(kLooks.size());
-  const double age = seconds(gathered_since_ns_, input.t_ns);
+  const double age = seconds_between(gathered_since_ns_, input.t_ns);
   const bool looks = looks_ < kLooks.size() && age >= kLooks[looks_] * options_.window_s;
   looks_ += looks ? 1 : 0;
   const bool ends = age >= options_.window_s;

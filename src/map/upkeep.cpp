@@ -9,22 +9,20 @@
 #include <utility>
 #include <vector>
 
+#include "limber/core/time.hpp"
+
 namespace limber {
 
 using Eigen::Vector3d;
 
 namespace {
 
-double seconds_since(std::int64_t then_ns, std::int64_t now_ns) {
-  return 1e-9 * static_cast<double>(now_ns - then_ns);
-}
-
 std::vector<std::int64_t> to_remove(const Estimate& estimate, std::int64_t t_ns,
                                     const UpkeepOptions& options) {
   std::vector<std::int64_t> gone;
   std::vector<const Landmark*> unseen;
   for (const Landmark& landmark : estimate.landmarks()) {
-    const double unseen_s = seconds_since(landmark.last_seen_ns, t_ns);
+    const double unseen_s = seconds_between(landmark.last_seen_ns, t_ns);
     if (landmark.refusals >= options.max_refusals || unseen_s > options.forget_after_s) {
       gone.push_back(landmark.track_id);
     } else if (landmark.last_seen_ns < t_ns) {
@@ -147,7 +145,7 @@ void rest_and_recall(Estimate& estimate, const StereoFrame& frame, std::int64_t 
       recalled.push_back(observation.track_id);
     }
   }
-  if (recalled.empty() && seconds_since(estimate.epoch_began_ns(), frame.t_ns) < options.rest_after_s) {
+  if (recalled.empty() && seconds_between(estimate.epoch_began_ns(), frame.t_ns) < options.rest_after_s) {
     return;
   }
   std::unordered_set<std::int64_t> seen;
@@ -157,7 +155,7 @@ void rest_and_recall(Estimate& estimate, const StereoFrame& frame, std::int64_t 
   std::vector<std::int64_t> retired;
   for (const Landmark& landmark : estimate.landmarks()) {
     if (!landmark.dormant && !seen.contains(landmark.track_id) &&
-        seconds_since(landmark.last_seen_ns, frame.t_ns) > options.rest_after_s) {
+        seconds_between(landmark.last_seen_ns, frame.t_ns) > options.rest_after_s) {
       retired.push_back(landmark.track_id);
     }
   }

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "limber/core/time.hpp"
+
 namespace limber {
 namespace {
 
@@ -121,7 +123,7 @@ std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frame
     return std::nullopt;
   }
   const std::int64_t begin_ns = frames.front().t_ns;
-  const auto seconds = [begin_ns](std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns - begin_ns); };
+  const auto seconds = [begin_ns](std::int64_t t_ns) { return seconds_between(begin_ns, t_ns); };
   const std::vector<HealthReport> windows = windows_of(reports);
   HealthSummary out;
   out.mean = *mean_offset(windows, begin_ns);

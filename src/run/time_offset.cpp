@@ -13,6 +13,7 @@
 
 #include "epipolar_error.hpp"
 #include "limber/core/so3.hpp"
+#include "limber/core/time.hpp"
 #include "limber/initialize/stereo_motion.hpp"
 
 namespace limber {
@@ -29,10 +30,6 @@ constexpr double kMadToSigma = 1.4826;
 constexpr int kReweightings = 5, kShifts = 8;
 constexpr double kStep = 1e-6;          // of numerical derivatives [rad, shares of the baseline]
 constexpr double kLargestOffset = 1.0;  // [s]
-
-double seconds(std::int64_t from_ns, std::int64_t to_ns) {
-  return 1e-9 * static_cast<double>(to_ns - from_ns);
-}
 
 /// Rows of y = A x + noise; rows of one cluster share their noise. Z are the instruments: the same as A, but
 /// where A is measured with noise, something that goes with it and has noise of its own. Without them noise
@@ -130,7 +127,7 @@ Rows epipolar_rows(const StereoCalibration& calibration, std::span<const StereoF
   Followed before = followed(calibration, frames[0]), now = followed(calibration, frames[1]);
   for (std::size_t n = 1; n + 1 < frames.size(); ++n) {
     Followed after = followed(calibration, frames[n + 1]);
-    const double dt = seconds(frames[n - 1].t_ns, frames[n + 1].t_ns);
+    const double dt = seconds_between(frames[n - 1].t_ns, frames[n + 1].t_ns);
     for (const auto& [id, pair] : now) {
       const auto a = before.find(id), b = after.find(id);
       if (a == before.end() || b == after.end() || dt > 2.0 * kLongestStep) {
@@ -164,7 +161,7 @@ std::optional<Vector3d> rate_at(std::span<const ImuSample> imu, double t_s) {
     return std::nullopt;
   }
   const auto a = b - 1;
-  const double share = seconds(a->t_ns, t_ns) / seconds(a->t_ns, b->t_ns);
+  const double share = seconds_between(a->t_ns, t_ns) / seconds_between(a->t_ns, b->t_ns);
   return Vector3d((1.0 - share) * a->omega_imu + share * b->omega_imu);
 }
 
@@ -191,14 +188,14 @@ std::vector<Turn> turns_of(const StereoCalibration& calibration, std::span<const
                            std::int64_t origin_ns) {
   std::vector<Turn> out;
   for (std::size_t n = 0; n + 1 < frames.size(); ++n) {
-    const double dt = seconds(frames[n].t_ns, frames[n + 1].t_ns);
+    const double dt = seconds_between(frames[n].t_ns, frames[n + 1].t_ns);
     if (dt > kLongestStep) {
       continue;
     }
     const std::vector<StampedPose> motion = stereo_motion(frames.subspan(n, 2), calibration);
     if (motion.size() == 2) {
-      out.push_back({seconds(origin_ns, frames[n].t_ns), seconds(origin_ns, frames[n + 1].t_ns),
-                     so3_log(motion[1].T_world_body.R) / dt});
+      out.push_back({seconds_between(origin_ns, frames[n].t_ns),
+                     seconds_between(origin_ns, frames[n + 1].t_ns), so3_log(motion[1].T_world_body.R) / dt});
     }
   }
   return out;

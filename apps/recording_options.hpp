@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "limber/run/run_options.hpp"
+
+/// What `limber run` and `limber health` ask alike: which recording, and what to assume of it.
+namespace limber::app {
+
+struct RecordingArguments {
+  std::filesystem::path dataset;
+  std::string assume_error, start = "auto";
+  std::optional<double> sigma_px;
+  double false_alarms_per_hour = RunOptions{}.false_alarms_per_hour;
+};
+
+void add_recording_options(CLI::App& command, RecordingArguments& arguments);
+
+/// Run options with these, everything else as by default.
+/// @throws std::invalid_argument as parse_rig_error
+[[nodiscard]] RunOptions to_run_options(const RecordingArguments& arguments, const Recording& recording);
+
+}  // namespace limber::app
