@@ -11,7 +11,6 @@
 
 #include "limber/core/time.hpp"
 #include "limber/map/operating_point.hpp"
-#include "limber/update/compress.hpp"
 #include "limber/update/gate.hpp"
 
 namespace limber {
@@ -373,7 +372,7 @@ void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, co
     const Eigen::Matrix<double, 6, 6> P_theta =
         has_theta(options_.method) ? estimate_.P.diagonal_block<6>(estimate_.layout().theta())
                                    : Eigen::Matrix<double, 6, 6>::Zero().eval();
-    UpdateReport update_report = update(estimate_.P, compressed(trusted), how);
+    UpdateReport update_report = update(estimate_.P, trusted, how);
     if (options_.method == Method::kConsider && update_report.status == UpdateStatus::kUpdated) {
       // Schmidt: the gain's theta rows are zero, so its block stays; the cross-covariances are those of the
       // EKF.

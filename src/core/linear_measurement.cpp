@@ -22,7 +22,7 @@ LinearMeasurement LinearMeasurement::subset(const std::vector<bool>& kept) const
     if (!kept[g]) {
       continue;
     }
-    out.groups.push_back({m, groups[g].rows});
+    out.groups.push_back({m, groups[g].rows, groups[g].own});
     for (Index k = 0; k < groups[g].rows; ++k) {
       new_row[static_cast<std::size_t>(groups[g].row + k)] = m++;
     }

@@ -68,7 +68,7 @@ StackedFrame stack_frame(const Estimate& estimate, const StereoFrame& frame, con
   out.measurement = empty_measurement(m);
   Index at = 0;
   for (const Row& point : points) {
-    out.measurement.groups.push_back({at, point.rows()});
+    out.measurement.groups.push_back({at, point.rows(), point.landmark->at});
     out.track_ids.push_back(point.observation->track_id);
     for (std::size_t cam = 0; cam < 2; ++cam) {
       if (point.projections[cam]) {

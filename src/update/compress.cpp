@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/compress.hpp"
 
-#include <Eigen/Householder>
 #include <Eigen/QR>
 #include <algorithm>
 #include <map>
@@ -17,8 +16,8 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr Index kStereoRows = 4;
-constexpr double kRounding =
-    1e-13;  // share of a row's largest entry that an orthogonal change may leave of zero
+constexpr double kRounding = 1e-10;  // share of a block's largest entry that stands for zero
+using StereoBlock = Eigen::Matrix<double, kStereoRows, kTriplet>;
 using StereoRows = Eigen::Matrix<double, kStereoRows, Eigen::Dynamic>;
 using Block = SparseJacobian::Block;
 
@@ -28,9 +27,13 @@ struct Point {
   std::vector<const Block*> blocks;
 };
 
+bool is_compressible(const RowGroup& group) { return group.rows == kStereoRows && group.own >= 0; }
+
 std::vector<Point> points_of(const LinearMeasurement& z) {
   std::vector<Point> points;
   std::vector<std::size_t> point_of_row;
+  points.reserve(z.groups.size());
+  point_of_row.reserve(static_cast<std::size_t>(z.rows()));
   for (const RowGroup& group : z.groups) {
     point_of_row.insert(point_of_row.end(), static_cast<std::size_t>(group.rows), points.size());
     points.push_back({group, {}});
@@ -41,85 +44,83 @@ std::vector<Point> points_of(const LinearMeasurement& z) {
   return points;
 }
 
-/// Columns of the triplets that more than half of the points look at, in order.
-std::vector<Index> shared_triplets(const std::vector<Point>& points) {
-  std::map<Index, std::vector<bool>> users;  // by column
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    for (const Block* block : points[k].blocks) {
-      users.try_emplace(block->col, points.size(), false).first->second[k] = true;
-    }
-  }
-  std::vector<Index> shared;
-  for (const auto& [column, use] : users) {
-    if (2 * static_cast<std::size_t>(std::count(use.begin(), use.end(), true)) > points.size()) {
-      shared.push_back(column);
-    }
-  }
-  return shared;
-}
+/// The rows of a point, whitened, as columns of triplets: its own first.
+struct WholePoint {
+  struct Triplet {
+    Index col;
+    StereoBlock value;
+  };
+  std::vector<Triplet> triplets;
+  StereoRows D;
+  Eigen::Vector4d r;
 
-/// The triplet that a point with four rows does not share, if it is the only one; else -1.
-Index own_triplet(const Point& point, const std::vector<Index>& shared) {
-  Index own = -1;
-  for (const Block* block : point.blocks) {
-    if (block->col != own && !std::binary_search(shared.begin(), shared.end(), block->col)) {
-      if (own >= 0) {
-        return -1;
-      }
-      own = block->col;
+  WholePoint(const LinearMeasurement& z, const Point& point) {
+    const Index first = point.group.row;
+    const Eigen::Vector4d weight = z.sigma.segment<kStereoRows>(first).cwiseInverse();
+    triplets.push_back({point.group.own, StereoBlock::Zero()});
+    for (const Block* block : point.blocks) {
+      at(block->col).middleRows(block->row - first, block->value.rows()) += block->value;
     }
+    for (Triplet& triplet : triplets) {
+      triplet.value.array().colwise() *= weight.array();
+    }
+    D = weight.asDiagonal() * StereoRows(z.D.cols() > 0 ? StereoRows(z.D.middleRows<kStereoRows>(first))
+                                                        : StereoRows(kStereoRows, 0));
+    r = weight.cwiseProduct(z.residual.segment<kStereoRows>(first));
   }
-  return point.group.rows == kStereoRows ? own : -1;
-}
 
-/// A: 4×w := Qᵀ A, Q orthogonal, such that the first three columns are upper triangular.
-void triangularise(Eigen::Ref<StereoRows> A) {
-  Eigen::RowVectorXd workspace(A.cols());
-  for (Index k = 0; k < kTriplet; ++k) {
-    double tau = 0.0, beta = 0.0;
-    auto column = A.col(k).tail(kStereoRows - k);
-    column.makeHouseholderInPlace(tau, beta);
-    A.bottomRightCorner(kStereoRows - k, A.cols() - k - 1)
-        .applyHouseholderOnTheLeft(column.tail(kStereoRows - k - 1).eval(), tau, workspace.data());
-    column.setZero();
-    column(0) = beta;
+  StereoBlock& at(Index col) {
+    const auto it =
+        std::find_if(triplets.begin(), triplets.end(), [&](const Triplet& t) { return t.col == col; });
+    return it != triplets.end() ? it->value : triplets.emplace_back(Triplet{col, StereoBlock::Zero()}).value;
   }
-}
 
-/// Builds the compressed measurement. Rows are written dense as [triplets | D | r].
+  /// All rows := Qᵀ rows, such that the point moves the first three alone; entries of the fourth that are
+  /// rounding become zero.
+  void turn() {
+    const Eigen::HouseholderQR<StereoBlock> qr(triplets.front().value);
+    const Eigen::Matrix4d Qt = Eigen::Matrix4d(qr.householderQ()).transpose();
+    for (Triplet& triplet : triplets) {
+      triplet.value = (Qt * triplet.value).eval();
+      const double zero = kRounding * triplet.value.cwiseAbs().maxCoeff();
+      auto last = triplet.value.bottomRows<1>();
+      last = (last.array().abs() > zero).select(last, 0.0);
+    }
+    triplets.front().value = qr.matrixQR().triangularView<Eigen::Upper>();
+    D = (Qt * D).eval();
+    r = (Qt * r).eval();
+  }
+};
+
+/// Builds the compressed measurement.
 class Compression {
  public:
-  explicit Compression(const LinearMeasurement& z)
-      : z_(z), points_(points_of(z)), shared_(shared_triplets(points_)) {
-    for (const Point& point : points_) {
-      own_.push_back(own_triplet(point, shared_));
-      compressible_ += own_.back() >= 0 ? 1 : 0;
-    }
-  }
-
-  [[nodiscard]] bool pays() const { return compressible_ > shared_width(); }
+  explicit Compression(const LinearMeasurement& z) : z_(z) {}
 
   LinearMeasurement result() {
-    const Index most = z_.rows() - compressible_ + shared_width();
-    out_.residual.resize(most);
-    out_.D.resize(z_.D.cols() > 0 ? most : 0, z_.D.cols());
-    pool_.resize(compressible_, shared_width() + 1);
-    Index pooled = 0;
-    for (std::size_t k = 0; k < points_.size(); ++k) {
-      if (own_[k] < 0) {
-        copy(points_[k]);
-        continue;
+    out_.residual.resize(z_.rows());
+    out_.D.resize(z_.D.cols() > 0 ? z_.rows() : 0, z_.D.cols());
+    out_.H.blocks.reserve(z_.H.blocks.size());
+    out_.noise = z_.noise;
+    for (const Point& point : points_of(z_)) {
+      if (is_compressible(point.group)) {
+        turned_.emplace_back(z_, point).turn();
+      } else {
+        copy(point);
       }
-      StereoRows A = dense(points_[k], own_[k]);
-      triangularise(A);
-      std::vector<Index> triplets = {own_[k]};
-      triplets.insert(triplets.end(), shared_.begin(), shared_.end());
-      write(A.topRows<kTriplet>(), triplets);
-      const double zero = kRounding * A.leftCols(A.cols() - 1).cwiseAbs().maxCoeff();
-      auto rest = A.bottomRightCorner<1, Eigen::Dynamic>(1, pool_.cols());
-      pool_.row(pooled++) = (rest.array().abs() > zero).select(rest, 0.0);
     }
-    compress_pool();
+    find_pool_columns();
+    MatrixXd pool(static_cast<Index>(turned_.size()), pool_width() + 1);
+    Index pooled = 0;
+    for (const WholePoint& point : turned_) {
+      if (only_the_pool_sees(point)) {
+        write(point, kTriplet);
+        pool.row(pooled++) = pool_row(point);
+      } else {
+        write(point, kStereoRows);
+      }
+    }
+    compress_pool(pool.topRows(pooled));
     out_.residual.conservativeResize(written_);
     out_.D.conservativeResize(z_.D.cols() > 0 ? written_ : 0, Eigen::NoChange);
     out_.sigma.setOnes(written_);
@@ -127,30 +128,8 @@ class Compression {
   }
 
  private:
-  /// Columns of [shared triplets | D].
-  [[nodiscard]] Index shared_width() const {
-    return kTriplet * static_cast<Index>(shared_.size()) + z_.D.cols();
-  }
-
-  /// [own | shared triplets | D | r] of a point, whitened.
-  [[nodiscard]] StereoRows dense(const Point& point, Index own) const {
-    StereoRows A = StereoRows::Zero(kStereoRows, kTriplet + shared_width() + 1);
-    const Index first = point.group.row;
-    for (const Block* block : point.blocks) {
-      const auto place = std::lower_bound(shared_.begin(), shared_.end(), block->col) - shared_.begin();
-      A.block(block->row - first, block->col == own ? 0 : kTriplet * (1 + place), block->value.rows(),
-              kTriplet) += block->value;
-    }
-    if (z_.D.cols() > 0) {
-      A.middleCols(A.cols() - 1 - z_.D.cols(), z_.D.cols()) = z_.D.middleRows<kStereoRows>(first);
-    }
-    A.rightCols<1>() = z_.residual.segment<kStereoRows>(first);
-    A.array().colwise() /= z_.sigma.segment<kStereoRows>(first).array();
-    return A;
-  }
-
   void copy(const Point& point) {
-    const auto [first, rows] = point.group;
+    const Index first = point.group.row, rows = point.group.rows;
     const VectorXd weight = z_.sigma.segment(first, rows).cwiseInverse();
     for (const Block* block : point.blocks) {
       Block& written = out_.H.blocks.emplace_back(*block);
@@ -164,41 +143,99 @@ class Compression {
     written_ += rows;
   }
 
-  /// @param rows  at most three
-  void write(const Eigen::Ref<const MatrixXd>& rows, const std::vector<Index>& triplets) {
-    for (std::size_t k = 0; k < triplets.size(); ++k) {
-      out_.H.blocks.push_back(
-          {written_, triplets[k], rows.middleCols<kTriplet>(kTriplet * static_cast<Index>(k))});
+  /// The first three rows of a point, or all four.
+  void write(const WholePoint& point, Index rows) {
+    for (const WholePoint::Triplet& triplet : point.triplets) {
+      out_.H.blocks.push_back({written_, triplet.col, triplet.value.topRows<kTriplet>()});
+      if (rows > kTriplet && !triplet.value.bottomRows<1>().isZero(0.0)) {
+        out_.H.blocks.push_back({written_ + kTriplet, triplet.col, triplet.value.bottomRows<1>()});
+      }
     }
     if (z_.D.cols() > 0) {
-      out_.D.middleRows(written_, rows.rows()) = rows.middleCols(rows.cols() - 1 - z_.D.cols(), z_.D.cols());
+      out_.D.middleRows(written_, rows) = point.D.topRows(rows);
     }
-    out_.residual.segment(written_, rows.rows()) = rows.rightCols<1>();
+    out_.residual.segment(written_, rows) = point.r.head(rows);
+    written_ += rows;
+  }
+
+  /// Triplets that the fourth rows of most points see: theta, where it is a state, else none.
+  void find_pool_columns() {
+    std::map<Index, std::size_t> users;
+    for (const WholePoint& point : turned_) {
+      for (const WholePoint::Triplet& triplet : point.triplets) {
+        users[triplet.col] += triplet.value.bottomRows<1>().isZero(0.0) ? 0 : 1;
+      }
+    }
+    for (const auto& [column, count] : users) {
+      if (2 * count > turned_.size()) {
+        pool_columns_.push_back(column);
+      }
+    }
+  }
+
+  [[nodiscard]] Index pool_states() const { return kTriplet * static_cast<Index>(pool_columns_.size()); }
+  [[nodiscard]] Index pool_width() const { return pool_states() + z_.D.cols(); }
+
+  [[nodiscard]] bool only_the_pool_sees(const WholePoint& point) const {
+    return std::all_of(point.triplets.begin(), point.triplets.end(), [&](const WholePoint::Triplet& triplet) {
+      return triplet.value.bottomRows<1>().isZero(0.0) ||
+             std::binary_search(pool_columns_.begin(), pool_columns_.end(), triplet.col);
+    });
+  }
+
+  /// The fourth row as [triplets of the pool | D | r].
+  [[nodiscard]] Eigen::RowVectorXd pool_row(const WholePoint& point) const {
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(pool_width() + 1);
+    for (const WholePoint::Triplet& triplet : point.triplets) {
+      const auto it = std::lower_bound(pool_columns_.begin(), pool_columns_.end(), triplet.col);
+      if (it != pool_columns_.end() && *it == triplet.col) {
+        row.segment<kTriplet>(kTriplet * (it - pool_columns_.begin())) = triplet.value.bottomRows<1>();
+      }
+    }
+    row.segment(pool_states(), z_.D.cols()) = point.D.bottomRows<1>();
+    row(pool_width()) = point.r(kTriplet);
+    return row;
+  }
+
+  /// Of the pool's rows, keeps as many as what they see has dimensions.
+  void compress_pool(const Eigen::Ref<const MatrixXd>& pool) {
+    VectorXd r = pool.rightCols<1>();
+    MatrixXd kept(0, pool_width());
+    if (pool.rows() > 0 && pool_width() > 0) {  // Eigen factorises an empty matrix at its peril
+      const Eigen::ColPivHouseholderQR<MatrixXd> qr(pool.leftCols(pool_width()));
+      r.applyOnTheLeft(qr.householderQ().adjoint());
+      kept.setZero(qr.rank(), pool_width());
+      kept.triangularView<Eigen::Upper>() = qr.matrixR().topRows(qr.rank());
+      kept *= qr.colsPermutation().transpose();
+    }
+    const Index noise = r.size() - kept.rows();
+    out_.noise.rows += noise;
+    out_.noise.squared_norm += r.tail(noise).squaredNorm();
+    if (pool_columns_.empty()) {
+      out_.stateless = {r.head(kept.rows()), kept};
+    } else {
+      write_pool(kept, r.head(kept.rows()));
+    }
+  }
+
+  void write_pool(const MatrixXd& rows, const VectorXd& r) {
+    for (Index row = 0; row < rows.rows(); row += kTriplet) {
+      const Index count = std::min(kTriplet, rows.rows() - row);
+      for (std::size_t k = 0; k < pool_columns_.size(); ++k) {
+        out_.H.blocks.push_back({written_ + row, pool_columns_[k],
+                                 rows.block(row, kTriplet * static_cast<Index>(k), count, kTriplet)});
+      }
+    }
+    if (z_.D.cols() > 0) {
+      out_.D.middleRows(written_, rows.rows()) = rows.rightCols(z_.D.cols());
+    }
+    out_.residual.segment(written_, rows.rows()) = r;
     written_ += rows.rows();
   }
 
-  /// Of the rows that see nothing but what is shared, keeps as many as that has dimensions.
-  void compress_pool() {
-    const Eigen::ColPivHouseholderQR<MatrixXd> qr(pool_.leftCols(shared_width()));
-    VectorXd r = pool_.rightCols<1>();
-    r.applyOnTheLeft(qr.householderQ().adjoint());
-    MatrixXd kept = MatrixXd::Zero(qr.rank(), pool_.cols());
-    kept.leftCols(shared_width()) = qr.matrixR().topRows(qr.rank()).triangularView<Eigen::Upper>();
-    kept.leftCols(shared_width()) *= qr.colsPermutation().transpose();
-    kept.rightCols<1>() = r.head(qr.rank());
-    for (Index row = 0; row < kept.rows(); row += kTriplet) {
-      write(kept.middleRows(row, std::min(kTriplet, kept.rows() - row)), shared_);
-    }
-    out_.noise.rows = z_.noise.rows + r.size() - qr.rank();
-    out_.noise.squared_norm = z_.noise.squared_norm + r.tail(r.size() - qr.rank()).squaredNorm();
-  }
-
   const LinearMeasurement& z_;
-  std::vector<Point> points_;
-  std::vector<Index> shared_;  // columns of the triplets that most points look at
-  std::vector<Index> own_;     // by point: the triplet of its own, -1 where it cannot be compressed
-  Index compressible_ = 0;
-  MatrixXd pool_;  // by compressible point: [shared triplets | D | r] of the row without a triplet of its own
+  std::vector<WholePoint> turned_;
+  std::vector<Index> pool_columns_;
   LinearMeasurement out_;
   Index written_ = 0;  // rows of out_
 };
@@ -206,8 +243,8 @@ class Compression {
 }  // namespace
 
 LinearMeasurement compressed(const LinearMeasurement& z) {
-  Compression compression(z);
-  return compression.pays() ? compression.result() : z;
+  const bool pays = std::any_of(z.groups.begin(), z.groups.end(), is_compressible);
+  return pays ? Compression(z).result() : z;
 }
 
 }  // namespace limber

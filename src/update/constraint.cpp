@@ -1,26 +1,36 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/constraint.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <Eigen/SVD>
 #include <algorithm>
 
 namespace limber {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 namespace {
 
-constexpr Index kPanel = 64;  // rows that are reflected at a time: what is copied of them stays in the cache
+constexpr Index kPanel = 64;        // rows that are reflected at a time: they stay in the cache
+constexpr double kNothing = 1e-12;  // of the largest entry: a row that says nothing
 
-/// Columns of `from` at `places`, side by side. (An indexed view would copy number by number.)
-template <typename From>
-void gather_columns(const From& from, const std::vector<Index>& places, MatrixXd& to) {
-  to.resize(from.rows(), static_cast<Index>(places.size()));
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    to.col(static_cast<Index>(k)) = from.col(places[k]);
-  }
+/// Stateless rows join the others, moved by no state.
+void append(Innovation& innovation, const Eigen::Ref<const MatrixXd>& D,
+            const Eigen::Ref<const VectorXd>& r) {
+  const Index m = innovation.r.size(), q = r.size();
+  innovation.r.conservativeResize(m + q);
+  innovation.r.tail(q) = r;
+  innovation.D.conservativeResize(m + q, Eigen::NoChange);
+  innovation.D.bottomRows(q) = D;
+  innovation.PHt.conservativeResize(Eigen::NoChange, m + q);
+  innovation.PHt.rightCols(q).setZero();
+  MatrixXd S = MatrixXd::Identity(m + q, m + q);
+  S.topLeftCorner(m, m) = innovation.S;
+  innovation.S = std::move(S);
 }
 
 /// The smallest singular value of R is at least the inverse of the Frobenius norm of its inverse.
@@ -32,130 +42,134 @@ bool is_surely_strong(const MatrixXd& R) {
   return inverse.norm() < 1.0 / kWeakDirection;
 }
 
-/// QR of a basis of what D spans without its weak directions.
-Eigen::HouseholderQR<MatrixXd> factorise_strong(const MatrixXd& D) {
-  if (D.rows() >= D.cols()) {
-    Eigen::HouseholderQR<MatrixXd> qr(D);
-    if (is_surely_strong(qr.matrixQR().topRows(D.cols()))) {
-      return qr;  // no direction is weak: D is its own basis
-    }
-  }
-  return Eigen::HouseholderQR<MatrixXd>(strong_directions(D));
+/// F Fᵀ = Sigma, positive semidefinite.
+MatrixXd square_root(const Eigen::Ref<const MatrixXd>& Sigma) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(Sigma);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 }  // namespace
 
 MatrixXd strong_directions(const Eigen::Ref<const MatrixXd>& D) {
-  if (D.cols() == 0) {
-    return D;
+  if (D.size() == 0) {
+    return MatrixXd(D.rows(), 0);
   }
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(D.transpose() * D);
-  Index weak = 0;
-  while (weak < D.cols() && eigen.eigenvalues()(weak) < kWeakDirection * kWeakDirection) {
-    ++weak;
+  const Index k = std::min(D.rows(), D.cols());
+  const MatrixXd R = Eigen::HouseholderQR<MatrixXd>(D).matrixQR().topRows(k).triangularView<Eigen::Upper>();
+  if (k == D.cols() && is_surely_strong(R)) {
+    return D;  // its own basis
   }
-  return D * eigen.eigenvectors().rightCols(D.cols() - weak);
+  const Eigen::JacobiSVD<MatrixXd> svd(R, Eigen::ComputeFullV);
+  const auto strong = (svd.singularValues().array() >= kWeakDirection).count();
+  return D * svd.matrixV().leftCols(strong);
 }
 
-NullSpaceProjection::NullSpaceProjection(const Eigen::Ref<const MatrixXd>& D) {
-  // From the last row up, so that the constrained rows, which Householder QR puts first, already stand near
-  // the end.
-  for (Index row = D.rows() - 1; row >= 0; --row) {
-    if (!D.row(row).isZero(0.0)) {
-      touched_.push_back(row);
-    }
+void absorb_white(Innovation& innovation, const Eigen::Ref<const MatrixXd>& Sigma) {
+  // With E: q×c the stateless D and Sigma = F Fᵀ, what they leave of dtheta is F (B Bᵀ)⁻¹ Fᵀ,
+  // B Bᵀ = I + Fᵀ Eᵀ E F: no difference of large numbers, however large Sigma is.
+  const MatrixXd F = square_root(Sigma);
+  StatelessRows& stateless = innovation.stateless;
+  const MatrixXd EF = stateless.D * F;
+  const Eigen::LLT<MatrixXd> B(MatrixXd::Identity(F.cols(), F.cols()) + EF.transpose() * EF);
+  MatrixXd DF = innovation.D * F;
+  if (stateless.residual.size() > 0) {
+    innovation.r.noalias() -= DF * B.solve(EF.transpose() * stateless.residual);
+    innovation.D.noalias() -= DF * B.solve(EF.transpose() * stateless.D);
+    const Eigen::LLT<MatrixXd> M(MatrixXd::Identity(EF.rows(), EF.rows()) + EF * EF.transpose());
+    M.matrixL().solveInPlace(stateless.residual);
+    M.matrixL().solveInPlace(stateless.D);
   }
-  if (touched_.empty()) {
+  B.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(DF);
+  innovation.S.selfadjointView<Eigen::Lower>().rankUpdate(DF);
+}
+
+StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const MatrixXd>& C) {
+  const Index k = C.cols(), q = innovation.stateless.residual.size();
+  StatelessSolution out{MatrixXd(k, 0), MatrixXd::Identity(k, k), MatrixXd(0, 0), VectorXd(0),
+                        MatrixXd(innovation.r.size(), 0)};
+  if (q == 0 || k == 0) {
+    return out;
+  }
+  // E C Pi = Q U: rows of U that are strong, then those that are not.
+  StatelessRows rows = std::move(innovation.stateless);
+  innovation.stateless = {VectorXd(0), MatrixXd(0, rows.D.cols())};
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(rows.D * C);
+  const VectorXd pivots = qr.matrixR().diagonal().cwiseAbs();
+  const Index p =
+      std::count_if(pivots.begin(), pivots.end(), [](double pivot) { return pivot >= kWeakDirection; });
+  rows.residual.applyOnTheLeft(qr.householderQ().adjoint());
+  rows.D.applyOnTheLeft(qr.householderQ().adjoint());
+  const Index rest = q - p;
+  const bool says_something = p < k && rest > 0 &&
+                              qr.matrixR()
+                                      .bottomRightCorner(rest, k - p)
+                                      .triangularView<Eigen::Upper>()
+                                      .toDenseMatrix()
+                                      .cwiseAbs()
+                                      .maxCoeff() > kNothing * qr.maxPivot();
+  if (says_something) {
+    append(innovation, rows.D.bottomRows(rest), rows.residual.tail(rest));
+  } else {
+    innovation.noise.rows += rest;
+    innovation.noise.squared_norm += rows.residual.tail(rest).squaredNorm();
+  }
+  if (p == 0) {
+    return out;
+  }
+  MatrixXd U = MatrixXd::Zero(p, k);
+  U.triangularView<Eigen::Upper>() = qr.matrixR().topRows(p);
+  U *= qr.colsPermutation().transpose();
+  const Eigen::HouseholderQR<MatrixXd> right(U.transpose());  // U = L seenᵀ
+  const MatrixXd basis = right.householderQ();
+  out.seen = basis.leftCols(p);
+  out.unseen = basis.rightCols(k - p);
+  out.L = MatrixXd(right.matrixQR().topRows(p).triangularView<Eigen::Upper>()).transpose();
+  out.y = rows.residual.head(p);
+  out.G = innovation.D * (C * out.seen);
+  out.L.triangularView<Eigen::Lower>().solveInPlace<Eigen::OnTheRight>(out.G);
+  innovation.r.noalias() -= out.G * out.y;
+  innovation.S.selfadjointView<Eigen::Lower>().rankUpdate(out.G);
+  return out;
+}
+
+NullSpaceProjection::NullSpaceProjection(const Eigen::Ref<const MatrixXd>& A) {
+  const Index rank = A.cols();
+  V_ = A;
+  T_.setZero(rank, rank);
+  if (rank == 0) {
     return;
   }
-  const Eigen::HouseholderQR<MatrixXd> qr = factorise_strong(D(touched_, Eigen::all));
-  rank_ = std::min(qr.cols(), qr.rows());
-  if (rank_ == 0) {
-    return;
-  }
-  V_ = qr.matrixQR().leftCols(rank_);
+  const Eigen::HouseholderQR<MatrixXd> qr(A);
+  V_ = qr.matrixQR();
   V_.triangularView<Eigen::StrictlyUpper>().setZero();
   V_.diagonal().setOnes();
   // Compact WY: T(k,k) = tau_k, T(0:k,k) = -tau_k T(0:k,0:k) V(:,0:k)ᵀ V(:,k).
-  T_.setZero(rank_, rank_);
-  for (Index k = 0; k < rank_; ++k) {
+  for (Index k = 0; k < rank; ++k) {
     const double tau = qr.hCoeffs()(k);
     T_(k, k) = tau;
     if (k > 0) {
       T_.col(k).head(k) = T_.topLeftCorner(k, k) * (V_.leftCols(k).transpose() * V_.col(k)) * -tau;
     }
   }
-  order_tail(D.rows());
-}
-
-void NullSpaceProjection::order_tail(Index rows) {
-  tail_start_ = touched_[static_cast<std::size_t>(rank_ - 1)];
-  std::vector<bool> constrained(static_cast<std::size_t>(rows - tail_start_), false);
-  for (Index k = 0; k < rank_; ++k) {
-    constrained[static_cast<std::size_t>(touched_[static_cast<std::size_t>(k)] - tail_start_)] = true;
-  }
-  for (const bool wanted : {false, true}) {
-    for (std::size_t k = 0; k < constrained.size(); ++k) {
-      if (constrained[k] == wanted) {
-        tail_order_.push_back(static_cast<Index>(k));
-      }
-    }
-  }
 }
 
 void NullSpaceProjection::apply_left(Eigen::Ref<MatrixXd> x) const {
-  if (rank_ == 0) {
-    return;
+  if (rank() > 0) {
+    x.noalias() -= V_ * (T_.transpose() * (V_.transpose() * x)).eval();
   }
-  MatrixXd rows = x(touched_, Eigen::all);
-  rows.noalias() -= V_ * (T_.transpose() * (V_.transpose() * rows)).eval();
-  x(touched_, Eigen::all) = rows;
-  auto tail = x.bottomRows(x.rows() - tail_start_);
-  tail = tail(tail_order_, Eigen::all).eval();
 }
 
 void NullSpaceProjection::apply_right(Eigen::Ref<MatrixXd> x) const {
-  if (rank_ == 0) {
+  if (rank() == 0) {
     return;
   }
   const MatrixXd VT = V_ * T_;
-  MatrixXd cols, Y, tail;
+  MatrixXd Y;
   for (Index row = 0; row < x.rows(); row += kPanel) {
     auto panel = x.middleRows(row, std::min(kPanel, x.rows() - row));
-    gather_columns(panel, touched_, cols);
-    Y.noalias() = cols * VT;
-    cols.noalias() -= Y * V_.transpose();
-    for (std::size_t k = 0; k < touched_.size(); ++k) {
-      panel.col(touched_[k]) = cols.col(static_cast<Index>(k));
-    }
-    auto last = panel.rightCols(x.cols() - tail_start_);
-    gather_columns(last, tail_order_, tail);
-    last = tail;
+    Y.noalias() = panel * VT;
+    panel.noalias() -= Y * V_.transpose();
   }
-}
-
-void NullSpaceProjection::apply_both(Eigen::Ref<MatrixXd> S) const {
-  if (rank_ == 0) {
-    return;
-  }
-  const Index m = S.rows();
-  MatrixXd V = MatrixXd::Zero(m, rank_);
-  V(touched_, Eigen::all) = V_;
-  // Qᵀ S Q = S − V Yᵀ − Y Vᵀ with Y = A − ½ V Tᵀ Vᵀ A, A = S V T.
-  MatrixXd touched;
-  gather_columns(S, touched_, touched);
-  MatrixXd Y = touched * (V_ * T_).eval();
-  Y -= 0.5 * V * (T_.transpose() * (V.transpose() * Y)).eval();
-  MatrixXd left(m, 2 * rank_), right(m, 2 * rank_);
-  left << V, Y;
-  right << Y, V;
-  S.triangularView<Eigen::Lower>() -= left * right.transpose();
-
-  auto beside = S.bottomLeftCorner(m - tail_start_, tail_start_);
-  beside = beside(tail_order_, Eigen::all).eval();
-  auto corner = S.bottomRightCorner(m - tail_start_, m - tail_start_);
-  const MatrixXd full = corner.selfadjointView<Eigen::Lower>();
-  corner = full(tail_order_, tail_order_);
 }
 
 }  // namespace limber

@@ -73,7 +73,7 @@ class Judge {
       if (!report.accepted[g]) {
         continue;
       }
-      const auto [row, rows] = groups[g];
+      const Index row = groups[g].row, rows = groups[g].rows;
       const MatrixXd A = A_.middleRows(row, rows);
       const MatrixXd S = S_.block(row, row, rows, rows);
       const Distance d = mahalanobis(r_.segment(row, rows) - A * delta, S - A * Minv * A.transpose(), S);

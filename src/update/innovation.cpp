@@ -14,6 +14,25 @@ using Eigen::MatrixXd;
 
 namespace {
 
+/// Groups have to be a partition of the rows.
+void check_groups(const LinearMeasurement& z) {
+  Index next = 0;
+  for (const RowGroup& group : z.groups) {
+    if (group.row != next || group.rows <= 0) {
+      throw std::invalid_argument("measurement: expected a group that begins at row " + std::to_string(next) +
+                                  ", but one has " + std::to_string(group.rows) + " rows from " +
+                                  std::to_string(group.row));
+    }
+    next += group.rows;
+  }
+  if (next != z.rows()) {
+    throw std::invalid_argument("measurement: its groups end at row " + std::to_string(next) + " of " +
+                                std::to_string(z.rows()));
+  }
+}
+
+}  // namespace
+
 void check(const Covariance& P, const LinearMeasurement& z) {
   const Index m = z.rows();
   const auto shapes = [&] {
@@ -35,10 +54,24 @@ void check(const Covariance& P, const LinearMeasurement& z) {
                                   std::to_string(block.col) + ") is not finite");
     }
   }
-  if (!z.residual.allFinite() || !(z.sigma.array() > 0.0).all() || !z.sigma.allFinite() || !z.D.allFinite()) {
+  if (z.stateless.D.rows() != z.stateless.residual.size() ||
+      (z.stateless.D.rows() > 0 && z.stateless.D.cols() != z.D.cols())) {
+    throw std::invalid_argument("measurement: shapes of its stateless rows disagree: r has " +
+                                std::to_string(z.stateless.residual.size()) + " rows, D " +
+                                std::to_string(z.stateless.D.rows()) + "x" +
+                                std::to_string(z.stateless.D.cols()) + ", the others' has " +
+                                std::to_string(z.D.cols()) + " columns");
+  }
+  if (!z.residual.allFinite() || !(z.sigma.array() > 0.0).all() || !z.sigma.allFinite() || !z.D.allFinite() ||
+      !z.stateless.residual.allFinite() || !z.stateless.D.allFinite()) {
     throw std::invalid_argument("measurement: expected finite r and D and positive sigma");
   }
+  if (!z.groups.empty()) {
+    check_groups(z);
+  }
 }
+
+namespace {
 
 /// Blocks of H in the order of their columns, divided by the noise of their rows.
 std::vector<SparseJacobian::Block> whitened_by_column(const LinearMeasurement& z,
@@ -75,6 +108,7 @@ Innovation form_innovation(const Covariance& P, const LinearMeasurement& z) {
   const Index m = z.rows();
   const Eigen::VectorXd weight = z.sigma.cwiseInverse();
   Innovation out;
+  out.stateless = z.stateless;
   out.noise = z.noise;
   out.r = z.residual.cwiseProduct(weight);
   out.D = z.D.cols() > 0 ? MatrixXd(weight.asDiagonal() * z.D) : MatrixXd(m, 0);

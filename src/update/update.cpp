@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "limber/update/compress.hpp"
 #include "limber/update/constraint.hpp"
 
 namespace limber {
@@ -26,13 +27,6 @@ void check(const Innovation& innovation, const ParameterTreatment& treatment) {
   }
 }
 
-/// S += D Sigma_w Dᵀ.
-void add_white_covariance(Innovation& innovation, const ParameterTreatment& treatment) {
-  if (treatment.white_covariance.size() > 0) {
-    innovation.S.noalias() += innovation.D * (treatment.white_covariance * innovation.D.transpose()).eval();
-  }
-}
-
 /// Eigen calls a factor with NaN on its diagonal a success.
 template <typename Matrix>
 bool is_positive_definite(const Eigen::LLT<Matrix>& llt) {
@@ -46,63 +40,120 @@ UpdateReport untouched(UpdateStatus status, Index n) {
   return report;
 }
 
+/// With S = L Lᵀ: the rows of an innovation, whitened and turned such that the constrained ones come first.
+struct WhiteRows {
+  VectorXd y;             ///< m: Qᵀ L⁻¹ r
+  MatrixXd W;             ///< n×m: P Hᵀ L⁻ᵀ Q
+  Index constrained = 0;  ///< how many rows the constraint takes
+
+  [[nodiscard]] Index used() const { return y.size() - constrained; }
+};
+
+/// What the constraint leaves of the stateless rows and takes of the others: y = F beta + eps, eps ~ N(0, I).
+struct ConstrainedRows {
+  VectorXd y;
+  MatrixXd F;
+  MatrixXd W;  ///< covariance of the states' errors with eps; empty unless asked for
+};
+
+/// @param F_white  Qᵀ L⁻¹ D C of the constrained rows
+/// @param A        Qᵀ L⁻¹ G: m×p
+ConstrainedRows constrained_rows(const WhiteRows& rows, const StatelessSolution& stateless,
+                                 const Eigen::Ref<const MatrixXd>& F_white, const MatrixXd& A, bool with_W) {
+  const Index p = stateless.y.size(), q = rows.constrained;
+  const auto A_used = A.bottomRows(rows.used());
+  // The noise of the stateless rows is −G to the others: what those tell of it is taken out.
+  ConstrainedRows out{VectorXd(p + q), MatrixXd(p + q, F_white.cols()), MatrixXd(0, 0)};
+  out.y << stateless.y + A_used.transpose() * rows.y.tail(rows.used()), rows.y.head(q);
+  out.F << stateless.L * stateless.seen.transpose(), F_white;
+  MatrixXd Omega = MatrixXd::Identity(p + q, p + q);
+  Omega.topLeftCorner(p, p) -= A_used.transpose() * A_used;
+  Omega.bottomLeftCorner(q, p) = -A.topRows(q);
+  if (p + q == 0) {
+    return out;
+  }
+  const Eigen::LLT<MatrixXd> llt(Omega);
+  llt.matrixL().solveInPlace(out.y);
+  llt.matrixL().solveInPlace(out.F);
+  if (with_W) {
+    out.W.resize(rows.W.rows(), p + q);
+    out.W.leftCols(p).noalias() = rows.W.rightCols(rows.used()) * A_used;
+    out.W.rightCols(q) = rows.W.leftCols(q);
+    llt.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(out.W);
+  }
+  return out;
+}
+
 }  // namespace
 
 UpdateReport update(Covariance& P, const LinearMeasurement& measurement,
                     const ParameterTreatment& treatment) {
-  return update(P, form_innovation(P, measurement), treatment);
+  check(P, measurement);
+  return update(P, form_innovation(P, compressed(measurement)), treatment);
 }
 
 UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreatment& treatment) {
   check(innovation, treatment);
-  const Index m = innovation.r.size();
-  if (m == 0) {
+  if (innovation.r.size() == 0) {
     return untouched(UpdateStatus::kEmpty, P.size());
   }
-  add_white_covariance(innovation, treatment);
-
-  const bool watches = treatment.watched.cols() > 0;
-  MatrixXd DB = watches ? MatrixXd(innovation.D * treatment.watched) : MatrixXd(m, 0);
-  Index rank = 0;
-  if (treatment.constrained.cols() > 0) {
-    const NullSpaceProjection projection(innovation.D * treatment.constrained);
-    rank = projection.rank();
-    projection.apply_left(innovation.r);
-    projection.apply_left(DB);
-    projection.apply_right(innovation.PHt);
-    projection.apply_both(innovation.S);
+  if (treatment.white_covariance.size() > 0) {
+    absorb_white(innovation, treatment.white_covariance);
   }
-  const Index dof = m - rank;
-  if (dof == 0) {
+  const MatrixXd& C = treatment.constrained;
+  const StatelessSolution stateless = solve_stateless(innovation, C);
+  MatrixXd A = C.cols() > 0 ? strong_directions(innovation.D * (C * stateless.unseen))
+                            : MatrixXd(innovation.r.size(), 0);
+  if (A.cols() == innovation.r.size()) {
     return untouched(UpdateStatus::kEmpty, P.size());
   }
 
-  // The rows that the constraint takes away stand last: whoever watches them factorises them as well.
-  const Index rows = watches ? m : dof;
-  Eigen::Ref<MatrixXd> S = innovation.S.topLeftCorner(rows, rows);
+  Eigen::Ref<MatrixXd> S = innovation.S;
   const Eigen::LLT<Eigen::Ref<MatrixXd>> llt(S);  // in place
   if (!is_positive_definite(llt)) {
     return untouched(UpdateStatus::kSingularInnovation, P.size());
   }
-  // With S = L Lᵀ: W = P Hᵀ L⁻ᵀ, dx = W L⁻¹ r, P -= W Wᵀ.
-  const VectorXd y = llt.matrixL().solve(innovation.r.head(rows));
-  auto W = innovation.PHt.leftCols(rows);
-  llt.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(W);
+  WhiteRows rows{std::move(innovation.r), std::move(innovation.PHt), A.cols()};
+  llt.matrixL().solveInPlace(rows.y);
+  llt.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(rows.W);
+  llt.matrixL().solveInPlace(A);
+  const NullSpaceProjection projection(A);
+  projection.apply_left(rows.y);
+  projection.apply_right(rows.W);
+
+  const auto y_used = rows.y.tail(rows.used());
+  const auto W_used = rows.W.rightCols(rows.used());
   UpdateReport report;
   report.status = UpdateStatus::kUpdated;
-  report.dx.noalias() = W.leftCols(dof) * y.head(dof);
-  report.nis = y.head(dof).squaredNorm() + innovation.noise.squared_norm;
-  report.dof = dof + innovation.noise.rows;
-  report.rank = rank;
-  P.subtract_outer(W.leftCols(dof));
-  if (watches) {
-    llt.matrixL().solveInPlace(DB);
-    report.evidence = {DB.transpose() * DB, DB.transpose() * y};
+  report.dx.noalias() = W_used * y_used;
+  report.nis =
+      y_used.squaredNorm() + innovation.stateless.residual.squaredNorm() + innovation.noise.squared_norm;
+  report.dof = rows.used() + innovation.stateless.residual.size() + innovation.noise.rows;
+  report.rank = stateless.y.size() + rows.constrained;
+  P.subtract_outer(W_used);
+  if (treatment.watched.cols() == 0) {
+    return report;
   }
-  if (treatment.witness && rank > 0) {
+  if (C.cols() == 0) {
+    MatrixXd DB = innovation.D * treatment.watched;
+    llt.matrixL().solveInPlace(DB);
+    const MatrixXd EB = innovation.stateless.D * treatment.watched;
+    report.evidence = {DB.transpose() * DB + EB.transpose() * EB,
+                       DB.transpose() * rows.y + EB.transpose() * innovation.stateless.residual};
+    return report;
+  }
+  MatrixXd turned(rows.y.size(), C.cols());  // D C of what is unseen, and G
+  turned << innovation.D * (C * stateless.unseen), stateless.G;
+  llt.matrixL().solveInPlace(turned);
+  projection.apply_left(turned);
+  const Index p = stateless.y.size();
+  const ConstrainedRows lost = constrained_rows(
+      rows, stateless, turned.topLeftCorner(rows.constrained, C.cols() - p) * stateless.unseen.transpose(),
+      turned.rightCols(p), treatment.witness.has_value());
+  report.evidence = {lost.F.transpose() * lost.F, lost.F.transpose() * lost.y};
+  if (treatment.witness && report.rank > 0) {
     auto own = report.dx.segment<kWitnessSize>(treatment.witness->at);
-    own += learn(P, treatment.witness->at, treatment.witness->mean + own,
-                 {y.tail(rank), DB.bottomRows(rank), W.rightCols(rank)});
+    own += learn(P, treatment.witness->at, treatment.witness->mean + own, {lost.y, lost.F, lost.W});
   }
   return report;
 }
@@ -111,11 +162,16 @@ UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measuremen
                               const ParameterTreatment& treatment) {
   Innovation innovation = form_innovation(P, measurement);
   check(innovation, treatment);
+  if (measurement.stateless.residual.size() > 0) {
+    throw std::invalid_argument("update_gain_form: expected a measurement as it is, not a compressed one");
+  }
   const Index n = P.size();
   if (innovation.r.size() == 0) {
     return untouched(UpdateStatus::kEmpty, n);
   }
-  add_white_covariance(innovation, treatment);
+  if (treatment.white_covariance.size() > 0) {
+    innovation.S.noalias() += innovation.D * (treatment.white_covariance * innovation.D.transpose()).eval();
+  }
   const Eigen::LLT<MatrixXd> S(innovation.S);
   if (!is_positive_definite(S)) {
     return untouched(UpdateStatus::kSingularInnovation, n);

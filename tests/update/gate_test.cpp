@@ -92,7 +92,7 @@ GateReport obvious_gate(const StereoProblem& problem, const ParameterTreatment& 
       if (!report.accepted[g]) {
         continue;
       }
-      const auto [row, rows] = z.groups[kept++];
+      const auto [row, rows, own] = z.groups[kept++];
       Eigen::CompleteOrthogonalDecomposition<MatrixXd> block;
       block.setThreshold(1e-8);
       block.compute(B.block(row, row, rows, rows));
@@ -201,7 +201,7 @@ TEST(Gate, WithoutConstraintJudgesEachGroupByItsOwnBlock) {
   const GateReport report = gated(problem, {});
   const MatrixXd S = problem.H() * problem.P.dense() * problem.H().transpose() + problem.R();
   for (std::size_t g = 0; g < problem.z.groups.size(); ++g) {
-    const auto [row, rows] = problem.z.groups[g];
+    const auto [row, rows, own] = problem.z.groups[g];
     const VectorXd r = problem.z.residual.segment(row, rows);
     const double expected = r.dot(S.block(row, row, rows, rows).llt().solve(r));
     EXPECT_NEAR(report.distance[g], expected, 1e-9 * (1.0 + expected));

@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 
 #include "limber/update/constraint.hpp"
+#include "limber/update/update.hpp"
 #include "stereo_problem.hpp"
 
 namespace limber {
@@ -63,37 +64,22 @@ TEST(NullSpaceProjection, IsAnOrthogonalChangeOfRows) {
   Generator generator(1);
   for (const Case& c : cases(generator)) {
     const Index m = c.D.rows();
-    const MatrixXd Qt = whole(NullSpaceProjection(c.D), m);
+    const MatrixXd Qt = whole(NullSpaceProjection(strong_directions(c.D)), m);
     EXPECT_LE((Qt * Qt.transpose() - MatrixXd::Identity(m, m)).cwiseAbs().maxCoeff(), 1e-13) << c.name;
   }
 }
 
-TEST(NullSpaceProjection, FindsTheRankAndPutsAllOfDIntoAsManyLastRows) {
+TEST(NullSpaceProjection, PutsAllOfDIntoItsFirstRows) {
   Generator generator(2);
   for (const double size : {1.0, 1e3}) {
     for (const Case& c : cases(generator)) {
-      const NullSpaceProjection projection(size * c.D);
+      const NullSpaceProjection projection(strong_directions(size * c.D));
       EXPECT_EQ(projection.rank(), c.rank) << c.name << ", " << c.D.rows() << " rows";
       MatrixXd moved = size * c.D;
       projection.apply_left(moved);
-      const MatrixXd above = moved.topRows(moved.rows() - projection.rank());
-      if (above.size() > 0) {
-        EXPECT_LE(above.cwiseAbs().maxCoeff(), 1e-12 * size) << c.name << ", " << c.D.rows() << " rows";
-      }
-    }
-  }
-}
-
-TEST(NullSpaceProjection, NeverTouchesRowsOfZeros) {
-  Generator generator(3);
-  for (const Case& c : cases(generator)) {
-    const Index m = c.D.rows();
-    const MatrixXd Qt = whole(NullSpaceProjection(c.D), m);
-    for (Index row = 0; row < m; ++row) {
-      if (c.D.row(row).isZero(0.0)) {
-        // Such a row appears once in the result, unchanged.
-        EXPECT_EQ(Qt.col(row).cwiseAbs().sum(), 1.0) << c.name;
-        EXPECT_EQ(Qt.col(row).maxCoeff(), 1.0) << c.name;
+      const MatrixXd below = moved.bottomRows(moved.rows() - projection.rank());
+      if (below.size() > 0) {
+        EXPECT_LE(below.cwiseAbs().maxCoeff(), 1e-12 * size) << c.name << ", " << c.D.rows() << " rows";
       }
     }
   }
@@ -103,8 +89,8 @@ TEST(NullSpaceProjection, ActsOnColumnsAsOnRows) {
   Generator generator(4);
   for (const Case& c : cases(generator)) {
     const Index m = c.D.rows();
-    const NullSpaceProjection projection(c.D);
-    const MatrixXd X = random_matrix(generator, 5, m);
+    const NullSpaceProjection projection(strong_directions(c.D));
+    const MatrixXd X = random_matrix(generator, 150, m);
     MatrixXd right = X;
     projection.apply_right(right);
     MatrixXd left = X.transpose();
@@ -113,24 +99,7 @@ TEST(NullSpaceProjection, ActsOnColumnsAsOnRows) {
   }
 }
 
-TEST(NullSpaceProjection, ActsOnBothSidesOfASymmetricMatrixAtOnce) {
-  Generator generator(8);
-  for (const Case& c : cases(generator)) {
-    const Index m = c.D.rows();
-    const NullSpaceProjection projection(c.D);
-    const MatrixXd A = random_matrix(generator, m, m);
-    const MatrixXd S = A + A.transpose();
-    MatrixXd expected = S;
-    projection.apply_left(expected);
-    projection.apply_right(expected);
-    MatrixXd found = S;
-    projection.apply_both(found);
-    const MatrixXd lower = (found - expected).triangularView<Eigen::Lower>();
-    EXPECT_LE(lower.cwiseAbs().maxCoeff(), 1e-12) << c.name << ", " << m << " rows";
-  }
-}
-
-TEST(NullSpaceProjection, LeavesDirectionsAloneThatMoveNoPixelByAThousandthOfItsNoise) {
+TEST(StrongDirections, LeaveAloneWhatMovesNoPixelByAThousandthOfItsNoise) {
   Generator generator(5);
   const MatrixXd U =
       random_matrix(generator, 20, 2).householderQr().householderQ() * MatrixXd::Identity(20, 2);
@@ -138,26 +107,94 @@ TEST(NullSpaceProjection, LeavesDirectionsAloneThatMoveNoPixelByAThousandthOfIts
            {2.0 * kWeakDirection, 2}, {0.5 * kWeakDirection, 1}, {0.0, 1}}) {
     MatrixXd D = U;
     D.col(1) *= strength;
-    EXPECT_EQ(NullSpaceProjection(D).rank(), rank) << strength;
+    EXPECT_EQ(strong_directions(D).cols(), rank) << strength;
   }
   // Two weak parameters that push the same way can be strong together.
   const MatrixXd same = 0.8 * kWeakDirection * U.col(0) * Eigen::RowVector2d(1.0, 1.0);
-  EXPECT_EQ(NullSpaceProjection(same).rank(), 1);
+  EXPECT_EQ(strong_directions(same).cols(), 1);
 }
 
 TEST(NullSpaceProjection, SilencesWhatIsStrongInDegenerateStereoGeometry) {
   Generator generator(6);
   for (const testing::StereoProblem& problem : testing::degenerate_problems(generator)) {
     const MatrixXd D = problem.z.sigma.cwiseInverse().asDiagonal() * problem.z.D * problem.C;
-    const NullSpaceProjection projection(D);
+    const NullSpaceProjection projection(strong_directions(D));
     MatrixXd moved = D;
     projection.apply_left(moved);
-    const MatrixXd left_over = moved.topRows(D.rows() - projection.rank());
-    const MatrixXd strong = strong_directions(D);
-    EXPECT_EQ(strong.cols(), projection.rank()) << problem.name;
+    const MatrixXd left_over = moved.bottomRows(D.rows() - projection.rank());
     if (left_over.size() > 0) {
-      const double largest = left_over.jacobiSvd().singularValues()(0);
-      EXPECT_LE(largest, kWeakDirection) << problem.name;
+      EXPECT_LE(left_over.jacobiSvd().singularValues()(0), kWeakDirection) << problem.name;
+    }
+  }
+}
+
+/// Rows of random size and rank, some of them stateless; S is a random covariance.
+Innovation random_innovation(Generator& generator, Index rows, const MatrixXd& stateless_D) {
+  Innovation out;
+  out.r = testing::random_normal(generator, rows);
+  out.D = random_matrix(generator, rows, 6);
+  const MatrixXd A = random_matrix(generator, rows, rows);
+  out.S = A * A.transpose() + MatrixXd::Identity(rows, rows);
+  out.PHt = random_matrix(generator, 9, rows);
+  out.stateless = {testing::random_normal(generator, stateless_D.rows()), stateless_D};
+  return out;
+}
+
+/// The rows and the stateless ones below them, as one measurement.
+Innovation joined(const Innovation& parts) {
+  const Index m = parts.r.size(), q = parts.stateless.residual.size();
+  Innovation out;
+  out.r.resize(m + q);
+  out.r << parts.r, parts.stateless.residual;
+  out.D.resize(m + q, parts.D.cols());
+  out.D << parts.D, parts.stateless.D;
+  out.S = MatrixXd::Identity(m + q, m + q);
+  out.S.topLeftCorner(m, m) = parts.S;
+  out.PHt = MatrixXd::Zero(parts.PHt.rows(), m + q);
+  out.PHt.leftCols(m) = parts.PHt;
+  out.stateless.D.resize(0, parts.D.cols());
+  return out;
+}
+
+TEST(StatelessRows, SayWhatTheySayAmongTheOthers) {
+  Generator generator(9);
+  const MatrixXd C = testing::random_normal(generator, 6).cwiseAbs().asDiagonal();
+  const auto all_but_one = [&](Index rows) {
+    return MatrixXd(random_matrix(generator, rows, 5) * random_matrix(generator, 5, 6));
+  };
+  const MatrixXd weak =
+      Eigen::VectorXd::LinSpaced(5, 1.0, 1e-4).asDiagonal() * random_matrix(generator, 5, 6);
+  const MatrixXd root = random_matrix(generator, 6, 3);
+  for (const MatrixXd& E : {all_but_one(5), all_but_one(2), random_matrix(generator, 6, 6), weak,
+                            MatrixXd(0, 6), MatrixXd(MatrixXd::Zero(3, 6)), random_matrix(generator, 9, 6)}) {
+    for (const ParameterTreatment& how :
+         std::vector<ParameterTreatment>{{{}, {}, C, {}},
+                                         {C, {}, C, {}},
+                                         {C.leftCols<3>(), {}, C.leftCols<3>(), {}},
+                                         {{}, root * root.transpose(), C, {}},
+                                         {{}, 1e4 * MatrixXd::Identity(6, 6), C, {}},
+                                         {C.rightCols<2>(), root * root.transpose(), C.rightCols<2>(), {}}}) {
+      const Innovation parts = random_innovation(generator, 14, E);
+      MatrixXd start = MatrixXd::Identity(9, 9);
+      start += 40.0 * parts.PHt * parts.PHt.transpose();
+      Covariance P_parts, P_joined;
+      P_parts.assign(start);
+      P_joined.assign(start);
+      const UpdateReport found = update(P_parts, Innovation(parts), how);
+      const UpdateReport expected = update(P_joined, joined(parts), how);
+      const std::string name = std::to_string(E.rows()) + " rows, " + std::to_string(how.constrained.cols()) +
+                               " constrained, " + std::to_string(how.white_covariance.size()) + " white";
+      ASSERT_EQ(found.status, UpdateStatus::kUpdated) << name;
+      EXPECT_LE((found.dx - expected.dx).norm(), 1e-9 * expected.dx.norm()) << name;
+      EXPECT_LE((P_parts.dense() - P_joined.dense()).norm(), 1e-9 * P_joined.dense().norm()) << name;
+      EXPECT_EQ(found.rank, expected.rank) << name;
+      EXPECT_EQ(found.dof, expected.dof) << name;
+      EXPECT_NEAR(found.nis, expected.nis, 1e-9 * expected.nis) << name;
+      const MatrixXd& information = expected.evidence.information;
+      EXPECT_LE((found.evidence.information - information).norm(), 1e-7 * information.norm()) << name;
+      EXPECT_LE((found.evidence.vector - expected.evidence.vector).norm(),
+                1e-7 * expected.evidence.vector.norm())
+          << name;
     }
   }
 }

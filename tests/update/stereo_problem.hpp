@@ -108,7 +108,7 @@ inline StereoProblem make_problem(Generator& generator, std::string name,
         row += 2;
       }
     }
-    out.z.groups.push_back({first, row - first});
+    out.z.groups.push_back({first, row - first, landmark.at});
   }
   out.P.append(n);
   out.P.set_diagonal_block(0, random_covariance(generator, sigma));

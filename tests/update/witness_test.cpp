@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
-#include "limber/update/compress.hpp"
 #include "limber/update/update.hpp"
 #include "stereo_problem.hpp"
 
@@ -78,8 +77,9 @@ TEST(Witness, IsTheOptimalGainBesideTheConstrainedOne) {
       const WitnessProblem problem = make_problem(generator, points);
       const Joint expected = joseph(problem);
       Covariance P = problem.stereo.P;
-      const LinearMeasurement z = compress ? compressed(problem.stereo.z) : problem.stereo.z;
-      const UpdateReport report = update(P, z, treatment(problem));
+      const UpdateReport report = compress
+                                      ? update(P, problem.stereo.z, treatment(problem))
+                                      : update(P, form_innovation(P, problem.stereo.z), treatment(problem));
       const VectorXd sigma = testing::prior_sigma(problem.stereo.P);
       ASSERT_EQ(report.status, UpdateStatus::kUpdated);
       EXPECT_LE(relative_difference(report.dx, expected.dx, sigma), 1e-8) << points;
@@ -122,7 +122,7 @@ TEST(ParameterEvidence, IsThatOfTheInnovation) {
       how.constrained = problem.C;
     }
     Covariance P = problem.P;
-    const ParameterEvidence evidence = update(P, compressed(problem.z), how).evidence;
+    const ParameterEvidence evidence = update(P, problem.z, how).evidence;
     EXPECT_LE((evidence.information - information).norm(), 1e-8 * information.norm());
     EXPECT_LE((evidence.vector - vector).norm(), 1e-8 * vector.norm());
     const EvidenceStatistic s = statistic(evidence, 1e-12);

@@ -26,6 +26,14 @@ struct SparseJacobian {
 struct RowGroup {
   Eigen::Index row = 0;
   Eigen::Index rows = 0;  ///< even
+  Eigen::Index own = -1;  ///< first column of the point's triplet; -1: they see no point of their own
+};
+
+/// @brief Whitened rows that no state moves: r = D dtheta + noise, noise ~ N(0, I). The epipolar constraints
+/// of a stereo frame.
+struct StatelessRows {
+  Eigen::VectorXd residual;  ///< q
+  Eigen::MatrixXd D;         ///< q×c
 };
 
 /// Rows that were taken out of a measurement because they are noise alone: they move nothing, but they count
@@ -42,6 +50,7 @@ struct LinearMeasurement {
   SparseJacobian H;          ///< m×n
   Eigen::MatrixXd D;         ///< m×c: Jacobian with respect to the parameters that may be wrong; c = 0: none
   std::vector<RowGroup> groups;  ///< partition of the rows, in order; none after compression
+  StatelessRows stateless;       ///< what compression set apart
   NoiseRows noise;               ///< what compression took out
 
   [[nodiscard]] Eigen::Index rows() const { return residual.size(); }

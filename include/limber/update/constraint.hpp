@@ -2,48 +2,58 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
+
+#include "limber/update/innovation.hpp"
 
 namespace limber {
 
 /// Directions of D whose scaled, whitened singular value is below this move no pixel: they are left alone.
 inline constexpr double kWeakDirection = 1e-3;
 
-/// @brief Basis of the column space of D without its weak directions: D times the right singular vectors
-/// whose singular value is at least kWeakDirection. D: m×c, whitened and scaled; result m×rank, full column
-/// rank.
+/// @brief Basis of the column space of D without its weak directions: D itself where no direction is weak,
+/// else D times the right singular vectors whose singular value is at least kWeakDirection.
+/// D: m×c, whitened and scaled; result m×rank, full column rank.
 [[nodiscard]] Eigen::MatrixXd strong_directions(const Eigen::Ref<const Eigen::MatrixXd>& D);
 
-/// @brief An orthogonal change of the rows of a measurement, Q = H_1 ... H_c (Householder), such that Qᵀ D C
-/// has non-zeros only in its first rank rows of the rows it touches. Those are ordered last; what stands
-/// before them is Nᵀ times the measurement, N a basis of the left null space of D C.
+/// @brief Takes a time-white dtheta ~ N(0, Sigma) out of an innovation: the stateless rows say what they can
+/// of it, S holds what is left.
+/// @param[in,out] innovation  afterwards S includes dtheta, and the rows are independent as before
+/// @param         Sigma       c×c, positive semidefinite
+void absorb_white(Innovation& innovation, const Eigen::Ref<const Eigen::MatrixXd>& Sigma);
+
+/// What the stateless rows say of parameters of which nothing else is known: dtheta = C beta.
+struct StatelessSolution {
+  Eigen::MatrixXd seen;    ///< k×p, orthonormal: directions of beta that they see
+  Eigen::MatrixXd unseen;  ///< k×(k−p), orthonormal: all others
+  Eigen::MatrixXd L;       ///< p×p, lower triangular: y = L (seenᵀ beta) + noise of unit covariance
+  Eigen::VectorXd y;       ///< p
+  Eigen::MatrixXd G;       ///< m×p: what that noise, times −1, is to the rows of the innovation
+};
+
+/// @brief Puts what the stateless rows say of beta into the other rows: afterwards no seen direction moves
+/// them, r −= G y and S += G Gᵀ. Stateless rows that say nothing become noise rows.
+/// @param C  c×k, scaled to one plausible error a column
+[[nodiscard]] StatelessSolution solve_stateless(Innovation& innovation,
+                                                const Eigen::Ref<const Eigen::MatrixXd>& C);
+
+/// @brief An orthogonal change of rows, Q = H_1 ... H_k (Householder), such that Qᵀ A has non-zeros only in
+/// its first k rows. What stands below them is Nᵀ times the measurement, N a basis of the left null space.
 class NullSpaceProjection {
  public:
-  /// @param D  m×c, whitened (unit noise) and scaled so that a column of one means one plausible error;
-  ///           any rank. Rows of zeros are never touched.
-  explicit NullSpaceProjection(const Eigen::Ref<const Eigen::MatrixXd>& D);
+  /// @param A  m×k of full column rank
+  explicit NullSpaceProjection(const Eigen::Ref<const Eigen::MatrixXd>& A);
 
-  [[nodiscard]] Eigen::Index rank() const { return rank_; }
+  [[nodiscard]] Eigen::Index rank() const { return V_.cols(); }
 
-  /// x := Π Qᵀ x for each column: the m − rank rows of Nᵀ x first, then the rank constrained ones.
+  /// x := Qᵀ x for each column: the rank constrained rows first, then the m − rank rows of Nᵀ x.
   void apply_left(Eigen::Ref<Eigen::MatrixXd> x) const;
 
-  /// X := X Q Πᵀ for each row of X.
+  /// X := X Q for each row of X.
   void apply_right(Eigen::Ref<Eigen::MatrixXd> x) const;
 
-  /// S := Π Qᵀ S Q Πᵀ for symmetric S, both triangles given; afterwards only the lower one is valid.
-  void apply_both(Eigen::Ref<Eigen::MatrixXd> S) const;
-
  private:
-  void order_tail(Eigen::Index rows);
-
-  Eigen::Index rank_ = 0;
-  std::vector<Eigen::Index> touched_;  // rows where D is not zero, last first
-  Eigen::MatrixXd V_;                  // |touched| × rank, Householder vectors, Q = I − V T Vᵀ
-  Eigen::MatrixXd T_;                  // rank × rank, upper triangular (compact WY form)
-  Eigen::Index tail_start_ = 0;        // Π leaves the rows before this one where they are
-  std::vector<Eigen::Index>
-      tail_order_;  // row tail_start_ + i of the result is row tail_start_ + tail_order_[i]
+  Eigen::MatrixXd V_;  // m×k, Householder vectors, Q = I − V T Vᵀ
+  Eigen::MatrixXd T_;  // k×k, upper triangular (compact WY form)
 };
 
 }  // namespace limber

@@ -25,12 +25,12 @@ struct ParameterTreatment {
   /// baseline); k = 0: no constraint. Any rank.
   Eigen::MatrixXd constrained;
   /// Sigma_w: c×c, covariance of dtheta, fresh in every measurement (time-white). Empty: none.
-  Eigen::MatrixXd white_covariance;
+  Eigen::MatrixXd white_covariance{};
   /// B: c×k, what is watched: dtheta = B beta; the report then holds the evidence about beta. Columns are
-  /// scaled like C; with a constraint it has to be C itself. k = 0: nothing.
-  Eigen::MatrixXd watched;
+  /// scaled like C; with a constraint it is C itself. k = 0: nothing.
+  Eigen::MatrixXd watched{};
   /// A state that learns beta from the rows which the constraint takes from all others; needs `watched`.
-  std::optional<Witness> witness;
+  std::optional<Witness> witness{};
 };
 
 /// Outcome of an update.
@@ -46,7 +46,9 @@ struct UpdateReport {
 /// @brief EKF update with the least-variance gain among those that obey L D C = 0 (null-space form).
 ///
 /// With N a basis of the left null space of D C it is the ordinary EKF on Nᵀr, NᵀH, NᵀRN: m − rank(D C) rows,
-/// P stays symmetric positive definite. No constraint and no white covariance: the plain EKF.
+/// P stays symmetric positive definite. No constraint and no white covariance: the plain EKF. Rows that say
+/// nothing are taken out first (`compressed`), and what no state moves (the epipolar constraints) is solved
+/// for theta before the rest is projected.
 /// @param[in,out] P           n×n
 /// @param[in]     measurement r: m; H: m×n; sigma: m; D: m×c
 /// @throws std::invalid_argument if shapes disagree; the message gives them
@@ -55,7 +57,7 @@ struct UpdateReport {
 [[nodiscard]] UpdateReport update(Covariance& P, const LinearMeasurement& measurement,
                                   const ParameterTreatment& treatment);
 
-/// The same, from an innovation that was already formed; consumes it.
+/// The same, from an innovation that was already formed; consumes it. Row for row, as it comes.
 [[nodiscard]] UpdateReport update(Covariance& P, Innovation&& innovation,
                                   const ParameterTreatment& treatment);
 
