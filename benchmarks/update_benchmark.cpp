@@ -5,10 +5,15 @@
 
 #include <Eigen/Core>
 #include <chrono>
+#include <cmath>
 #include <random>
 
 #include "limber/core/covariance.hpp"
 #include "limber/core/linear_measurement.hpp"
+#include "limber/measure/point_rows.hpp"
+#include "limber/measure/rig.hpp"
+#include "limber/measure/stereo_model.hpp"
+#include "limber/method.hpp"
 #include "limber/update/update.hpp"
 
 namespace {
@@ -17,12 +22,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Clock = std::chrono::steady_clock;
 
-constexpr Index kParameters = 6;
 constexpr Index kRowsPerPoint = 4;
 constexpr Index kBody = 15;  // with IMU; a witness or the map follows
 
 class Draws {
  public:
+  double uniform() { return uniform_(generator_); }
+
   MatrixXd matrix(Index rows, Index cols, double sigma) {
     return MatrixXd::NullaryExpr(rows, cols, [&] { return sigma * normal_(generator_); });
   }
@@ -30,6 +36,7 @@ class Draws {
  private:
   std::mt19937_64 generator_{7};
   std::normal_distribution<double> normal_;
+  std::uniform_real_distribution<double> uniform_;
 };
 
 /// A map of n states whose errors share those of the body, as in SLAM: rank-12 common part and own noise.
@@ -43,26 +50,35 @@ limber::Covariance make_covariance(Index n, Draws& draws) {
   return P;
 }
 
-/// `points` stereo points: 4 rows each, H with blocks for position, attitude and the landmark, D on the right
-/// rows. Landmarks are spread over the whole map; a map smaller than the frame is seen more than once.
+/// The paper's rig, without distortion.
+limber::MountedRig make_rig() {
+  limber::StereoCalibration calibration;
+  calibration.cam0 = calibration.cam1 = {300.0, 300.0, 240.0, 320.0, 480, 640, limber::NoDistortion{}};
+  calibration.theta << 0.01, -0.02, 0.005, -2.0, 0.02, -0.04;
+  return limber::mount(calibration);
+}
+
+/// `points` Cartesian points that both cameras see, 3 to 60 m away. Landmarks are spread over the whole map;
+/// a map smaller than the frame is seen more than once.
 limber::LinearMeasurement make_frame(Index n, Index points, Draws& draws, Index map_begin = kBody) {
-  const Index m = kRowsPerPoint * points;
-  limber::LinearMeasurement z;
-  z.residual = draws.matrix(m, 1, 1.0);
-  z.sigma = Eigen::VectorXd::Constant(m, 0.5);
-  z.D = MatrixXd::Zero(m, kParameters);
+  const limber::MountedRig rig = make_rig();
+  const limber::StateLayout layout{limber::MotionModel::kImu, false};
   const Index landmarks = (n - map_begin) / limber::kTriplet;
+  limber::LinearMeasurement z = limber::empty_measurement(kRowsPerPoint * points);
   for (Index point = 0; point < points; ++point) {
-    const Index landmark =
+    limber::Landmark landmark;
+    landmark.kind = limber::LandmarkKind::kCartesian;
+    landmark.at =
         map_begin + limber::kTriplet * (landmarks >= points ? point * landmarks / points : point % landmarks);
-    for (Index camera = 0; camera < 2; ++camera) {
-      const Index row = kRowsPerPoint * point + 2 * camera;
-      for (const Index col : {Index{0}, Index{3}, landmark}) {
-        z.H.blocks.push_back({row, col, draws.matrix(2, limber::kTriplet, 30.0)});
-      }
+    const double depth = 3.0 * std::pow(20.0, draws.uniform());
+    landmark.value = depth * Eigen::Vector3d(draws.uniform() - 0.5, draws.uniform() - 0.5, 1.0);
+    const limber::BodyPoint body = limber::body_point(limber::Pose{}, landmark, nullptr);
+    for (const Index camera : {0, 1}) {
+      const auto projection = limber::project_point(rig[static_cast<std::size_t>(camera)], body).value();
+      limber::write_point_rows(z, kRowsPerPoint * point + 2 * camera, projection.uv + draws.matrix(2, 1, 0.5),
+                               {0.5, 0.5}, projection, landmark, nullptr, layout);
     }
-    z.D.middleRows<2>(kRowsPerPoint * point + 2) = draws.matrix(2, kParameters, 10.0);
-    z.groups.push_back({kRowsPerPoint * point, kRowsPerPoint});
+    z.groups.push_back({kRowsPerPoint * point, kRowsPerPoint, landmark.at});
   }
   return z;
 }
@@ -76,6 +92,9 @@ double time_update(const limber::Covariance& prior, const limber::LinearMeasurem
   benchmark::DoNotOptimize(report.dx.data());
   return std::chrono::duration<double>(end - begin).count();
 }
+
+/// All six parameters, scaled to one plausible error each.
+MatrixXd scaled_axes() { return limber::plausible_error(2.0).asDiagonal(); }
 
 /// One way to update, with the covariance that it needs.
 struct Contestant {
@@ -113,15 +132,14 @@ void race(benchmark::State& state, const Contestant& base, const Contestant& riv
 void lcekf_beside_ekf(benchmark::State& state) {
   const Contestant ekf = contestant(state);
   Contestant lcekf = ekf;
-  lcekf.treatment.constrained = MatrixXd::Identity(kParameters, kParameters);
+  lcekf.treatment.constrained = scaled_axes();
   race(state, ekf, lcekf);
 }
 
 /// What the health monitor adds to an update of lcekf: evidence and a witness, six states more.
 void watched_beside_lcekf(benchmark::State& state) {
   Contestant lcekf = contestant(state), watched = contestant(state, limber::kWitnessSize);
-  lcekf.treatment.constrained = watched.treatment.constrained = watched.treatment.watched =
-      MatrixXd::Identity(kParameters, kParameters);
+  lcekf.treatment.constrained = watched.treatment.constrained = watched.treatment.watched = scaled_axes();
   watched.treatment.witness = limber::Witness{kBody, Eigen::VectorXd::Zero(limber::kWitnessSize)};
   race(state, lcekf, watched);
 }
@@ -130,7 +148,7 @@ void watched_beside_lcekf(benchmark::State& state) {
 void watched_beside_ekf(benchmark::State& state) {
   const Contestant ekf = contestant(state);
   Contestant watched = ekf;
-  watched.treatment.watched = MatrixXd::Identity(kParameters, kParameters);
+  watched.treatment.watched = scaled_axes();
   race(state, ekf, watched);
 }
 
