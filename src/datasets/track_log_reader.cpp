@@ -7,6 +7,7 @@
 #include "formats.hpp"
 #include "limber/core/errors.hpp"
 #include "sensor_yaml.hpp"
+#include "stale_tracks.hpp"
 #include "text_file.hpp"
 
 namespace limber::detail {
@@ -108,6 +109,12 @@ Recording read_track_log(const fs::path& mav0) {
   }
   table.require_a_row("frame");
   recording.frames = std::move(collector).frames();
+  if (const std::size_t stale = cut_stale_tracks(recording.frames); stale > 0) {
+    recording.notes.push_back(fmt::format(
+        "in {} of {} frames the old points stand on the pixels of the frame before, to the last digit: "
+        "they are taken for new points from there on",
+        stale, recording.frames.size()));
+  }
   note_if_cut_off(path, recording.notes);
   read_pixel_noise(mav0 / "tracks0" / "sensor.yaml", recording);
   if (fs::exists(mav0 / "cam0" / "data.csv")) {
