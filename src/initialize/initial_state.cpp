@@ -28,7 +28,7 @@ constexpr double kStillRate = 0.02;   // [rad/s]
 constexpr double kStillAccel = 0.15;  // [m/s^2]
 
 // Uncertainty of what the window gives.
-constexpr double kVelocityShare = 0.3;    // of the speed: what a wrong calibration does to stereo motion
+constexpr double kVelocityShare = 0.1;    // of the speed: two plausible errors of the baseline's length
 constexpr double kVelocityFloor = 0.05;   // [m/s]
 constexpr double kVelocityUnknown = 2.0;  // [m/s], no stereo motion at all
 constexpr double kStillVelocity = 0.02;   // [m/s]
