@@ -20,8 +20,6 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr double kWitnessSigma = 10.0;  // plausible errors: 1 deg, 50 % of the baseline
-
 constexpr double kTrustedSigma = 1e-3;  // plausible errors: theta of adaptive, as long as it trusts the rig
 /// Variance that theta gains per second of walk, in variances of what is fresh in every frame: what shakes
 /// may also shift, by as much from one frame to the next at 20 Hz.
@@ -77,7 +75,7 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
   Estimate out(StateLayout{options.motion, has_theta(options.method), has_witness(options)}, initial.nav,
                initial.body_covariance, calibration.theta, sigma.cwiseAbs2().asDiagonal());
   if (has_witness(options)) {
-    out.restart_witness(kWitnessSigma);
+    out.restart_witness(kWidestErrors);
   }
   return out;
 }
@@ -265,6 +263,18 @@ ParameterTreatment Navigator::treatment() const {
   return out;
 }
 
+/// What may be wrong with the rig where a frame is linearised: F of operating_point.
+MatrixXd Navigator::doubted() const {
+  switch (options_.method) {
+    case Method::kLcekf:
+      return kWidestErrors * constraint_directions(options_.constraints, estimate_.theta);
+    case Method::kSoft:
+      return theta_sigma(options_, calibration_).asDiagonal();
+    default:
+      return (kWidestErrors * scale_).asDiagonal();
+  }
+}
+
 /// What the witness has gathered against the assumed rig; nothing without one.
 std::optional<ParameterEvidence> Navigator::gathered(const ParameterTreatment& how) const {
   if (!how.witness) {
@@ -274,7 +284,7 @@ std::optional<ParameterEvidence> Navigator::gathered(const ParameterTreatment& h
   const MatrixXd P = estimate_.P.diagonal_block<kWitnessSize>(how.witness->at);
   const MatrixXd information = P.llt().solve(MatrixXd::Identity(kWitnessSize, kWitnessSize));
   ParameterEvidence out{information.topLeftCorner(k, k), (information * estimate_.witness).head(k)};
-  out.information.diagonal().array() -= 1.0 / (kWitnessSigma * kWitnessSigma);
+  out.information.diagonal().array() -= 1.0 / (kWidestErrors * kWidestErrors);
   return out;
 }
 
@@ -284,7 +294,7 @@ void Navigator::learn_from(const ParameterTreatment& how, const UpdateReport& up
                     gathered(how), update.nis,  static_cast<double>(update.dof)};
   if (!how.witness && !update.evidence.empty()) {
     // Of a filter that trusts theta, NIS also counts what theta would explain.
-    const EvidenceStatistic explained = statistic(update.evidence, 1.0 / (kWitnessSigma * kWitnessSigma));
+    const EvidenceStatistic explained = statistic(update.evidence, 1.0 / (kWidestErrors * kWidestErrors));
     input.nis -= explained.value;
     input.dof -= static_cast<double>(explained.dof);
   }
@@ -298,7 +308,7 @@ void Navigator::learn_from(const ParameterTreatment& how, const UpdateReport& up
   }
   report.health = monitor_->judge(input);
   if (how.witness && monitor_->restarts()) {
-    estimate_.restart_witness(kWitnessSigma);
+    estimate_.restart_witness(kWidestErrors);
   }
 }
 
@@ -411,7 +421,7 @@ FrameReport Navigator::process(const StereoFrame& raw) {
   RigParameters shift = RigParameters::Zero();
   if (bear_before) {
     StereoCalibration here = calibration_;
-    here.theta = operating_point(estimate_, frame, calibration_, options_.sigma_px);
+    here.theta = operating_point(estimate_, frame, calibration_, options_.sigma_px, doubted());
     shift = here.theta - calibration_.theta;
     rig_ = mount(here);
   }

@@ -52,6 +52,10 @@ struct ConstraintSet {
 /// One plausible error of each parameter: 0.1 deg, and 5 % of the baseline [rad, m].
 [[nodiscard]] RigParameters plausible_error(double baseline);
 
+/// Plausible errors that a rig may be off by where nothing is known of it, one standard deviation: 1 deg,
+/// 50 % of the baseline.
+inline constexpr double kWidestErrors = 10.0;
+
 /// A covariance of theta without its share along the baseline: the length is known for certain.
 [[nodiscard]] Eigen::Matrix<double, 6, 6> without_length(const Eigen::Matrix<double, 6, 6>& covariance,
                                                          const RigParameters& theta);

@@ -128,6 +128,7 @@ class Navigator {
                    FrameReport& report);
   void book(const StackedFrame& stacked, const std::vector<bool>& accepted, const Newborn& newborn,
             FrameReport& report);
+  [[nodiscard]] Eigen::MatrixXd doubted() const;
   [[nodiscard]] ParameterTreatment treatment() const;
   [[nodiscard]] BirthMode birth_mode() const;
   void walk_theta(double dt);

@@ -21,10 +21,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// What delta may be at most [plausible errors, one standard deviation]: 1 deg, 50 % of the baseline.
-constexpr double kWidest = 10.0;
 /// A direction known worse than that says nothing.
-constexpr double kWeakest = 1.0 / (kWidest * kWidest);
+constexpr double kWeakest = 1.0 / (kWidestErrors * kWidestErrors);
 /// The noise of the other rows is believed as if one had seen this many of them with the stated noise.
 constexpr double kNoisePrior = 500.0;
 /// An axis is named where it is that many standard deviations off, in the frame of the alarm ...
@@ -131,7 +129,7 @@ double HealthMonitor::p_value(const ParameterEvidence& evidence, double dispersi
 
 HealthMonitor::Offset HealthMonitor::offset(const ParameterEvidence& evidence, const MatrixXd& directions,
                                             double dispersion) const {
-  Offset out{RigParameters::Zero(), kWidest * scale_};
+  Offset out{RigParameters::Zero(), kWidestErrors * scale_};
   if (evidence.empty()) {
     return out;
   }
@@ -144,7 +142,7 @@ HealthMonitor::Offset HealthMonitor::offset(const ParameterEvidence& evidence, c
   // What no direction touches (the length of the baseline, say) stays unknown.
   const MatrixXd B = scale_.cwiseInverse().asDiagonal() * directions;
   const MatrixXd unseen = MatrixXd::Identity(6, 6) - B * B.completeOrthogonalDecomposition().pseudoInverse();
-  out.sigma += kWidest * scale_.cwiseProduct(unseen.rowwise().norm());
+  out.sigma += kWidestErrors * scale_.cwiseProduct(unseen.rowwise().norm());
   return out;
 }
 

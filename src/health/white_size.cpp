@@ -4,6 +4,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "limber/method.hpp"
+
 namespace limber {
 
 using Eigen::MatrixXd;
@@ -13,7 +15,6 @@ namespace {
 constexpr double kMemory = 10.0;      // [s]
 constexpr double kFirstFrames = 4.0;  // what the start is worth
 constexpr double kConfidence = 2.0;   // standard deviations of the size squared
-constexpr double kWidest = 10.0;      // plausible errors, one standard deviation of beta before any evidence
 
 }  // namespace
 
@@ -25,7 +26,7 @@ void WhiteSize::begin(const Vector6& sigma) {
 
 void WhiteSize::learn(const ParameterEvidence& evidence, double dt) {
   MatrixXd A = evidence.information;
-  A.diagonal().array() += 1.0 / (kWidest * kWidest);
+  A.diagonal().array() += 1.0 / (kWidestErrors * kWidestErrors);
   const MatrixXd C = A.llt().solve(MatrixXd::Identity(6, 6));
   const Vector6 beta = C * evidence.vector;
   const Vector6 c = C.diagonal();

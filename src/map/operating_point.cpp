@@ -9,19 +9,19 @@
 
 #include "limber/measure/rig.hpp"
 #include "limber/measure/stereo_model.hpp"
-#include "limber/method.hpp"
 
 namespace limber {
 
 using Eigen::Matrix2d;
+using Eigen::MatrixXd;
 using Eigen::Vector2d;
+using Eigen::VectorXd;
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
-using Matrix66 = Eigen::Matrix<double, 6, 6>;
+using Matrix2X = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 6>;
 
 namespace {
 
-constexpr double kPriorErrors = 10.0;  // plausible errors, one standard deviation
-constexpr double kHuber = 2.5;         // standard deviations
+constexpr double kHuber = 2.5;  // standard deviations
 constexpr int kReweightings = 3;
 
 /// Right pixel of a known landmark: residual, Jacobian of theta, and the inverse of the residual's
@@ -74,24 +74,25 @@ std::vector<Clue> collect(const Estimate& estimate, const StereoFrame& frame, co
 }  // namespace
 
 RigParameters operating_point(const Estimate& estimate, const StereoFrame& frame,
-                              const StereoCalibration& calibration, const PixelNoise& sigma_px) {
+                              const StereoCalibration& calibration, const PixelNoise& sigma_px,
+                              const Eigen::Ref<const MatrixXd>& F) {
   const std::vector<Clue> clues = collect(estimate, frame, mount(calibration)[1], sigma_px);
-  const RigParameters prior = kPriorErrors * plausible_error(calibration.baseline());
-  RigParameters delta = RigParameters::Zero();
+  VectorXd beta = VectorXd::Zero(F.cols());  // dtheta = F beta, beta ~ N(0, I)
   for (int i = 0; i < kReweightings; ++i) {
-    Matrix66 A = prior.cwiseAbs2().cwiseInverse().asDiagonal();
-    RigParameters b = RigParameters::Zero();
+    MatrixXd A = MatrixXd::Identity(F.cols(), F.cols());
+    VectorXd b = VectorXd::Zero(F.cols());
     for (const Clue& clue : clues) {
-      const Vector2d e = clue.r - clue.D * delta;
+      const Matrix2X DF = clue.D * F;
+      const Vector2d e = clue.r - DF * beta;
       const double distance = std::sqrt(e.dot(clue.information * e));
-      // The first pass has no idea of delta and takes everything.
+      // The first pass has no idea of theta and takes everything.
       const double weight = i == 0 || distance <= kHuber ? 1.0 : kHuber / distance;
-      A += weight * clue.D.transpose() * clue.information * clue.D;
-      b += weight * clue.D.transpose() * (clue.information * clue.r);
+      A += weight * DF.transpose() * clue.information * DF;
+      b += weight * DF.transpose() * (clue.information * clue.r);
     }
-    delta = A.ldlt().solve(b);
+    beta = A.ldlt().solve(b);
   }
-  return calibration.theta + delta;
+  return calibration.theta + F * beta;
 }
 
 }  // namespace limber

@@ -57,7 +57,11 @@ Setting make(Generator& generator, const RigParameters& theta_true, double near,
   return out;
 }
 
-RigParameters found(const Setting& s) { return operating_point(s.estimate, s.frame, calibration(), kSigma); }
+MatrixXd all_doubted() { return (kWidestErrors * plausible_error(0.3)).asDiagonal(); }
+
+RigParameters found(const Setting& s) {
+  return operating_point(s.estimate, s.frame, calibration(), kSigma, all_doubted());
+}
 
 /// In units of one plausible error.
 double distance(const RigParameters& a, const RigParameters& b) {
@@ -113,6 +117,22 @@ TEST(OperatingPoint, FarPointsDoNotMoveTheTranslation) {
   }
   const RigParameters theta = found(s);
   EXPECT_LE((theta - calibration().theta).tail<3>().norm(), 1e-3 * calibration().baseline());
+}
+
+TEST(OperatingPoint, LeavesWhatIsTrustedAsItIs) {
+  Generator generator(9);
+  const Setting s = make(generator, calibration().theta + wrong(), 3.0, 20.0);
+  const StereoCalibration rig = calibration();
+  const MatrixXd rotation =
+      kWidestErrors * constraint_directions({ConstraintSet::Kind::kRotation, {}}, rig.theta);
+  const RigParameters theta = operating_point(s.estimate, s.frame, rig, kSigma, rotation);
+  EXPECT_EQ(theta.tail<3>(), rig.theta.tail<3>());
+  EXPECT_GE((theta - rig.theta).head<3>().norm(), 1e-3);
+  const MatrixXd direction =
+      kWidestErrors * constraint_directions({ConstraintSet::Kind::kRotationDirection, {}}, rig.theta);
+  const RigParameters moved = operating_point(s.estimate, s.frame, rig, kSigma, direction) - rig.theta;
+  EXPECT_NEAR(moved.tail<3>().dot(rig.theta.tail<3>()), 0.0, 1e-12);
+  EXPECT_EQ(operating_point(s.estimate, s.frame, rig, kSigma, MatrixXd(6, 0)), rig.theta);
 }
 
 }  // namespace
