@@ -37,6 +37,7 @@ def variants(fixed_scale):
     if not fixed_scale:
         yield "lcekf", ["--constraints", "rotation+direction"]
         yield "lcekf", ["--constraints", "rotation"]
+    yield "adaptive", []
     yield "mono-left", []
 
 

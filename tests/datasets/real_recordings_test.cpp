@@ -184,12 +184,13 @@ TEST_F(RealRecording, KittiTrackLogsHaveTheNumbersOfTheirReadme) {
     std::size_t frames;
     double path_m, points_per_frame;
   };
+  // Of the 68 points a frame of drive 0027, 4 are old pixels handed out once more (stale_tracks.hpp).
   for (const Drive& drive : {Drive{"track_logs/kitti_09_26_drive_0001", 108, 107, 97},
                              Drive{"track_logs/kitti_09_26_drive_0005", 154, 69, 90},
                              Drive{"track_logs/kitti_09_26_drive_0036", 250, 179, 70},
                              Drive{"track_logs/kitti_09_26_drive_0095", 150, 138, 90},
                              Drive{"track_logs/kitti_09_30_drive_0020", 1000, 1140, 64.5},
-                             Drive{"track_logs/kitti_09_30_drive_0027", 1106, 692, 68}}) {
+                             Drive{"track_logs/kitti_09_30_drive_0027", 1106, 692, 64.3}}) {
     const Recording r = read(drive.name);
     EXPECT_EQ(r.frames.size(), drive.frames);
     EXPECT_EQ(r.odometry.size(), drive.frames);
