@@ -54,6 +54,9 @@ MatrixXd strong_directions(const Eigen::Ref<const MatrixXd>& D) {
   if (D.size() == 0) {
     return MatrixXd(D.rows(), 0);
   }
+  if (D.cols() == 1) {  // what the epipolar rows leave, as a rule
+    return D.leftCols(D.norm() >= kWeakDirection ? 1 : 0);
+  }
   const Index k = std::min(D.rows(), D.cols());
   const MatrixXd R = Eigen::HouseholderQR<MatrixXd>(D).matrixQR().topRows(k).triangularView<Eigen::Upper>();
   if (k == D.cols() && is_surely_strong(R)) {
