@@ -109,6 +109,9 @@ Innovation form_innovation(const Covariance& P, const LinearMeasurement& z) {
   const Eigen::VectorXd weight = z.sigma.cwiseInverse();
   Innovation out;
   out.stateless = z.stateless;
+  if (z.stateless.residual.size() == 0) {
+    out.stateless.D.resize(0, z.D.cols());
+  }
   out.noise = z.noise;
   out.r = z.residual.cwiseProduct(weight);
   out.D = z.D.cols() > 0 ? MatrixXd(weight.asDiagonal() * z.D) : MatrixXd(m, 0);

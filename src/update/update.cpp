@@ -116,7 +116,9 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
   WhiteRows rows{std::move(innovation.r), std::move(innovation.PHt), A.cols()};
   llt.matrixL().solveInPlace(rows.y);
   llt.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(rows.W);
-  llt.matrixL().solveInPlace(A);
+  if (A.cols() > 0) {  // Eigen solves for no column at its peril
+    llt.matrixL().solveInPlace(A);
+  }
   const NullSpaceProjection projection(A);
   projection.apply_left(rows.y);
   projection.apply_right(rows.W);
