@@ -166,6 +166,11 @@ void NullSpaceProjection::apply_right(Eigen::Ref<MatrixXd> x) const {
   if (rank() == 0) {
     return;
   }
+  if (rank() == 1) {  // known to be vectors, Eigen does not pack them for a matrix product
+    const VectorXd y = x * (T_(0, 0) * V_.col(0));
+    x.noalias() -= y * V_.col(0).transpose();
+    return;
+  }
   const MatrixXd VT = V_ * T_;
   MatrixXd Y;
   for (Index row = 0; row < x.rows(); row += kPanel) {
