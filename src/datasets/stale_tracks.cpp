@@ -68,14 +68,17 @@ std::size_t cut_stale_tracks(std::vector<StereoFrame>& frames) {
   }
   std::int64_t next_id = largest_track(frames) + 1;
   std::unordered_map<std::int64_t, std::int64_t> renamed;  // as in the file -> as it is called by now
+  const auto called = [&](std::int64_t id) {
+    const auto it = renamed.find(id);
+    return it == renamed.end() ? id : it->second;
+  };
   auto next_stale = stale.begin();
   for (std::size_t k = stale.front(); k < frames.size(); ++k) {
     if (next_stale != stale.end() && *next_stale == k) {
       ++next_stale;
       const Points before = by_track(frames[k - 1]);
       std::erase_if(frames[k].observations, [&](const StereoObservation& point) {
-        const auto it = renamed.find(point.track_id);
-        const bool old = before.contains(it == renamed.end() ? point.track_id : it->second);
+        const bool old = before.contains(called(point.track_id));
         if (old) {
           renamed[point.track_id] = next_id++;
         }
@@ -83,8 +86,7 @@ std::size_t cut_stale_tracks(std::vector<StereoFrame>& frames) {
       });
     }
     for (StereoObservation& point : frames[k].observations) {
-      const auto it = renamed.find(point.track_id);
-      point.track_id = it == renamed.end() ? point.track_id : it->second;
+      point.track_id = called(point.track_id);
     }
   }
   return stale.size();

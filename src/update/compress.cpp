@@ -64,8 +64,10 @@ struct WholePoint {
     for (Triplet& triplet : triplets) {
       triplet.value.array().colwise() *= weight.array();
     }
-    D = weight.asDiagonal() * StereoRows(z.D.cols() > 0 ? StereoRows(z.D.middleRows<kStereoRows>(first))
-                                                        : StereoRows(kStereoRows, 0));
+    D.resize(kStereoRows, z.D.cols());
+    if (z.D.cols() > 0) {
+      D = weight.asDiagonal() * z.D.middleRows<kStereoRows>(first);
+    }
     r = weight.cwiseProduct(z.residual.segment<kStereoRows>(first));
   }
 

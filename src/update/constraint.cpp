@@ -88,10 +88,12 @@ void absorb_white(Innovation& innovation, const Eigen::Ref<const MatrixXd>& Sigm
 
 StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const MatrixXd>& C) {
   const Index k = C.cols(), q = innovation.stateless.residual.size();
-  StatelessSolution out{MatrixXd(k, 0), MatrixXd::Identity(k, k), MatrixXd(0, 0), VectorXd(0),
-                        MatrixXd(innovation.r.size(), 0)};
+  const auto nothing_seen = [&] {
+    return StatelessSolution{MatrixXd(k, 0), MatrixXd::Identity(k, k), MatrixXd(0, 0), VectorXd(0),
+                             MatrixXd(innovation.r.size(), 0)};
+  };
   if (q == 0 || k == 0) {
-    return out;
+    return nothing_seen();
   }
   // E C Pi = Q U: rows of U that are strong, then those that are not.
   StatelessRows rows = std::move(innovation.stateless);
@@ -103,13 +105,8 @@ StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const
   rows.residual.applyOnTheLeft(qr.householderQ().adjoint());
   rows.D.applyOnTheLeft(qr.householderQ().adjoint());
   const Index rest = q - p;
-  const bool says_something = p < k && rest > 0 &&
-                              qr.matrixR()
-                                      .bottomRightCorner(rest, k - p)
-                                      .triangularView<Eigen::Upper>()
-                                      .toDenseMatrix()
-                                      .cwiseAbs()
-                                      .maxCoeff() > kNothing * qr.maxPivot();
+  const bool says_something =
+      rest > 0 && (rows.D.bottomRows(rest) * C).cwiseAbs().maxCoeff() > kNothing * qr.maxPivot();
   if (says_something) {
     append(innovation, rows.D.bottomRows(rest), rows.residual.tail(rest));
   } else {
@@ -117,13 +114,14 @@ StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const
     innovation.noise.squared_norm += rows.residual.tail(rest).squaredNorm();
   }
   if (p == 0) {
-    return out;
+    return nothing_seen();
   }
   MatrixXd U = MatrixXd::Zero(p, k);
   U.triangularView<Eigen::Upper>() = qr.matrixR().topRows(p);
   U *= qr.colsPermutation().transpose();
   const Eigen::HouseholderQR<MatrixXd> right(U.transpose());  // U = L seenᵀ
   const MatrixXd basis = right.householderQ();
+  StatelessSolution out;
   out.seen = basis.leftCols(p);
   out.unseen = basis.rightCols(k - p);
   out.L = MatrixXd(right.matrixQR().topRows(p).triangularView<Eigen::Upper>()).transpose();

@@ -9,6 +9,7 @@
 
 #include "limber/core/chi_square.hpp"
 #include "limber/update/constraint.hpp"
+#include "white_covariance.hpp"
 
 namespace limber {
 
@@ -135,10 +136,7 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
                 const ParameterTreatment& treatment, double probability) {
   GateReport report{std::vector<bool>(groups.size(), true), std::vector<double>(groups.size(), 0.0),
                     std::vector<double>(groups.size(), 0.0)};
-  MatrixXd S = innovation.S;
-  if (treatment.white_covariance.size() > 0) {
-    S.noalias() += innovation.D * (treatment.white_covariance * innovation.D.transpose()).eval();
-  }
+  const MatrixXd S = with_white_covariance(innovation, treatment);
   Judge judge(innovation, S,
               treatment.constrained.cols() > 0 ? MatrixXd(innovation.D * treatment.constrained)
                                                : MatrixXd(S.rows(), 0),

@@ -8,6 +8,7 @@
 
 #include "limber/update/compress.hpp"
 #include "limber/update/constraint.hpp"
+#include "white_covariance.hpp"
 
 namespace limber {
 
@@ -49,6 +50,8 @@ struct WhiteRows {
   [[nodiscard]] Index used() const { return y.size() - constrained; }
 };
 
+using Factor = Eigen::LLT<Eigen::Ref<MatrixXd>>;  // L of S, in the place of S
+
 /// What the constraint leaves of the stateless rows and takes of the others: y = F beta + eps, eps ~ N(0, I).
 struct ConstrainedRows {
   VectorXd y;
@@ -56,32 +59,49 @@ struct ConstrainedRows {
   MatrixXd W;  ///< covariance of the states' errors with eps; empty unless asked for
 };
 
-/// @param F_white  Qᵀ L⁻¹ D C of the constrained rows
-/// @param A        Qᵀ L⁻¹ G: m×p
+/// @param D_unseen  D C of what the stateless rows do not see: m×(k−p)
 ConstrainedRows constrained_rows(const WhiteRows& rows, const StatelessSolution& stateless,
-                                 const Eigen::Ref<const MatrixXd>& F_white, const MatrixXd& A, bool with_W) {
+                                 const MatrixXd& D_unseen, const Factor& llt,
+                                 const NullSpaceProjection& projection, bool with_W) {
   const Index p = stateless.y.size(), q = rows.constrained;
+  MatrixXd turned(rows.y.size(), D_unseen.cols() + p);  // Qᵀ L⁻¹ [D_unseen, G]
+  turned << D_unseen, stateless.G;
+  llt.matrixL().solveInPlace(turned);
+  projection.apply_left(turned);
+  const auto A = turned.rightCols(p);
   const auto A_used = A.bottomRows(rows.used());
   // The noise of the stateless rows is −G to the others: what those tell of it is taken out.
-  ConstrainedRows out{VectorXd(p + q), MatrixXd(p + q, F_white.cols()), MatrixXd(0, 0)};
+  ConstrainedRows out{VectorXd(p + q), MatrixXd(p + q, turned.cols()), MatrixXd(0, 0)};
   out.y << stateless.y + A_used.transpose() * rows.y.tail(rows.used()), rows.y.head(q);
-  out.F << stateless.L * stateless.seen.transpose(), F_white;
+  out.F << stateless.L * stateless.seen.transpose(),
+      turned.topLeftCorner(q, D_unseen.cols()) * stateless.unseen.transpose();
   MatrixXd Omega = MatrixXd::Identity(p + q, p + q);
   Omega.topLeftCorner(p, p) -= A_used.transpose() * A_used;
   Omega.bottomLeftCorner(q, p) = -A.topRows(q);
   if (p + q == 0) {
     return out;
   }
-  const Eigen::LLT<MatrixXd> llt(Omega);
-  llt.matrixL().solveInPlace(out.y);
-  llt.matrixL().solveInPlace(out.F);
+  const Eigen::LLT<MatrixXd> root(Omega);
+  root.matrixL().solveInPlace(out.y);
+  root.matrixL().solveInPlace(out.F);
   if (with_W) {
     out.W.resize(rows.W.rows(), p + q);
     out.W.leftCols(p).noalias() = rows.W.rightCols(rows.used()) * A_used;
     out.W.rightCols(q) = rows.W.leftCols(q);
-    llt.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(out.W);
+    root.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(out.W);
   }
   return out;
+}
+
+/// Evidence about beta without a constraint: (D B)ᵀ S⁻¹ (D B) and (D B)ᵀ S⁻¹ r, of the stateless rows as
+/// well.
+ParameterEvidence evidence_of(const Innovation& innovation, const MatrixXd& B, const VectorXd& y,
+                              const Factor& llt) {
+  MatrixXd DB = innovation.D * B;
+  llt.matrixL().solveInPlace(DB);
+  const MatrixXd EB = innovation.stateless.D * B;
+  return {DB.transpose() * DB + EB.transpose() * EB,
+          DB.transpose() * y + EB.transpose() * innovation.stateless.residual};
 }
 
 }  // namespace
@@ -102,14 +122,15 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
   }
   const MatrixXd& C = treatment.constrained;
   const StatelessSolution stateless = solve_stateless(innovation, C);
-  MatrixXd A = C.cols() > 0 ? strong_directions(innovation.D * (C * stateless.unseen))
-                            : MatrixXd(innovation.r.size(), 0);
+  const MatrixXd D_unseen =
+      C.cols() > 0 ? MatrixXd(innovation.D * (C * stateless.unseen)) : MatrixXd(innovation.r.size(), 0);
+  MatrixXd A = strong_directions(D_unseen);
   if (A.cols() == innovation.r.size()) {
     return untouched(UpdateStatus::kEmpty, P.size());
   }
 
   Eigen::Ref<MatrixXd> S = innovation.S;
-  const Eigen::LLT<Eigen::Ref<MatrixXd>> llt(S);  // in place
+  const Factor llt(S);
   if (!is_positive_definite(llt)) {
     return untouched(UpdateStatus::kSingularInnovation, P.size());
   }
@@ -137,21 +158,11 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
     return report;
   }
   if (C.cols() == 0) {
-    MatrixXd DB = innovation.D * treatment.watched;
-    llt.matrixL().solveInPlace(DB);
-    const MatrixXd EB = innovation.stateless.D * treatment.watched;
-    report.evidence = {DB.transpose() * DB + EB.transpose() * EB,
-                       DB.transpose() * rows.y + EB.transpose() * innovation.stateless.residual};
+    report.evidence = evidence_of(innovation, treatment.watched, rows.y, llt);
     return report;
   }
-  MatrixXd turned(rows.y.size(), C.cols());  // D C of what is unseen, and G
-  turned << innovation.D * (C * stateless.unseen), stateless.G;
-  llt.matrixL().solveInPlace(turned);
-  projection.apply_left(turned);
-  const Index p = stateless.y.size();
-  const ConstrainedRows lost = constrained_rows(
-      rows, stateless, turned.topLeftCorner(rows.constrained, C.cols() - p) * stateless.unseen.transpose(),
-      turned.rightCols(p), treatment.witness.has_value());
+  const ConstrainedRows lost =
+      constrained_rows(rows, stateless, D_unseen, llt, projection, treatment.witness.has_value());
   report.evidence = {lost.F.transpose() * lost.F, lost.F.transpose() * lost.y};
   if (treatment.witness && report.rank > 0) {
     auto own = report.dx.segment<kWitnessSize>(treatment.witness->at);
@@ -162,7 +173,7 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
 
 UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measurement,
                               const ParameterTreatment& treatment) {
-  Innovation innovation = form_innovation(P, measurement);
+  const Innovation innovation = form_innovation(P, measurement);
   check(innovation, treatment);
   if (measurement.stateless.residual.size() > 0) {
     throw std::invalid_argument("update_gain_form: expected a measurement as it is, not a compressed one");
@@ -171,10 +182,7 @@ UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measuremen
   if (innovation.r.size() == 0) {
     return untouched(UpdateStatus::kEmpty, n);
   }
-  if (treatment.white_covariance.size() > 0) {
-    innovation.S.noalias() += innovation.D * (treatment.white_covariance * innovation.D.transpose()).eval();
-  }
-  const Eigen::LLT<MatrixXd> S(innovation.S);
+  const Eigen::LLT<MatrixXd> S(with_white_covariance(innovation, treatment));
   if (!is_positive_definite(S)) {
     return untouched(UpdateStatus::kSingularInnovation, n);
   }

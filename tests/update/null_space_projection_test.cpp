@@ -164,8 +164,9 @@ TEST(StatelessRows, SayWhatTheySayAmongTheOthers) {
   };
   const MatrixXd weak =
       Eigen::VectorXd::LinSpaced(5, 1.0, 1e-4).asDiagonal() * random_matrix(generator, 5, 6);
+  const MatrixXd all_weak = 1e-4 * random_matrix(generator, 3, 6);
   const MatrixXd root = random_matrix(generator, 6, 3);
-  for (const MatrixXd& E : {all_but_one(5), all_but_one(2), random_matrix(generator, 6, 6), weak,
+  for (const MatrixXd& E : {all_but_one(5), all_but_one(2), random_matrix(generator, 6, 6), weak, all_weak,
                             MatrixXd(0, 6), MatrixXd(MatrixXd::Zero(3, 6)), random_matrix(generator, 9, 6)}) {
     for (const ParameterTreatment& how :
          std::vector<ParameterTreatment>{{{}, {}, C, {}},
