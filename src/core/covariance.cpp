@@ -2,6 +2,7 @@
 #include "limber/core/covariance.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace limber {
 
@@ -61,6 +62,18 @@ void Covariance::scatter(std::span<const Index> starts, const Eigen::Ref<const M
     data_.block(start + kTriplet, start, below, kTriplet) = source.bottomRows(below);
     in += kTriplet;
   }
+}
+
+void Covariance::swap_triplets(Index a, Index b) {
+  if (a == b) {
+    return;
+  }
+  const std::array<Index, 2> both = {a, b};
+  MatrixXd columns;
+  gather(both, columns);
+  columns.leftCols<kTriplet>().swap(columns.rightCols<kTriplet>());
+  columns.middleRows<kTriplet>(a).swap(columns.middleRows<kTriplet>(b));
+  scatter(both, columns);
 }
 
 void Covariance::subtract_outer(const Eigen::Ref<const MatrixXd>& W) {

@@ -129,6 +129,9 @@ void DormantBlock::recall(Covariance& P, Index body_size, std::span<const Index>
   columns.bottomRows(count).noalias() = Gt_back.transpose() * columns.middleRows(body_size, z_size());
   columns.bottomRows(count) += E_back(back, Eigen::all);
   append(P, columns);
+  for (Index k = 0; k < count; k += kTriplet) {
+    P.swap_triplets(body_size + z_size() + k, before + k);
+  }
 
   // The others' remainders e = B e_back + e', and e_back = x_back − G_back z.
   const MatrixXd F = root_of_pseudo_inverse(E_back(back, Eigen::all));

@@ -28,8 +28,7 @@ std::vector<bool> Estimate::anchors_in_use(const std::vector<bool>& resting) con
   return in_use;
 }
 
-void Estimate::change_epoch(const std::vector<std::int64_t>& retired,
-                            const std::vector<std::int64_t>& recalled) {
+void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
   std::vector<bool> resting(landmarks_.size());
   std::transform(landmarks_.begin(), landmarks_.end(), resting.begin(),
                  [](const Landmark& landmark) { return landmark.dormant; });
@@ -77,7 +76,6 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired,
   }
   carry_active(kept);
   carry_dormant(sleepers);
-  wake(recalled);
   frozen_end_ = dormant_.z_size() > 0 ? P.size() : layout_.map_begin();
   drift_.setZero(frozen_end_ - layout_.map_begin());
   epoch_began_ns_ = nav.t_ns;
@@ -96,12 +94,11 @@ void Estimate::carry_active(const std::vector<Move>& kept) {
         dormant_.transform_column(column, turned_back);
       }
     } else if (is_world_vector(kept[k].tenant)) {
-      const Matrix3d C = -skew(kept[k].displacement) * nav.T_world_body.R;
-      U.middleRows<kTriplet>(at) = C;
-      if (!dormant_.empty()) {
-        dormant_.couple_column(column, L::kAttitude, C);
-      }
+      U.middleRows<kTriplet>(at) = -skew(kept[k].displacement) * nav.T_world_body.R;
     }
+  }
+  if (!dormant_.empty()) {
+    dormant_.couple_columns(L::kAttitude, U.middleRows(layout_.map_begin(), dormant_.z_size()));
   }
   add_attitude_coupling(U);
 }
@@ -117,11 +114,11 @@ void Estimate::carry_dormant(const std::vector<Move>& sleepers) {
   }
 }
 
-/// Recalls landmarks and those of their anchors that are dormant too.
-void Estimate::wake(const std::vector<std::int64_t>& recalled) {
+/// Rows in the dormant block of dormant landmarks and of those of their anchors that are dormant too.
+std::vector<Index> Estimate::rows_of(const std::vector<std::int64_t>& dormant) const {
   std::vector<Index> rows;
   std::unordered_set<int> anchors;
-  for (const std::int64_t id : recalled) {
+  for (const std::int64_t id : dormant) {
     const Landmark& landmark = landmarks_[index_of_.at(id)];
     rows.push_back(landmark.at);
     const Anchor* anchor = anchor_of(landmark);
@@ -130,14 +127,20 @@ void Estimate::wake(const std::vector<std::int64_t>& recalled) {
       rows.push_back(anchor->attitude_at);
     }
   }
+  return rows;
+}
+
+void Estimate::recall(const std::vector<std::int64_t>& recalled) {
+  std::vector<Index> rows = rows_of(recalled);
   if (rows.empty()) {
     return;
   }
-  dormant_.recall(P, layout_.map_begin(), rows);
-  std::vector<Tenant> woken;
+  std::vector<Move> woken;
   for (const Index row : rows) {
-    woken.push_back(sleepers_[static_cast<std::size_t>(row / kTriplet)]);
+    woken.push_back({sleepers_[static_cast<std::size_t>(row / kTriplet)], dormant_.correction(row, drift_)});
+    retract_triplet(woken.back().tenant, woken.back().displacement);
   }
+  dormant_.recall(P, layout_.map_begin(), rows);
   std::sort(rows.rbegin(), rows.rend());
   for (const Index row : rows) {
     const Tenant moved = sleepers_.back();
@@ -146,9 +149,16 @@ void Estimate::wake(const std::vector<std::int64_t>& recalled) {
       move_in(moved, row, true);
     }
   }
-  for (const Tenant tenant : woken) {
-    tenants_.push_back(tenant);
-    move_in(tenant, layout_.map_begin() + kTriplet * static_cast<Index>(tenants_.size() - 1), false);
+  for (const Move& move : woken) {  // each takes the place of a newborn, who moves to the end
+    const Index end = layout_.map_begin() + kTriplet * static_cast<Index>(tenants_.size());
+    tenants_.push_back(move.tenant);
+    if (frozen_end_ != end) {
+      move_in(tenants_[slot(frozen_end_)], end, false);
+    }
+    move_in(move.tenant, frozen_end_, false);
+    frozen_end_ += kTriplet;
+    drift_.conservativeResize(drift_.size() + kTriplet);
+    drift_.tail<kTriplet>() = move.displacement;
   }
 }
 

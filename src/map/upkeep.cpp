@@ -139,30 +139,28 @@ std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::
 void rest_and_recall(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
                      const UpkeepOptions& options) {
   std::vector<std::int64_t> recalled;
+  std::unordered_set<std::int64_t> seen;
   for (const StereoObservation& observation : frame.observations) {
     const Landmark* landmark = estimate.find(observation.track_id);
     if (landmark != nullptr && landmark->dormant) {
       recalled.push_back(observation.track_id);
     }
-  }
-  if (recalled.empty() && seconds_between(estimate.epoch_began_ns(), frame.t_ns) < options.rest_after_s) {
-    return;
-  }
-  std::unordered_set<std::int64_t> seen;
-  for (const StereoObservation& observation : frame.observations) {
     seen.insert(observation.track_id);
   }
-  std::vector<std::int64_t> retired;
-  for (const Landmark& landmark : estimate.landmarks()) {
-    if (!landmark.dormant && !seen.contains(landmark.track_id) &&
-        seconds_between(landmark.last_seen_ns, frame.t_ns) > options.rest_after_s) {
-      retired.push_back(landmark.track_id);
+  if (seconds_between(estimate.epoch_began_ns(), frame.t_ns) >= options.epoch_s) {
+    std::vector<std::int64_t> retired;
+    for (const Landmark& landmark : estimate.landmarks()) {
+      if (!landmark.dormant && !seen.contains(landmark.track_id) &&
+          seconds_between(landmark.last_seen_ns, frame.t_ns) > options.rest_after_s) {
+        retired.push_back(landmark.track_id);
+      }
+    }
+    if (estimate.has_frozen() || !retired.empty()) {
+      estimate.change_epoch(retired);
+      convert_linear(estimate, previous_ns, options);
     }
   }
-  if (estimate.has_frozen() || !retired.empty()) {
-    estimate.change_epoch(retired, recalled);
-    convert_linear(estimate, previous_ns, options);
-  }
+  estimate.recall(recalled);
 }
 
 std::size_t keep_up(Estimate& estimate, std::int64_t t_ns, const UpkeepOptions& options) {

@@ -4,6 +4,8 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <map>
+#include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -18,68 +20,100 @@ namespace {
 constexpr Index kStereoRows = 4;
 constexpr double kRounding = 1e-10;  // share of a block's largest entry that stands for zero
 using StereoBlock = Eigen::Matrix<double, kStereoRows, kTriplet>;
-using StereoRows = Eigen::Matrix<double, kStereoRows, Eigen::Dynamic>;
 using Block = SparseJacobian::Block;
-
-/// One group of rows with its blocks of H.
-struct Point {
-  RowGroup group;
-  std::vector<const Block*> blocks;
-};
 
 bool is_compressible(const RowGroup& group) { return group.rows == kStereoRows && group.own >= 0; }
 
-std::vector<Point> points_of(const LinearMeasurement& z) {
-  std::vector<Point> points;
-  std::vector<std::size_t> point_of_row;
-  points.reserve(z.groups.size());
-  point_of_row.reserve(static_cast<std::size_t>(z.rows()));
-  for (const RowGroup& group : z.groups) {
-    point_of_row.insert(point_of_row.end(), static_cast<std::size_t>(group.rows), points.size());
-    points.push_back({group, {}});
-  }
-  for (const Block& block : z.H.blocks) {
-    points[point_of_row[static_cast<std::size_t>(block.row)]].blocks.push_back(&block);
-  }
-  return points;
-}
+/// Blocks of H in the order of the groups that their rows belong to.
+struct BlocksByGroup {
+  std::vector<const Block*> blocks;
+  std::vector<std::size_t> begin;  ///< one more than groups
 
-/// The rows of a point, whitened, as columns of triplets: its own first.
-struct WholePoint {
+  explicit BlocksByGroup(const LinearMeasurement& z) : blocks(z.H.blocks.size()), begin(z.groups.size() + 1) {
+    std::vector<std::size_t> group_of_row;
+    group_of_row.reserve(static_cast<std::size_t>(z.rows()));
+    for (std::size_t g = 0; g < z.groups.size(); ++g) {
+      group_of_row.insert(group_of_row.end(), static_cast<std::size_t>(z.groups[g].rows), g);
+    }
+    const auto group_of = [&](const Block& block) {
+      return group_of_row[static_cast<std::size_t>(block.row)];
+    };
+    for (const Block& block : z.H.blocks) {
+      ++begin[group_of(block) + 1];
+    }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<std::size_t> next = begin;
+    for (const Block& block : z.H.blocks) {
+      blocks[next[group_of(block)]++] = &block;
+    }
+  }
+
+  [[nodiscard]] std::span<const Block* const> of(std::size_t group) const {
+    return {blocks.data() + begin[group], begin[group + 1] - begin[group]};
+  }
+};
+
+/// Points with four rows each, whitened and turned: of each, its triplet moves the first three alone.
+class TurnedPoints {
+ public:
   struct Triplet {
     Index col;
     StereoBlock value;
   };
-  std::vector<Triplet> triplets;
-  StereoRows D;
-  Eigen::Vector4d r;
+  struct Point {
+    std::size_t first;  ///< of its triplets: its own, then those of all others that move its rows
+    std::size_t triplets;
+    Index row;  ///< first of its rows in D and r
+  };
 
-  WholePoint(const LinearMeasurement& z, const Point& point) {
-    const Index first = point.group.row;
-    const Eigen::Vector4d weight = z.sigma.segment<kStereoRows>(first).cwiseInverse();
-    triplets.push_back({point.group.own, StereoBlock::Zero()});
-    for (const Block* block : point.blocks) {
-      at(block->col).middleRows(block->row - first, block->value.rows()) += block->value;
+  explicit TurnedPoints(const LinearMeasurement& z) : z_(z), D_(z.rows(), z.D.cols()), r_(z.rows()) {
+    triplets_.reserve(z.H.blocks.size());
+    points_.reserve(z.groups.size());
+  }
+
+  void add(const RowGroup& group, std::span<const Block* const> blocks) {
+    const Index first = group.row;
+    const Eigen::Vector4d weight = z_.sigma.segment<kStereoRows>(first).cwiseInverse();
+    Point point{triplets_.size(), 0, kStereoRows * static_cast<Index>(points_.size())};
+    triplets_.push_back({group.own, StereoBlock::Zero()});
+    for (const Block* block : blocks) {
+      at(point, block->col).middleRows(block->row - first, block->value.rows()) += block->value;
     }
-    for (Triplet& triplet : triplets) {
+    point.triplets = triplets_.size() - point.first;
+    for (Triplet& triplet : triplets_of(point)) {
       triplet.value.array().colwise() *= weight.array();
     }
-    D.resize(kStereoRows, z.D.cols());
-    if (z.D.cols() > 0) {
-      D = weight.asDiagonal() * z.D.middleRows<kStereoRows>(first);
+    if (z_.D.cols() > 0) {
+      D_.middleRows<kStereoRows>(point.row) = weight.asDiagonal() * z_.D.middleRows<kStereoRows>(first);
     }
-    r = weight.cwiseProduct(z.residual.segment<kStereoRows>(first));
+    r_.segment<kStereoRows>(point.row) = weight.cwiseProduct(z_.residual.segment<kStereoRows>(first));
+    turn(point);
+    points_.push_back(point);
   }
 
-  StereoBlock& at(Index col) {
-    const auto it =
-        std::find_if(triplets.begin(), triplets.end(), [&](const Triplet& t) { return t.col == col; });
-    return it != triplets.end() ? it->value : triplets.emplace_back(Triplet{col, StereoBlock::Zero()}).value;
+  [[nodiscard]] const std::vector<Point>& points() const { return points_; }
+  [[nodiscard]] std::span<const Triplet> triplets(const Point& point) const {
+    return std::span(triplets_).subspan(point.first, point.triplets);
+  }
+  [[nodiscard]] auto D(const Point& point) const { return D_.middleRows<kStereoRows>(point.row); }
+  [[nodiscard]] auto r(const Point& point) const { return r_.segment<kStereoRows>(point.row); }
+
+ private:
+  std::span<Triplet> triplets_of(const Point& point) {
+    return std::span(triplets_).subspan(point.first, point.triplets);
   }
 
-  /// All rows := Qᵀ rows, such that the point moves the first three alone; entries of the fourth that are
-  /// rounding become zero.
-  void turn() {
+  /// The triplet of the newest point that starts at `col`, made if it is not there.
+  StereoBlock& at(const Point& point, Index col) {
+    const auto it = std::find_if(triplets_.begin() + static_cast<std::ptrdiff_t>(point.first),
+                                 triplets_.end(), [&](const Triplet& triplet) { return triplet.col == col; });
+    return it != triplets_.end() ? it->value
+                                 : triplets_.emplace_back(Triplet{col, StereoBlock::Zero()}).value;
+  }
+
+  /// All rows := Qᵀ rows; entries of the fourth that are rounding become zero.
+  void turn(const Point& point) {
+    const std::span<Triplet> triplets = triplets_of(point);
     const Eigen::HouseholderQR<StereoBlock> qr(triplets.front().value);
     const Eigen::Matrix4d Qt = Eigen::Matrix4d(qr.householderQ()).transpose();
     for (Triplet& triplet : triplets) {
@@ -89,35 +123,49 @@ struct WholePoint {
       last = (last.array().abs() > zero).select(last, 0.0);
     }
     triplets.front().value = qr.matrixQR().triangularView<Eigen::Upper>();
-    D = (Qt * D).eval();
-    r = (Qt * r).eval();
+    for (Index column = 0; column < D_.cols(); ++column) {
+      auto own = D_.col(column).segment<kStereoRows>(point.row);
+      own = (Qt * own).eval();
+    }
+    auto own = r_.segment<kStereoRows>(point.row);
+    own = (Qt * own).eval();
   }
+
+  const LinearMeasurement& z_;
+  std::vector<Triplet> triplets_;
+  std::vector<Point> points_;
+  MatrixXd D_;
+  VectorXd r_;
 };
+
+using Point = TurnedPoints::Point;
+using Triplet = TurnedPoints::Triplet;
 
 /// Builds the compressed measurement.
 class Compression {
  public:
-  explicit Compression(const LinearMeasurement& z) : z_(z) {}
+  explicit Compression(const LinearMeasurement& z) : z_(z), turned_(z) {}
 
   LinearMeasurement result() {
     out_.residual.resize(z_.rows());
     out_.D.resize(z_.D.cols() > 0 ? z_.rows() : 0, z_.D.cols());
     out_.H.blocks.reserve(z_.H.blocks.size());
     out_.noise = z_.noise;
-    for (const Point& point : points_of(z_)) {
-      if (is_compressible(point.group)) {
-        turned_.emplace_back(z_, point).turn();
+    const BlocksByGroup blocks(z_);
+    for (std::size_t g = 0; g < z_.groups.size(); ++g) {
+      if (is_compressible(z_.groups[g])) {
+        turned_.add(z_.groups[g], blocks.of(g));
       } else {
-        copy(point);
+        copy(z_.groups[g], blocks.of(g));
       }
     }
     find_pool_columns();
-    MatrixXd pool(static_cast<Index>(turned_.size()), pool_width() + 1);
+    MatrixXd pool(static_cast<Index>(turned_.points().size()), pool_width() + 1);
     Index pooled = 0;
-    for (const WholePoint& point : turned_) {
+    for (const Point& point : turned_.points()) {
       if (only_the_pool_sees(point)) {
         write(point, kTriplet);
-        pool.row(pooled++) = pool_row(point);
+        fill_pool_row(point, pool.row(pooled++));
       } else {
         write(point, kStereoRows);
       }
@@ -130,10 +178,10 @@ class Compression {
   }
 
  private:
-  void copy(const Point& point) {
-    const Index first = point.group.row, rows = point.group.rows;
+  void copy(const RowGroup& group, std::span<const Block* const> blocks) {
+    const Index first = group.row, rows = group.rows;
     const VectorXd weight = z_.sigma.segment(first, rows).cwiseInverse();
-    for (const Block* block : point.blocks) {
+    for (const Block* block : blocks) {
       Block& written = out_.H.blocks.emplace_back(*block);
       written.row += written_ - first;
       written.value.array().colwise() *= weight.segment(block->row - first, block->value.rows()).array();
@@ -146,30 +194,30 @@ class Compression {
   }
 
   /// The first three rows of a point, or all four.
-  void write(const WholePoint& point, Index rows) {
-    for (const WholePoint::Triplet& triplet : point.triplets) {
+  void write(const Point& point, Index rows) {
+    for (const Triplet& triplet : turned_.triplets(point)) {
       out_.H.blocks.push_back({written_, triplet.col, triplet.value.topRows<kTriplet>()});
       if (rows > kTriplet && !triplet.value.bottomRows<1>().isZero(0.0)) {
         out_.H.blocks.push_back({written_ + kTriplet, triplet.col, triplet.value.bottomRows<1>()});
       }
     }
     if (z_.D.cols() > 0) {
-      out_.D.middleRows(written_, rows) = point.D.topRows(rows);
+      out_.D.middleRows(written_, rows) = turned_.D(point).topRows(rows);
     }
-    out_.residual.segment(written_, rows) = point.r.head(rows);
+    out_.residual.segment(written_, rows) = turned_.r(point).head(rows);
     written_ += rows;
   }
 
   /// Triplets that the fourth rows of most points see: theta, where it is a state, else none.
   void find_pool_columns() {
     std::map<Index, std::size_t> users;
-    for (const WholePoint& point : turned_) {
-      for (const WholePoint::Triplet& triplet : point.triplets) {
+    for (const Point& point : turned_.points()) {
+      for (const Triplet& triplet : turned_.triplets(point)) {
         users[triplet.col] += triplet.value.bottomRows<1>().isZero(0.0) ? 0 : 1;
       }
     }
     for (const auto& [column, count] : users) {
-      if (2 * count > turned_.size()) {
+      if (2 * count > turned_.points().size()) {
         pool_columns_.push_back(column);
       }
     }
@@ -178,25 +226,25 @@ class Compression {
   [[nodiscard]] Index pool_states() const { return kTriplet * static_cast<Index>(pool_columns_.size()); }
   [[nodiscard]] Index pool_width() const { return pool_states() + z_.D.cols(); }
 
-  [[nodiscard]] bool only_the_pool_sees(const WholePoint& point) const {
-    return std::all_of(point.triplets.begin(), point.triplets.end(), [&](const WholePoint::Triplet& triplet) {
+  [[nodiscard]] bool only_the_pool_sees(const Point& point) const {
+    const std::span<const Triplet> triplets = turned_.triplets(point);
+    return std::all_of(triplets.begin(), triplets.end(), [&](const Triplet& triplet) {
       return triplet.value.bottomRows<1>().isZero(0.0) ||
              std::binary_search(pool_columns_.begin(), pool_columns_.end(), triplet.col);
     });
   }
 
   /// The fourth row as [triplets of the pool | D | r].
-  [[nodiscard]] Eigen::RowVectorXd pool_row(const WholePoint& point) const {
-    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(pool_width() + 1);
-    for (const WholePoint::Triplet& triplet : point.triplets) {
+  void fill_pool_row(const Point& point, Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const {
+    row.setZero();
+    for (const Triplet& triplet : turned_.triplets(point)) {
       const auto it = std::lower_bound(pool_columns_.begin(), pool_columns_.end(), triplet.col);
       if (it != pool_columns_.end() && *it == triplet.col) {
         row.segment<kTriplet>(kTriplet * (it - pool_columns_.begin())) = triplet.value.bottomRows<1>();
       }
     }
-    row.segment(pool_states(), z_.D.cols()) = point.D.bottomRows<1>();
-    row(pool_width()) = point.r(kTriplet);
-    return row;
+    row.segment(pool_states(), z_.D.cols()) = turned_.D(point).bottomRows<1>();
+    row(pool_width()) = turned_.r(point)(kTriplet);
   }
 
   /// Of the pool's rows, keeps as many as what they see has dimensions.
@@ -236,7 +284,7 @@ class Compression {
   }
 
   const LinearMeasurement& z_;
-  std::vector<WholePoint> turned_;
+  TurnedPoints turned_;
   std::vector<Index> pool_columns_;
   LinearMeasurement out_;
   Index written_ = 0;  // rows of out_

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace limber {
 
@@ -73,31 +75,75 @@ void check(const Covariance& P, const LinearMeasurement& z) {
 
 namespace {
 
-/// Blocks of H in the order of their columns, divided by the noise of their rows.
-std::vector<SparseJacobian::Block> whitened_by_column(const LinearMeasurement& z,
-                                                      const Eigen::VectorXd& weight) {
-  std::vector<SparseJacobian::Block> blocks = z.H.blocks;
-  for (SparseJacobian::Block& block : blocks) {
-    block.value.array().colwise() *= weight.segment(block.row, block.value.rows()).array();
-  }
-  std::stable_sort(blocks.begin(), blocks.end(), [](const auto& a, const auto& b) { return a.col < b.col; });
-  return blocks;
-}
+using Block = SparseJacobian::Block;
 
-/// out += columns Bᵀ in the columns that belong to the block's rows. columns: k×3, out: k×m.
+/// H, divided by the noise, column by column: those that many rows look at (the pose, an anchor) as a matrix,
+/// for the sake of speed, the others (a point's own) as blocks.
+class ColumnsOfH {
+ public:
+  ColumnsOfH(const LinearMeasurement& z, const Eigen::VectorXd& weight) : blocks_(z.H.blocks) {
+    for (Block& block : blocks_) {
+      block.value.array().colwise() *= weight.segment(block.row, block.value.rows()).array();
+    }
+    std::stable_sort(blocks_.begin(), blocks_.end(),
+                     [](const Block& a, const Block& b) { return a.col < b.col; });
+    std::vector<std::span<const Block>> shared;
+    for (std::span<const Block> rest(blocks_); !rest.empty();) {
+      const Index col = rest.front().col;
+      const auto end =
+          std::find_if(rest.begin(), rest.end(), [&](const Block& block) { return block.col != col; });
+      const std::span<const Block> column = rest.first(static_cast<std::size_t>(end - rest.begin()));
+      (column.size() >= kMany ? shared : own_).push_back(column);
+      rest = rest.subspan(column.size());
+    }
+    shared_.setZero(z.rows(), kTriplet * static_cast<Index>(shared.size()));
+    for (const std::span<const Block> column : shared) {
+      const Index at = kTriplet * static_cast<Index>(shared_starts_.size());
+      shared_starts_.push_back(column.front().col);
+      for (const Block& block : column) {
+        shared_.block(block.row, at, block.value.rows(), kTriplet) += block.value;
+      }
+    }
+  }
+
+  [[nodiscard]] const std::vector<Index>& shared_starts() const { return shared_starts_; }
+  [[nodiscard]] const MatrixXd& shared() const { return shared_; }  // m × 3|shared_starts|
+
+  /// f(start of the triplet, its blocks) for each of the others.
+  template <typename Function>
+  void for_each_own(Function f) const {
+    for (const std::span<const Block> column : own_) {
+      f(column.front().col, column);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kMany = 16;  // blocks
+
+  std::vector<Block> blocks_;
+  std::vector<std::span<const Block>> own_;
+  std::vector<Index> shared_starts_;
+  MatrixXd shared_;
+};
+
+/// out += columns Bᵀ for each block, in the columns that belong to its rows. columns: k×3, out: k×m.
 template <typename Columns>
-void add_product(const Columns& columns, const SparseJacobian::Block& block, MatrixXd& out) {
-  const auto add = [&](auto rows) {  // fixed, for the sake of speed
-    out.middleCols<rows()>(block.row).noalias() +=
-        columns.lazyProduct(block.value.template topRows<rows()>().transpose());
-  };
-  switch (block.value.rows()) {
-    case 1:
-      return add(std::integral_constant<int, 1>());
-    case 2:
-      return add(std::integral_constant<int, 2>());
-    default:
-      return add(std::integral_constant<int, kTriplet>());
+void add_products(const Columns& columns, std::span<const Block> blocks, MatrixXd& out) {
+  for (const Block& block : blocks) {
+    const auto add = [&](auto rows) {  // fixed, for the sake of speed
+      out.middleCols<rows()>(block.row).noalias() +=
+          columns.lazyProduct(block.value.template topRows<rows()>().transpose());
+    };
+    switch (block.value.rows()) {
+      case 1:
+        add(std::integral_constant<int, 1>());
+        break;
+      case 2:
+        add(std::integral_constant<int, 2>());
+        break;
+      default:
+        add(std::integral_constant<int, kTriplet>());
+    }
   }
 }
 
@@ -116,29 +162,28 @@ Innovation form_innovation(const Covariance& P, const LinearMeasurement& z) {
   out.r = z.residual.cwiseProduct(weight);
   out.D = z.D.cols() > 0 ? MatrixXd(weight.asDiagonal() * z.D) : MatrixXd(m, 0);
 
-  const std::vector<SparseJacobian::Block> blocks = whitened_by_column(z, weight);
-  out.PHt.setZero(P.size(), m);
-  MatrixXd columns;  // of P, one triplet at a time
-  Index gathered = -1;
-  for (const SparseJacobian::Block& block : blocks) {
-    if (block.col != gathered) {
-      gathered = block.col;
-      P.gather(std::array<Index, 1>{gathered}, columns);
-    }
-    add_product(columns.leftCols<kTriplet>(), block, out.PHt);
-  }
+  const ColumnsOfH H(z, weight);
+  MatrixXd columns;  // of P
+  P.gather(H.shared_starts(), columns);
+  out.PHt.noalias() = columns * H.shared().transpose();
+  H.for_each_own([&](Index start, std::span<const Block> blocks) {
+    P.gather(std::array<Index, 1>{start}, columns);
+    add_products(columns.leftCols<kTriplet>(), blocks, out.PHt);
+  });
 
   // S = (P Hᵀ)ᵀ Hᵀ + I, from the few rows of P Hᵀ that H touches.
-  out.S.setIdentity(m, m);
-  Eigen::Matrix<double, Eigen::Dynamic, kTriplet> rows(m, kTriplet);
-  gathered = -1;
-  for (const SparseJacobian::Block& block : blocks) {
-    if (block.col != gathered) {
-      gathered = block.col;
-      rows = out.PHt.middleRows<kTriplet>(gathered).transpose();
-    }
-    add_product(rows, block, out.S);
+  MatrixXd rows(m, H.shared().cols());
+  for (std::size_t k = 0; k < H.shared_starts().size(); ++k) {
+    rows.middleCols<kTriplet>(kTriplet * static_cast<Index>(k)) =
+        out.PHt.middleRows<kTriplet>(H.shared_starts()[k]).transpose();
   }
+  out.S.noalias() = rows * H.shared().transpose();
+  out.S.diagonal().array() += 1.0;
+  Eigen::Matrix<double, Eigen::Dynamic, kTriplet> row(m, kTriplet);
+  H.for_each_own([&](Index start, std::span<const Block> blocks) {
+    row = out.PHt.middleRows<kTriplet>(start).transpose();
+    add_products(row, blocks, out.S);
+  });
   return out;
 }
 

@@ -8,6 +8,7 @@
 
 #include "limber/update/compress.hpp"
 #include "limber/update/constraint.hpp"
+#include "limber/update/whiten.hpp"
 #include "white_covariance.hpp"
 
 namespace limber {
@@ -136,7 +137,7 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
   }
   WhiteRows rows{std::move(innovation.r), std::move(innovation.PHt), A.cols()};
   llt.matrixL().solveInPlace(rows.y);
-  llt.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(rows.W);
+  whiten_columns(S, rows.W);
   if (A.cols() > 0) {  // Eigen solves for no column at its peril
     llt.matrixL().solveInPlace(A);
   }

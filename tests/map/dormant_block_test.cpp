@@ -92,8 +92,8 @@ class Pair {
     triplet_mean_.push_back(Eigen::Vector3d::Zero());
   }
 
-  /// Everybody active rests with probability `rest`, everybody dormant is recalled with probability `wake`.
-  void change_epoch(double rest, double wake) {
+  /// Everybody active rests with probability `rest`.
+  void change_epoch(double rest) {
     EpochChange change;
     for (Index at = kBody; at < kBody + clones(); at += 3) {
       change.dropped.push_back(at);
@@ -112,25 +112,37 @@ class Pair {
     ASSERT_TRUE(block_.change_epoch(P_, kBody, change));
     active_ = kept;
     dormant_ = sleepers;
+    frozen_ = block_.z_size() > 0 ? kept.size() : 0;
+    drift_.setZero(block_.z_size());
+  }
+
+  /// Everybody dormant is recalled with probability `wake`, at any time in an epoch.
+  void recall(double wake) {
     std::vector<Index> rows;
-    for (std::size_t k = 0; k < sleepers.size(); ++k) {
+    for (std::size_t k = 0; k < dormant_.size(); ++k) {
       if (testing::random_scalar(generator_, 0.0, 1.0) < wake) {
         rows.push_back(3 * static_cast<Index>(k));
       }
     }
+    if (rows.empty()) {
+      return;
+    }
     std::shuffle(rows.begin(), rows.end(), generator_);
     for (const Index row : rows) {
-      active_.push_back(sleepers[static_cast<std::size_t>(row / 3)]);
+      const int woken = dormant_[static_cast<std::size_t>(row / 3)];
+      const Eigen::Vector3d correction = block_.correction(row, drift_.head(block_.z_size()));
+      triplet_mean_[static_cast<std::size_t>(woken)] += correction;
+      drift_.conservativeResize(drift_.size() + 3);
+      drift_.tail<3>() = correction;
+      active_.push_back(woken);  // behind the frozen ones, in the place of a newborn, who goes to the end
+      std::swap(active_[frozen_++], active_.back());
     }
-    if (!rows.empty()) {
-      block_.recall(P_, kBody, rows);
-    }
+    block_.recall(P_, kBody, rows);
     std::sort(rows.rbegin(), rows.rend());
     for (const Index row : rows) {
       dormant_[static_cast<std::size_t>(row / 3)] = dormant_.back();
       dormant_.pop_back();
     }
-    drift_.setZero(block_.z_size());
   }
 
   /// Says the same of other coordinates: at the beginning of an epoch, for both twins.
@@ -230,6 +242,7 @@ class Pair {
   VectorXd body_mean_, drift_;
   std::vector<Eigen::Vector3d> triplet_mean_;
   std::vector<int> active_, dormant_;
+  std::size_t frozen_ = 0;  // of the active ones, those that are part of z
 };
 
 TEST(DormantBlock, IsTheFullFilterThroughManyEpochs) {
@@ -240,10 +253,16 @@ TEST(DormantBlock, IsTheFullFilterThroughManyEpochs) {
       pair.live();
       if (frame == 1) {
         pair.bear();
+        pair.bear();
+        pair.recall(0.25);
+        pair.expect_equal("recalled amidst epoch " + std::to_string(epoch));
       }
     }
     pair.expect_equal("before epoch " + std::to_string(epoch));
-    pair.change_epoch(0.4, 0.3);
+    pair.change_epoch(0.4);
+    if (epoch % 2 == 0) {
+      pair.recall(0.3);
+    }
     pair.expect_equal("after epoch " + std::to_string(epoch));
     pair.change_coordinates();
     pair.expect_equal("in other coordinates, epoch " + std::to_string(epoch));
@@ -259,15 +278,15 @@ TEST(DormantBlock, IsTheFullFilterThroughManyEpochs) {
 TEST(DormantBlock, NobodyAsleepLeavesNoTrace) {
   Pair pair(4);
   pair.live();
-  pair.change_epoch(0.0, 0.0);
+  pair.change_epoch(0.0);
   EXPECT_EQ(pair.active_size(), kBody + 12);
-  pair.change_epoch(1.0, 0.0);
+  pair.change_epoch(1.0);
   EXPECT_EQ(pair.active_size(), 2 * kBody);
   pair.live();
-  pair.change_epoch(0.0, 1.0);
+  pair.recall(1.0);
   pair.live();
   pair.expect_equal("all recalled");
-  pair.change_epoch(0.0, 0.0);
+  pair.change_epoch(0.0);
   EXPECT_EQ(pair.active_size(), kBody + 12);
   pair.expect_equal("the clone is gone");
 }

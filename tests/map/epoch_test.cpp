@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "limber/core/so3.hpp"
@@ -104,7 +105,8 @@ TEST(Epoch, WhoSleepsAndComesBackIsAsIfHeHadBeenAwake) {
     const std::vector<std::vector<std::int64_t>> recalled = {{}, {5}, {0, 4}, {3}, {6, 8}};
     std::vector<std::int64_t> in_view = {1, 2, 7, 9, 10, 11};
     for (std::size_t epoch = 0; epoch < retired.size(); ++epoch) {
-      sleepy.change_epoch(retired[epoch], recalled[epoch]);
+      sleepy.change_epoch(retired[epoch]);
+      sleepy.recall(recalled[epoch]);
       expect_same(sleepy, awake);
       move(sleepy);
       move(awake);
@@ -113,7 +115,44 @@ TEST(Epoch, WhoSleepsAndComesBackIsAsIfHeHadBeenAwake) {
       correct(sleepy, epoch, in_view);
       correct(awake, epoch, in_view);
     }
-    sleepy.change_epoch({}, {});
+    sleepy.change_epoch({});
+    EXPECT_FALSE(sleepy.has_frozen());
+    expect_same_snapshot(sleepy, awake);
+  }
+}
+
+/// Then newborns of the epoch are there already, and corrections that the sleepers have not been given yet.
+TEST(Epoch, WhoComesBackAmidstAnEpochIsAsIfHeHadBeenAwake) {
+  for (const std::vector<std::int64_t>& recalled :
+       {std::vector<std::int64_t>{5}, std::vector<std::int64_t>{0, 6, 4}, std::vector<std::int64_t>{3, 8}}) {
+    Generator generator(9);
+    Estimate sleepy = random_map(generator, kLandmarks);
+    Estimate awake = sleepy;
+    sleepy.change_epoch({4, 5, 6, 8, 0, 3});
+    for (Estimate* estimate : {&sleepy, &awake}) {
+      move(*estimate);
+      correct(*estimate, 1, {1, 2, 7, 9, 10, 11});
+      Landmark newborn;
+      newborn.track_id = 100;
+      newborn.anchor = estimate->add_anchor(Pose{});
+      newborn.value << 0.0, 0.1, 0.3;
+      estimate->add_landmark(newborn, 1e-4 * Matrix3d::Identity());
+    }
+    sleepy.recall(recalled);
+    for (Estimate* estimate : {&sleepy, &awake}) {
+      estimate->remove_landmark(recalled.front());
+    }
+    sleepy.change_epoch({});
+    expect_same(sleepy, awake);
+    std::vector<std::int64_t> others = {4, 5, 6, 8, 0, 3};
+    std::erase_if(others, [&](std::int64_t id) {
+      return std::find(recalled.begin(), recalled.end(), id) != recalled.end();
+    });
+    sleepy.recall(others);
+    for (Estimate* estimate : {&sleepy, &awake}) {
+      correct(*estimate, 2, {1, 2, 100, others.front()});
+    }
+    sleepy.change_epoch({});
     EXPECT_FALSE(sleepy.has_frozen());
     expect_same_snapshot(sleepy, awake);
   }
@@ -123,17 +162,18 @@ TEST(Epoch, ALandmarkCanBeMadeCartesianWhenItsEpochBegins) {
   Generator generator(6);
   Estimate sleepy = random_map(generator, kLandmarks);
   Estimate awake = sleepy;
-  sleepy.change_epoch({4, 5, 6, 8}, {});
+  sleepy.change_epoch({4, 5, 6, 8});
   for (Estimate* estimate : {&sleepy, &awake}) {
     estimate->convert_to_cartesian(*estimate->find(9));  // 10 still stands on the anchor
     estimate->convert_to_cartesian(*estimate->find(10));
     estimate->convert_to_cartesian(*estimate->find(1));
     correct(*estimate, 1, {1, 2, 3, 7, 9, 10});
   }
-  sleepy.change_epoch({}, {4, 5, 6, 8});
+  sleepy.change_epoch({});
+  sleepy.recall({4, 5, 6, 8});
   correct(sleepy, 2, {1, 4, 5, 8});
   correct(awake, 2, {1, 4, 5, 8});
-  sleepy.change_epoch({}, {});
+  sleepy.change_epoch({});
   expect_same_snapshot(sleepy, awake);
 }
 
@@ -141,7 +181,7 @@ TEST(Epoch, WhatIsForgottenWhileOthersSleepLeavesNoTrace) {
   Generator generator(7);
   Estimate sleepy = random_map(generator, kLandmarks);
   Estimate awake = sleepy;
-  sleepy.change_epoch({4, 5, 6, 8, 0}, {});
+  sleepy.change_epoch({4, 5, 6, 8, 0});
   for (Estimate* estimate : {&sleepy, &awake}) {
     estimate->remove_landmark(5);   // asleep, its anchor goes on
     estimate->remove_landmark(8);   // asleep, its anchor awake
@@ -162,8 +202,9 @@ TEST(Epoch, WhatIsForgottenWhileOthersSleepLeavesNoTrace) {
     estimate->remove_landmark(100);
     correct(*estimate, 1, {1, 2, 7, 101});
   }
-  sleepy.change_epoch({}, {0});
-  sleepy.change_epoch({}, {});
+  sleepy.change_epoch({});
+  sleepy.recall({0});
+  sleepy.change_epoch({});
   EXPECT_EQ(sleepy.size(), awake.size());
   EXPECT_FALSE(sleepy.has_frozen());
   expect_same(sleepy, awake);
@@ -196,12 +237,12 @@ TEST(RestAndRecall, TheUnseenRestAndTheSeenComeBack) {
     EXPECT_EQ(landmark.dormant, landmark.track_id < 6) << landmark.track_id;
   }
   EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
-  // Nothing is due within the epoch, unless somebody asleep is seen.
+  // Nothing is due within the epoch, but somebody asleep who is seen comes back at once.
   estimate.nav.t_ns = 11 * second + second / 4;
   rest_and_recall(estimate, sees(estimate.nav.t_ns, {7}), 11 * second, options);
   EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
   rest_and_recall(estimate, sees(estimate.nav.t_ns, {7, 2}), 11 * second, options);
-  EXPECT_EQ(estimate.epoch_began_ns(), estimate.nav.t_ns);
+  EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
   EXPECT_FALSE(estimate.find(2)->dormant);
   EXPECT_TRUE(estimate.find(3)->dormant);
 

@@ -79,6 +79,9 @@ class Covariance {
   /// P_ba = P_ba Phiᵀ for the rows b below the leading k×k block, which stays as it is.
   void propagate_cross(const Eigen::Ref<const Eigen::MatrixXd>& Phi);
 
+  /// Two triplets change places.
+  void swap_triplets(Eigen::Index a, Eigen::Index b);
+
   /// Appends `count` zero rows and columns; returns the index of the first.
   Eigen::Index append(Eigen::Index count);
 

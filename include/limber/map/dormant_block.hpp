@@ -44,9 +44,10 @@ class DormantBlock {
   /// @return false, and nothing changed, if the covariance of what is kept is not positive definite
   bool change_epoch(Covariance& P, Eigen::Index body_size, const EpochChange& change);
 
-  /// @brief Makes the triplets at rows `rows` active again: appended to P (and to z) in the given order.
-  /// Call right after change_epoch, while P is [body | z]. Their places are taken as by remove(), the last
-  /// row first.
+  /// @brief Makes the triplets at rows `rows` active again, at any time in an epoch: they go to the end of z
+  /// in the given order. For that they are appended to P, and the k-th of them changes places with the k-th
+  /// triplet behind z (that of a newborn, or its own place if there are none). Their places in the block are
+  /// taken as by remove(), the last row first.
   void recall(Covariance& P, Eigen::Index body_size, std::span<const Eigen::Index> rows);
 
   /// Forgets the triplet at `row`; the last one takes its place. @return where that one came from
@@ -77,6 +78,10 @@ class DormantBlock {
 
   /// z_k is from now on measured as z_k := M z_k, M invertible.
   void transform_column(Eigen::Index column, const Eigen::Matrix3d& M);
+  /// z is from now on measured as z := z + C z_j, C: z_size × 3, zero in the rows of z_j.
+  void couple_columns(Eigen::Index other, const Eigen::Ref<const Eigen::MatrixXd>& C) {
+    Gt_.middleRows<kTriplet>(other) -= (C.transpose() * Gt_).eval();
+  }
   /// z_k is from now on measured as z_k := z_k + C z_j.
   void couple_column(Eigen::Index column, Eigen::Index other, const Eigen::Matrix3d& C) {
     Gt_.middleRows<kTriplet>(other) -= (C.transpose() * Gt_.middleRows<kTriplet>(column)).eval();

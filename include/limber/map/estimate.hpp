@@ -61,9 +61,12 @@ class Estimate {
   /// Removes an anchor that no landmark came to stand on; -1 is nobody.
   void drop_unused_anchor(int anchor);
 
-  /// @brief Ends the epoch: the landmarks `retired` go dormant, the dormant ones `recalled` come back.
-  /// Anchors go and come with the landmarks that stand on them.
-  void change_epoch(const std::vector<std::int64_t>& retired, const std::vector<std::int64_t>& recalled);
+  /// @brief Ends the epoch and begins the next: the landmarks `retired` go dormant, and with them the anchors
+  /// that only they stand on.
+  void change_epoch(const std::vector<std::int64_t>& retired);
+
+  /// The dormant landmarks `recalled` and their anchors come back, frozen for the rest of the epoch.
+  void recall(const std::vector<std::int64_t>& recalled);
 
   /// Something is or was dormant in this epoch.
   [[nodiscard]] bool has_frozen() const { return frozen_end_ > layout_.map_begin(); }
@@ -125,7 +128,7 @@ class Estimate {
   [[nodiscard]] std::vector<bool> anchors_in_use(const std::vector<bool>& resting) const;
   void carry_active(const std::vector<Move>& kept);
   void carry_dormant(const std::vector<Move>& sleepers);
-  void wake(const std::vector<std::int64_t>& recalled);
+  [[nodiscard]] std::vector<Eigen::Index> rows_of(const std::vector<std::int64_t>& dormant) const;
   [[nodiscard]] Eigen::Matrix3d joint_block(Eigen::Index row, bool row_dormant, Eigen::Index col,
                                             bool col_dormant) const;
   [[nodiscard]] Landmark current(const Landmark& landmark) const;

@@ -14,9 +14,10 @@ namespace limber {
 struct UpkeepOptions {
   std::size_t max_landmarks = 300;  ///< beyond it, those unseen for longest go
   double forget_after_s = 1e9;  ///< unseen for longer: gone (tracks of an image front end never come back)
-  /// Unseen for longer: laid to rest at no cost per frame until seen again (compressed filter). Infinite:
-  /// never.
-  double rest_after_s = 0.5;
+  /// Unseen for longer when an epoch ends: laid to rest at no cost per frame until seen again (compressed
+  /// filter). Infinite: never.
+  double rest_after_s = 0.1;
+  double epoch_s = 0.5;  ///< length of an epoch, between two of which landmarks go to rest
   int max_refusals = 3;  ///< refused by the gate in this many frames in a row: gone
   /// Inverse-depth landmarks become Cartesian when the linearity index of [Civera2008], Eq. (30) falls below.
   double linearity_index = 0.1;
@@ -51,8 +52,8 @@ struct UpkeepOptions {
 std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
                              const MountedCamera& cam0, const UpkeepOptions& options);
 
-/// @brief Lays landmarks to rest that were not seen for a while and recalls those that `frame` sees.
-/// Does something only if a dormant landmark is seen, or every rest_after_s.
+/// @brief Every epoch_s lays landmarks to rest that were not seen for a while; recalls at any time those that
+/// `frame` sees.
 /// @param previous_ns  time of the frame before
 void rest_and_recall(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
                      const UpkeepOptions& options);
