@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "formats.hpp"
+#include "leaping_matches.hpp"
 #include "limber/core/errors.hpp"
 #include "sensor_yaml.hpp"
 #include "stale_tracks.hpp"
@@ -114,6 +115,12 @@ Recording read_track_log(const fs::path& mav0) {
         "in {} of {} frames the old points stand on the pixels of the frame before, to the last digit: "
         "they are taken for new points from there on",
         stale, recording.frames.size()));
+  }
+  if (const std::size_t lost = end_leaping_matches(recording.frames, calibration); lost > 0) {
+    recording.notes.push_back(fmt::format(
+        "the right pixels of {} points leap, most of a frame at once, by more than depth can change from one "
+        "frame to the next: they are not used from there on",
+        lost));
   }
   note_if_cut_off(path, recording.notes);
   read_pixel_noise(mav0 / "tracks0" / "sensor.yaml", recording);

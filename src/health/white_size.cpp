@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMemory = 10.0;      // [s]
 constexpr double kFirstFrames = 4.0;  // what the start is worth
-constexpr double kConfidence = 2.0;   // standard deviations of the size squared
+constexpr double kConfidence = 4.0;   // standard deviations of the size squared
 
 }  // namespace
 

@@ -236,6 +236,66 @@ TEST(TrackLogReader, LeavesARigAloneThatStandsStillWithoutNoise) {
   }
 }
 
+/// Eight points that move slowly; the right pixels of `count` of them leap in frame 2 and stay there.
+Recording with_leaping_matches(std::int64_t count, double factor) {
+  Recording recording = small_recording();
+  recording.frames.clear();
+  recording.landmarks_true.clear();
+  const Eigen::Matrix3d R_cam1_cam0 = pose_from_rig(recording.calibration.theta).R;
+  for (std::size_t k = 0; k < 5; ++k) {
+    StereoFrame frame{recording.imu.front().t_ns + static_cast<std::int64_t>(k) * 50'000'000, {}};
+    for (std::int64_t id = 0; id < 8; ++id) {
+      const bool leapt = k >= 2 && id < count;
+      const double depth =
+          (2.0 + 0.2 * static_cast<double>(id) - 0.01 * static_cast<double>(k)) / (leapt ? factor : 1.0);
+      const Eigen::Vector2d uv(30.0 + static_cast<double>(2 * id), 20.0 + static_cast<double>(id));
+      const Eigen::Vector3d X_cam0 = depth * unproject(recording.calibration.cam0, uv).value();
+      const auto right =
+          project(recording.calibration.cam1, R_cam1_cam0 * X_cam0 + recording.calibration.theta.tail<3>());
+      frame.observations.push_back({id, uv, right.value().uv, true, true});
+    }
+    recording.frames.push_back(frame);
+  }
+  return recording;
+}
+
+std::vector<std::int64_t> matched_in(const StereoFrame& frame) {
+  std::vector<std::int64_t> out;
+  for (const StereoObservation& point : frame.observations) {
+    if (point.in_cam1) {
+      out.push_back(point.track_id);
+    }
+  }
+  return out;
+}
+
+TEST(TrackLogReader, EndsMatchesThatLeapTogether) {
+  for (const double factor : {2.1, 0.4}) {
+    const TemporaryFolder folder;
+    write_track_log(with_leaping_matches(6, factor), folder.path());
+    const Recording actual = read_recording(folder.path());
+    ASSERT_EQ(actual.frames.size(), 5U);
+    for (std::size_t k = 0; k < 5; ++k) {
+      EXPECT_EQ(actual.frames[k].observations.size(), 8U);
+      EXPECT_EQ(matched_in(actual.frames[k]), k < 2 ? (std::vector<std::int64_t>{0, 1, 2, 3, 4, 5, 6, 7})
+                                                    : (std::vector<std::int64_t>{6, 7}));
+    }
+    EXPECT_EQ(std::count_if(actual.notes.begin(), actual.notes.end(),
+                            [](const std::string& note) {
+                              return note.starts_with("the right pixels of 6 points leap");
+                            }),
+              1);
+  }
+}
+
+TEST(TrackLogReader, LeavesSingleMatchesThatLeapToTheGate) {
+  const TemporaryFolder folder;
+  write_track_log(with_leaping_matches(4, 2.1), folder.path());
+  for (const StereoFrame& frame : read_recording(folder.path()).frames) {
+    EXPECT_EQ(matched_in(frame).size(), 8U);
+  }
+}
+
 TEST_F(TrackLog, NotesALastLineWithoutEnd) {
   std::string text = read_text(mav0() / "imu0/data.csv");
   text.pop_back();

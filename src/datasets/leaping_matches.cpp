@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "leaping_matches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace limber::detail {
+namespace {
+
+constexpr std::size_t kFewest = 5;     // points that leap together by no chance
+constexpr double kLargestRatio = 1.5;  // of the parallax in two successive frames
+constexpr double kNoise = 5e-3;        // [rad], about 3 px: a smaller change may be noise
+
+using Parallaxes = std::unordered_map<std::int64_t, double>;  // by track [rad]
+
+/// Angle between the bearings of a point in both cameras, as the assumed rig turns them.
+std::optional<double> parallax(const StereoObservation& point, const StereoCalibration& calibration,
+                               const Eigen::Matrix3d& R_cam1_cam0) {
+  if (!point.in_cam0 || !point.in_cam1) {
+    return std::nullopt;
+  }
+  const auto d0 = unproject(calibration.cam0, point.uv_cam0);
+  const auto d1 = unproject(calibration.cam1, point.uv_cam1);
+  if (!d0 || !d1) {
+    return std::nullopt;
+  }
+  const Eigen::Vector3d turned = R_cam1_cam0 * *d0;
+  return std::atan2(turned.cross(*d1).norm(), turned.dot(*d1));
+}
+
+Parallaxes parallaxes(const StereoFrame& frame, const StereoCalibration& calibration,
+                      const Eigen::Matrix3d& R_cam1_cam0) {
+  Parallaxes out;
+  for (const StereoObservation& point : frame.observations) {
+    if (const auto angle = parallax(point, calibration, R_cam1_cam0)) {
+      out[point.track_id] = *angle;
+    }
+  }
+  return out;
+}
+
+bool leaps(double before, double after) {
+  const double larger = std::max(before, after), smaller = std::min(before, after);
+  return larger > kLargestRatio * smaller && larger - smaller > kNoise;
+}
+
+/// Tracks that leap between two frames, if most of those that both hold do; else none.
+std::vector<std::int64_t> leaping(const Parallaxes& before, const Parallaxes& after) {
+  std::vector<std::int64_t> out;
+  std::size_t shared = 0;
+  for (const auto& [track, angle] : after) {
+    const auto it = before.find(track);
+    if (it != before.end()) {
+      ++shared;
+      if (leaps(it->second, angle)) {
+        out.push_back(track);
+      }
+    }
+  }
+  if (out.size() < kFewest || 2 * out.size() <= shared) {
+    out.clear();
+  }
+  return out;
+}
+
+}  // namespace
+
+std::size_t end_leaping_matches(std::vector<StereoFrame>& frames, const StereoCalibration& calibration) {
+  const Eigen::Matrix3d R_cam1_cam0 = pose_from_rig(calibration.theta).R;
+  std::unordered_set<std::int64_t> lost;
+  Parallaxes before;
+  for (StereoFrame& frame : frames) {
+    Parallaxes now = parallaxes(frame, calibration, R_cam1_cam0);
+    for (const std::int64_t track : leaping(before, now)) {
+      lost.insert(track);
+    }
+    for (StereoObservation& point : frame.observations) {
+      if (point.in_cam0 && lost.contains(point.track_id)) {
+        point.in_cam1 = false;
+      }
+    }
+    before = std::move(now);
+  }
+  return lost.size();
+}
+
+}  // namespace limber::detail
