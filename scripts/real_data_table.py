@@ -77,6 +77,7 @@ def main():
     arguments = parser.parse_args()
     if not arguments.limber.exists():
         sys.exit(f"{arguments.limber} is not there: build it with scripts/demo.sh, or name it with --limber")
+    arguments.out.mkdir(parents=True, exist_ok=True)
     work = list(jobs(pathlib.Path(arguments.data), arguments.out))
     if arguments.sigma_px:
         work = [(*job[:4], [*job[4], "--sigma-px", arguments.sigma_px]) for job in work]

@@ -43,25 +43,24 @@ Parallaxes parallaxes(const StereoFrame& frame, const StereoCalibration& calibra
   return out;
 }
 
-bool leaps(double before, double after) {
-  const double larger = std::max(before, after), smaller = std::min(before, after);
-  return larger > kLargestRatio * smaller && larger - smaller > kNoise;
-}
+double ratio(double a, double b) { return std::max(a, b) / std::min(a, b); }
 
-/// Tracks that leap between two frames, if most of those that both hold do; else none.
+/// Tracks that leap between two frames, if most of those that both hold do so by more than noise; else none.
 std::vector<std::int64_t> leaping(const Parallaxes& before, const Parallaxes& after) {
   std::vector<std::int64_t> out;
-  std::size_t shared = 0;
+  std::size_t shared = 0, beyond_noise = 0;
   for (const auto& [track, angle] : after) {
     const auto it = before.find(track);
-    if (it != before.end()) {
-      ++shared;
-      if (leaps(it->second, angle)) {
-        out.push_back(track);
-      }
+    if (it == before.end()) {
+      continue;
+    }
+    ++shared;
+    if (ratio(it->second, angle) > kLargestRatio) {
+      out.push_back(track);
+      beyond_noise += std::abs(it->second - angle) > kNoise ? 1 : 0;
     }
   }
-  if (out.size() < kFewest || 2 * out.size() <= shared) {
+  if (beyond_noise < kFewest || 2 * beyond_noise <= shared) {
     out.clear();
   }
   return out;
