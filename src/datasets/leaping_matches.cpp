@@ -7,12 +7,16 @@
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
+
+#include "limber/core/time.hpp"
 
 namespace limber::detail {
 namespace {
 
 constexpr std::size_t kFewest = 5;     // points that leap together by no chance
 constexpr double kLargestRatio = 1.5;  // of the parallax in two successive frames
+constexpr double kLongestStep = 0.5;   // [s], after a longer one anything may have come near
 constexpr double kNoise = 5e-3;        // [rad], about 3 px: a smaller change may be noise
 
 using Parallaxes = std::unordered_map<std::int64_t, double>;  // by track [rad]
@@ -72,10 +76,13 @@ std::size_t end_leaping_matches(std::vector<StereoFrame>& frames, const StereoCa
   const Eigen::Matrix3d R_cam1_cam0 = pose_from_rig(calibration.theta).R;
   std::unordered_set<std::int64_t> lost;
   Parallaxes before;
+  std::int64_t before_ns = 0;
   for (StereoFrame& frame : frames) {
     Parallaxes now = parallaxes(frame, calibration, R_cam1_cam0);
-    for (const std::int64_t track : leaping(before, now)) {
-      lost.insert(track);
+    if (seconds_between(before_ns, frame.t_ns) <= kLongestStep) {
+      for (const std::int64_t track : leaping(before, now)) {
+        lost.insert(track);
+      }
     }
     for (StereoObservation& point : frame.observations) {
       if (point.in_cam0 && lost.contains(point.track_id)) {
@@ -83,6 +90,7 @@ std::size_t end_leaping_matches(std::vector<StereoFrame>& frames, const StereoCa
       }
     }
     before = std::move(now);
+    before_ns = frame.t_ns;
   }
   return lost.size();
 }
