@@ -29,6 +29,9 @@ void whiten_block(const Block& L, Eigen::Ref<MatrixXd> X) {
 
 void whiten_columns(const Eigen::Ref<const MatrixXd>& L, Eigen::Ref<MatrixXd> X) {
   const Index m = L.rows();
+  if (X.size() == 0) {  // Eigen solves for nothing at its peril
+    return;
+  }
   if (m == kBlock) {
     whiten_block(L, X);
     return;
