@@ -84,8 +84,8 @@ void add_axes(Out out, const HealthSummary& health) {
   fmt::format_to(out, "\n{:<24}{:>15}{:>12}\n", "cam1 against cam0", "true - assumed", "± sigma");
   for (std::size_t k = 0; k < 6; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    fmt::format_to(out, "{}  {:<20}{:>+15.4f}{:>12.4f} {:<4}{}\n", kRigAxes[k], kAxisWords[k], delta(i),
-                   sigma(i), k < 3 ? "deg" : "mm",
+    fmt::format_to(out, "{}  {:<20}{:>+15.4f}{:>12.4f} {:<4}{}\n", kParameterNames[k], kAxisWords[k],
+                   delta(i), sigma(i), k < 3 ? "deg" : "mm",
                    health.axes[k] == HealthVerdict::kDecalibrated ? "MOVED" : to_string(health.axes[k]));
   }
 }

@@ -78,8 +78,7 @@ Diagnosis diagnose(const HealthArguments& arguments, const Recording& recording,
   Diagnosis out;
   out.dataset = recording.name;
   out.false_alarms_per_hour = options.false_alarms_per_hour;
-  StereoCalibration assumed = recording.calibration;
-  assumed.theta += options.assume_error;
+  const StereoCalibration assumed = corrected(recording.calibration, options.assume_error);
   std::vector<StereoFrame> seen;
   try {
     watch(arguments, recording, options, seen, out);

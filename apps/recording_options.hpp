@@ -13,7 +13,7 @@ namespace limber::app {
 
 struct RecordingArguments {
   std::filesystem::path dataset;
-  std::string assume_error, start = "auto";
+  std::string assume_error, estimate, soften, start = "auto";
   std::optional<double> sigma_px;
   double false_alarms_per_hour = RunOptions{}.false_alarms_per_hour;
 };
@@ -21,7 +21,7 @@ struct RecordingArguments {
 void add_recording_options(CLI::App& command, RecordingArguments& arguments);
 
 /// Run options with these, everything else as by default.
-/// @throws std::invalid_argument as parse_rig_error
+/// @throws std::invalid_argument as parse_calibration_error and parse_parameter_sigmas
 [[nodiscard]] RunOptions to_run_options(const RecordingArguments& arguments, const Recording& recording);
 
 }  // namespace limber::app

@@ -107,10 +107,11 @@ void add_run_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--out", arguments->out, "Folder for the results")->required()->check(not_empty());
   command
-      ->add_option("--constraints", arguments->constraints,
-                   "lcekf: full, none, rotation, rotation+direction or a list of ax,ay,az,tx,ty,tz; default: "
-                   "full where "
-                   "IMU or odometry fix the scale, else rotation+direction")
+      ->add_option(
+          "--constraints", arguments->constraints,
+          "lcekf: full, none, rotation, rotation+direction or a list of ax,ay,az,tx,ty,tz; other "
+          "parameters (see --estimate) may follow: full,dt1; default: full where IMU or odometry fix "
+          "the scale, else rotation+direction")
       ->check(parsed_by(constraint_set_from_string));
   command->add_option("--seed", arguments->seed, "Of the start error with --init groundtruth")
       ->check(whole_number())

@@ -170,7 +170,7 @@ void step(const char* name, const std::array<double, 6>& amplitude, const Settin
       name, runs.size(), two_frames, five_seconds, worst, 100.0 * chance);
   fmt::print("  axis      step   sigma of a frame   of a window   |step| > 5 sigma of a frame   named\n");
   for (std::size_t k = 0; k < 6; ++k) {
-    fmt::print("  {}  {:9.4f} {:18.4f} {:13.4f} {:29} {:7}\n", kRigAxes[k], amplitude[k], sigma[k],
+    fmt::print("  {}  {:9.4f} {:18.4f} {:13.4f} {:29} {:7}\n", kParameterNames[k], amplitude[k], sigma[k],
                gathered[k], larger[k], named[k]);
   }
 }
@@ -202,7 +202,7 @@ int main(int argc, char** argv) {
     for (std::size_t k = 0; k < 6; ++k) {
       std::array<double, 6> single{};
       single[k] = kPaper[k];
-      step(fmt::format("of {} alone", kRigAxes[k]).c_str(), single, settings);
+      step(fmt::format("of {} alone", kParameterNames[k]).c_str(), single, settings);
     }
   }
   return 0;

@@ -2,9 +2,13 @@
 #include "limber/method.hpp"
 
 #include <Eigen/Geometry>
-#include <cmath>
+#include <algorithm>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 namespace limber {
 
@@ -13,35 +17,30 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double kPlausibleAngle = 0.1 * M_PI / 180.0;  // [rad]
-constexpr double kPlausibleShare = 0.05;                // of the baseline
-constexpr std::array<const char*, 6> kParameterNames = {"ax", "ay", "az", "tx", "ty", "tz"};
+using Kind = ConstraintSet::Kind;
+
+constexpr std::array<std::pair<std::string_view, Kind>, 4> kWords = {
+    {{"full", Kind::kFull},
+     {"rotation", Kind::kRotation},
+     {"rotation+direction", Kind::kRotationDirection},
+     {"none", Kind::kListed}}};
 
 [[noreturn]] void unknown_set(const std::string& text) {
-  throw std::invalid_argument(
-      "unknown constraint set '" + text +
-      "', expected full, none, rotation, rotation+direction or a list of ax,ay,az,tx,ty,tz");
+  throw std::invalid_argument("unknown constraint set '" + text +
+                              "', expected full, none, rotation, rotation+direction or a list of "
+                              "ax,ay,az,tx,ty,tz; more parameters may follow, such as dt1 or intrinsics1");
 }
 
-ConstraintSet listed_set(const std::string& text) {
+std::vector<std::string> items_of(const std::string& text) {
+  std::vector<std::string> items;
+  std::istringstream stream(text);
+  for (std::string item; std::getline(stream, item, ',');) {
+    items.push_back(item);
+  }
   if (text.empty() || text.back() == ',') {
     unknown_set(text);
   }
-  ConstraintSet set{ConstraintSet::Kind::kListed, {}};
-  std::istringstream stream(text);
-  std::string name;
-  while (std::getline(stream, name, ',')) {
-    bool known = false;
-    for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
-      if (name == kParameterNames[k]) {
-        set.listed[k] = known = true;
-      }
-    }
-    if (!known) {
-      unknown_set(text);
-    }
-  }
-  return set;
+  return items;
 }
 
 }  // namespace
@@ -80,46 +79,42 @@ Method method_from_string(const std::string& name) {
 }
 
 ConstraintSet constraint_set_from_string(const std::string& text) {
-  using Kind = ConstraintSet::Kind;
-  if (text == "full") {
-    return {Kind::kFull, {}};
+  const std::vector<std::string> items = items_of(text);
+  ConstraintSet set{Kind::kListed, {}};
+  const auto* word = std::find_if(kWords.begin(), kWords.end(),
+                                  [&](const auto& known) { return known.first == items.front(); });
+  const bool has_word = word != kWords.end();
+  if (has_word) {
+    set.kind = word->second;
   }
-  if (text == "none") {
-    return {Kind::kListed, {}};
+  for (std::size_t k = has_word ? 1 : 0; k < items.size(); ++k) {
+    const std::optional<ParameterSet> named = parameters_named(items[k]);
+    if (!named) {
+      unknown_set(text);
+    }
+    set.listed |= *named;
   }
-  if (text == "rotation") {
-    return {Kind::kRotation, {}};
+  if (has_word && set.listed != set.more()) {  // the word has said it for theta
+    unknown_set(text);
   }
-  if (text == "rotation+direction") {
-    return {Kind::kRotationDirection, {}};
-  }
-  return listed_set(text);
+  return set;
 }
 
 std::string to_string(const ConstraintSet& set) {
-  switch (set.kind) {
-    case ConstraintSet::Kind::kFull:
-      return "full";
-    case ConstraintSet::Kind::kRotation:
-      return "rotation";
-    case ConstraintSet::Kind::kRotationDirection:
-      return "rotation+direction";
-    case ConstraintSet::Kind::kListed:
-      break;
+  std::string text;
+  const auto append = [&](std::string_view name) { text.append(text.empty() ? "" : ",").append(name); };
+  if (set.kind != Kind::kListed || set.listed.none()) {
+    append(std::find_if(kWords.begin(), kWords.end(), [&](const auto& word) {
+             return word.second == set.kind;
+           })->first);
   }
-  std::string names;
-  for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
-    if (set.listed[k]) {
-      names += (names.empty() ? "" : ",") + std::string(kParameterNames[k]);
+  const ParameterSet listed = set.kind == Kind::kListed ? set.listed : set.more();
+  for (std::size_t k = 0; k < listed.size(); ++k) {
+    if (listed[k]) {
+      append(kParameterNames[k]);
     }
   }
-  return names.empty() ? "none" : names;
-}
-
-RigParameters plausible_error(double baseline) {
-  RigParameters out;
-  out << Vector3d::Constant(kPlausibleAngle), Vector3d::Constant(kPlausibleShare * baseline);
-  return out;
+  return text;
 }
 
 Eigen::Matrix<double, 6, 6> without_length(const Eigen::Matrix<double, 6, 6>& covariance,
@@ -133,11 +128,11 @@ Eigen::Matrix<double, 6, 6> without_length(const Eigen::Matrix<double, 6, 6>& co
 MatrixXd constraint_directions(const ConstraintSet& set, const RigParameters& theta) {
   const RigParameters scale = plausible_error(theta.tail<3>().norm());
   switch (set.kind) {
-    case ConstraintSet::Kind::kFull:
+    case Kind::kFull:
       return scale.asDiagonal();
-    case ConstraintSet::Kind::kRotation:
+    case Kind::kRotation:
       return MatrixXd(scale.asDiagonal()).leftCols<3>();
-    case ConstraintSet::Kind::kRotationDirection: {
+    case Kind::kRotationDirection: {
       const Vector3d along = theta.tail<3>().normalized();
       MatrixXd C = MatrixXd::Zero(6, 5);
       C.topLeftCorner<3, 3>() = scale.head<3>().asDiagonal();
@@ -145,7 +140,7 @@ MatrixXd constraint_directions(const ConstraintSet& set, const RigParameters& th
       C.block<3, 1>(3, 4) = scale(3) * along.cross(along.unitOrthogonal());
       return C;
     }
-    case ConstraintSet::Kind::kListed:
+    case Kind::kListed:
       break;
   }
   MatrixXd C(6, 0);

@@ -24,16 +24,47 @@ constexpr double kTrustedSigma = 1e-3;  // plausible errors: theta of adaptive, 
 /// may also shift, by as much from one frame to the next at 20 Hz.
 constexpr double kWalkPerSecond = 20.0;
 
-bool has_theta(Method method) {
+constexpr double kEstimatedWalk = 0.01;  // of the standard deviation at the start, per sqrt(s)
+constexpr double kNotEstimated =
+    1e-6;  // plausible errors: keeps P positive definite beside what is estimated
+constexpr std::array kMoreBlocks = {ParameterBlock::kCam0, ParameterBlock::kCam1, ParameterBlock::kMount};
+
+const ParameterSet kTheta = parameters_of(ParameterBlock::kTheta);
+
+/// theta is in the state whatever else is estimated.
+bool always_has_theta(Method method) {
   return method == Method::kEkfFull || method == Method::kConsider || method == Method::kAdaptive;
 }
 
+ParameterSet estimated(const NavigatorOptions& options) { return parameters_of(options.estimated); }
+ParameterSet softened(const NavigatorOptions& options) { return parameters_of(options.softened); }
+
+bool has_theta(const NavigatorOptions& options) {
+  return always_has_theta(options.method) || (estimated(options) & kTheta).any();
+}
+
 /// theta follows its estimate from frame to frame.
-bool estimates_theta(Method method) { return method == Method::kEkfFull || method == Method::kAdaptive; }
+bool estimates_theta(const NavigatorOptions& options) {
+  return has_theta(options) && options.method != Method::kConsider;
+}
 
 bool constrains(const NavigatorOptions& options) {
-  return options.method == Method::kLcekf && (options.constraints.kind != ConstraintSet::Kind::kListed ||
-                                              options.constraints.listed != std::array<bool, 6>{});
+  return options.method == Method::kLcekf && !options.constraints.empty();
+}
+
+bool constrains_theta(const NavigatorOptions& options) {
+  return options.method == Method::kLcekf && options.constraints.has_theta();
+}
+
+bool softens(const NavigatorOptions& options) {
+  return options.method == Method::kSoft || softened(options).any();
+}
+
+/// Parameters beyond theta that the filter treats as anything but known.
+bool has_more(const NavigatorOptions& options) {
+  const ParameterSet constrained =
+      options.method == Method::kLcekf ? options.constraints.more() : ParameterSet{};
+  return ((estimated(options) | softened(options) | constrained) & ~kTheta).any();
 }
 
 bool watches(const NavigatorOptions& options) {
@@ -41,13 +72,79 @@ bool watches(const NavigatorOptions& options) {
 }
 
 /// The witness lives on the rows that a constraint leaves.
-bool has_witness(const NavigatorOptions& options) { return watches(options) && constrains(options); }
+bool has_witness(const NavigatorOptions& options) { return watches(options) && constrains_theta(options); }
 
+/// How wrong ekf-full, consider and soft expect theta to be.
 RigParameters theta_sigma(const NavigatorOptions& options, const StereoCalibration& calibration) {
+  return options.theta_sigma.isZero() ? plausible_error(calibration.baseline()) : options.theta_sigma;
+}
+
+/// Of theta in the state, at the start.
+RigParameters theta_prior(const NavigatorOptions& options, const StereoCalibration& calibration) {
   if (options.method == Method::kAdaptive) {
     return kTrustedSigma * plausible_error(calibration.baseline());
   }
-  return options.theta_sigma.isZero() ? plausible_error(calibration.baseline()) : options.theta_sigma;
+  return always_has_theta(options.method)
+             ? theta_sigma(options, calibration)
+             : options.estimated.head<6>().cwiseMax(kNotEstimated * plausible_error(calibration.baseline()));
+}
+
+[[noreturn]] void refuse(const ParameterSet& parameters, const std::string& why) {
+  std::string names;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    if (parameters[k]) {
+      names += (names.empty() ? "" : ", ") + std::string(kParameterNames[k]);
+    }
+  }
+  throw std::invalid_argument("navigator: " + names + " " + why);
+}
+
+/// All that the gain is blind to, at least in part.
+ParameterSet constrained_parameters(const NavigatorOptions& options) {
+  if (!constrains(options)) {
+    return {};
+  }
+  switch (options.constraints.kind) {
+    case ConstraintSet::Kind::kListed:
+      return options.constraints.listed;
+    case ConstraintSet::Kind::kRotation:
+      return options.constraints.more() | ParameterSet(0b111);  // ax, ay, az
+    case ConstraintSet::Kind::kFull:
+    case ConstraintSet::Kind::kRotationDirection:
+      break;
+  }
+  return options.constraints.more() | kTheta;
+}
+
+void check_parameters(const NavigatorOptions& options, const StereoCalibration& calibration) {
+  const auto demand_none = [](const ParameterSet& parameters, const std::string& why) {
+    if (parameters.any()) {
+      refuse(parameters, why);
+    }
+  };
+  for (const ParameterVector& sigma : {options.estimated, options.softened}) {
+    if (!sigma.allFinite() || sigma.minCoeff() < 0.0) {
+      throw std::invalid_argument("navigator: standard deviations of parameters must be finite and positive");
+    }
+  }
+  const ParameterSet constrained = constrained_parameters(options);
+  const ParameterSet all = constrained | estimated(options) | softened(options);
+  demand_none(constrained & estimated(options), "cannot be constrained and estimated at once");
+  demand_none(constrained & softened(options), "cannot be constrained and softened at once");
+  if (always_has_theta(options.method)) {
+    demand_none(estimated(options) & kTheta, "of " + to_string(options.method) + " is in the state already");
+  }
+  if (options.method == Method::kSoft || options.method == Method::kAdaptive) {
+    demand_none(softened(options) & kTheta, "is softened by " + to_string(options.method) + " already");
+  }
+  if (options.method == Method::kMonoLeft) {
+    demand_none(all & (kTheta | parameters_of(ParameterBlock::kCam1)),
+                "cannot be seen without the right camera");
+  }
+  if (calibration.body != BodyFrame::kImu) {
+    demand_none(all & parameters_of(ParameterBlock::kMount),
+                "cannot be wrong where the body is not an IMU but the camera rig itself");
+  }
 }
 
 NavigatorOptions completed(NavigatorOptions options) {
@@ -70,11 +167,34 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
     throw std::invalid_argument("navigator: the baseline is " + std::to_string(calibration.baseline()) +
                                 " m, expected a positive one");
   }
-  const RigParameters sigma = theta_sigma(options, calibration);
-  Estimate out(StateLayout{options.motion, has_theta(options.method), has_witness(options)}, initial.nav,
-               initial.body_covariance, calibration.theta, sigma.cwiseAbs2().asDiagonal());
+  StateLayout layout{options.motion, has_theta(options), has_witness(options)};
+  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
+    layout.has_more[k] = (estimated(options) & parameters_of(kMoreBlocks[k])).any();
+  }
+  Estimate out(layout, initial.nav, initial.body_covariance, calibration.theta,
+               theta_prior(options, calibration).cwiseAbs2().asDiagonal());
+  const ParameterVector prior =
+      options.estimated.cwiseMax(kNotEstimated * plausible_errors(calibration)).cwiseAbs2();
+  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
+    if (layout.has_more[k]) {
+      out.P.set_diagonal_block(layout.more(k),
+                               MatrixXd(prior.segment<6>(first_of(kMoreBlocks[k])).asDiagonal()));
+    }
+  }
   if (has_witness(options)) {
     out.restart_witness(kWidestErrors);
+  }
+  return out;
+}
+
+/// A column for each parameter of the set: c×k, one plausible error each.
+MatrixXd unit_directions(const ParameterSet& set, const ParameterVector& scale) {
+  MatrixXd out = MatrixXd::Zero(kParameters, static_cast<Index>(set.count()));
+  Index column = 0;
+  for (std::size_t k = 0; k < set.size(); ++k) {
+    if (set[k]) {
+      out(static_cast<Index>(k), column++) = scale(static_cast<Index>(k));
+    }
   }
   return out;
 }
@@ -130,10 +250,12 @@ OdometryNoise per_step(OdometryNoise noise, double sample_interval, double dt, d
 Navigator::Navigator(const NavigatorOptions& options, const StereoCalibration& calibration,
                      const InitialState& initial)
     : options_(completed(options)),
+      given_(calibration),
       calibration_(calibration),
       scale_(plausible_error(calibration.baseline())),
-      rig_(mount(calibration)),
       estimate_(make_estimate(options_, calibration, initial)) {
+  check_parameters(options_, calibration);
+  rig_ = mounted(calibration_);
   if (watches(options_)) {
     monitor_.emplace(*options_.health, calibration.baseline());
   }
@@ -159,7 +281,58 @@ void Navigator::assume_theta(const RigParameters& theta) {
   }
   calibration_.theta = theta;
   estimate_.theta = theta;
-  rig_ = mount(calibration_);
+  rig_ = mounted(calibration_);
+}
+
+/// The cameras of a calibration on the body as it moves now.
+MountedRig Navigator::mounted(const StereoCalibration& calibration) const {
+  MountedRig out = mount(calibration);
+  BodyMotion motion{estimate_.nav.v_world_body, omega_input_};
+  if (options_.motion == MotionModel::kImu) {
+    motion.omega_body -= estimate_.nav.bias_gyro;
+  } else if (options_.motion == MotionModel::kConstantVelocity) {
+    motion.omega_body = estimate_.nav.omega_body;
+  }
+  for (MountedCamera& camera : out) {
+    camera.motion = motion;
+    camera.with_parameters = has_more(options_);
+  }
+  return out;
+}
+
+void Navigator::use_estimated_calibration() {
+  ParameterVector error;
+  error << RigParameters::Zero(), estimate_.more;
+  calibration_ = corrected(given_, error);
+  calibration_.theta = estimate_.theta;
+  rig_ = mounted(calibration_);
+}
+
+CalibrationEstimate Navigator::calibration_estimate() const {
+  CalibrationEstimate out;
+  out.parameters = estimated(options_);
+  if (estimates_theta(options_) && always_has_theta(options_.method)) {
+    out.parameters |= kTheta;
+  }
+  const StateLayout& layout = estimate_.layout();
+  out.error << estimate_.theta - given_.theta, estimate_.more;
+  const auto read_sigma = [&](ParameterBlock block, Index at) {
+    out.sigma.segment<6>(first_of(block)) = estimate_.P.diagonal_block<6>(at).diagonal().cwiseSqrt();
+  };
+  if (layout.has_theta) {
+    read_sigma(ParameterBlock::kTheta, layout.theta());
+  }
+  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
+    if (layout.has_more[k]) {
+      read_sigma(kMoreBlocks[k], layout.more(k));
+    }
+  }
+  for (std::size_t k = 0; k < out.parameters.size(); ++k) {
+    if (!out.parameters[k]) {
+      out.error(static_cast<Index>(k)) = out.sigma(static_cast<Index>(k)) = 0.0;
+    }
+  }
+  return out;
 }
 
 std::vector<InputStep> Navigator::steps_to(std::int64_t t_ns) {
@@ -196,22 +369,36 @@ void Navigator::predict_to(std::int64_t t_ns) {
   const Index k = estimate_.layout().body_size();
   Transition whole{MatrixXd::Identity(k, k), MatrixXd::Zero(k, k)};
   for (const InputStep& step : steps_to(t_ns)) {
+    omega_input_ = options_.motion == MotionModel::kOdometry ? step.second : step.first;
     const Transition part = predict_step(step);
     whole.Phi = part.Phi * whole.Phi;
     whole.Q = part.Phi * whole.Q * part.Phi.transpose() + part.Q;
   }
   estimate_.nav.t_ns = t_ns;
   estimate_.P.propagate_leading(whole.Phi, whole.Q);
-  walk_theta(dt);
+  walk_parameters(dt);
 }
 
-void Navigator::walk_theta(double dt) {
-  if (!estimates_theta(options_.method)) {
+void Navigator::walk_parameters(double dt) {
+  const ParameterVector estimated_walk = (kEstimatedWalk * options_.estimated).cwiseAbs2();
+  const StateLayout& layout = estimate_.layout();
+  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
+    if (layout.has_more[k]) {
+      const Eigen::Matrix<double, 6, 6> walk =
+          estimated_walk.segment<6>(first_of(kMoreBlocks[k])).asDiagonal();
+      estimate_.P.set_diagonal_block(layout.more(k),
+                                     estimate_.P.diagonal_block<6>(layout.more(k)) + walk * dt);
+    }
+  }
+  if (!estimates_theta(options_)) {
     return;
   }
   const RigParameters fresh = kWalkPerSecond * fresh_.variance().cwiseProduct(scale_.cwiseAbs2());
   Eigen::Matrix<double, 6, 6> walk =
-      (options_.method == Method::kEkfFull ? options_.theta_walk : fresh).asDiagonal();
+      (options_.method == Method::kEkfFull    ? options_.theta_walk
+       : options_.method == Method::kAdaptive ? fresh
+                                              : RigParameters(estimated_walk.head<6>()))
+          .asDiagonal();
   if (options_.method == Method::kAdaptive && !has_scale(options_.motion)) {
     walk = without_length(walk, calibration_.theta);
   }
@@ -221,9 +408,8 @@ void Navigator::walk_theta(double dt) {
 
 /// Where theta is trusted a newborn may believe all its pixels at once: lcekf without constraints is the ekf.
 BirthMode Navigator::birth_mode() const {
-  return constrains(options_) || options_.method == Method::kSoft || !fresh_.is_zero()
-             ? BirthMode::kDiffuse
-             : BirthMode::kClassical;
+  return constrains(options_) || softens(options_) || !fresh_.is_zero() ? BirthMode::kDiffuse
+                                                                        : BirthMode::kClassical;
 }
 
 void Navigator::distrust(const Doubt& doubt) {
@@ -236,42 +422,72 @@ void Navigator::distrust(const Doubt& doubt) {
 
 void Navigator::take_over(const Navigator& constrained, const Doubt& doubt) {
   estimate_ = constrained.estimate_;
-  estimate_.promote_witness(constrained.treatment().watched);
+  estimate_.promote_witness(constrained.treatment().watched.topRows<kBlockSize>());
   inputs_ = constrained.inputs_;
+  omega_input_ = constrained.omega_input_;
   last_frame_ns_ = constrained.last_frame_ns_;
-  calibration_.theta = estimate_.theta;
-  rig_ = mount(calibration_);
+  use_estimated_calibration();
   distrust(doubt);
 }
 
 ParameterTreatment Navigator::treatment() const {
+  const Index c = has_more(options_) ? kParameters : kBlockSize;
+  const auto of_theta = [&](const MatrixXd& directions) {
+    MatrixXd out = MatrixXd::Zero(c, directions.cols());
+    out.topRows<kBlockSize>() = directions;
+    return out;
+  };
   ParameterTreatment out;
+  MatrixXd C_theta(kBlockSize, 0);
   if (options_.method == Method::kLcekf) {
-    out.constrained = constraint_directions(options_.constraints, estimate_.theta);
-  } else if (options_.method == Method::kSoft) {
-    out.white_covariance = theta_sigma(options_, calibration_).cwiseAbs2().asDiagonal();
+    C_theta = constraint_directions(options_.constraints, estimate_.theta);
+    const MatrixXd C_more = unit_directions(options_.constraints.more(), plausible_errors(given_));
+    out.nuisance = C_more.cols();
+    out.constrained.resize(c, C_theta.cols() + C_more.cols());
+    out.constrained << of_theta(C_theta), C_more.topRows(c);
+  }
+  ParameterVector white = options_.softened.cwiseAbs2();
+  if (options_.method == Method::kSoft) {
+    white.head<6>() = theta_sigma(options_, calibration_).cwiseAbs2();
   } else if (!fresh_.is_zero()) {
-    out.white_covariance = fresh_.variance().cwiseProduct(scale_.cwiseAbs2()).asDiagonal();
+    white.head<6>() = fresh_.variance().cwiseProduct(scale_.cwiseAbs2());
+  }
+  if (!white.isZero(0.0)) {
+    out.white_covariance = white.head(c).asDiagonal();
   }
   if (has_witness(options_)) {
-    out.watched = out.constrained;
+    out.watched = of_theta(C_theta);
     out.witness = Witness{estimate_.layout().witness(), estimate_.witness};
   } else if (watches(options_)) {
-    out.watched = scale_.asDiagonal();
+    out.watched = of_theta(scale_.asDiagonal());
   }
   return out;
 }
 
-/// What may be wrong with the rig where a frame is linearised: F of operating_point.
+/// What may be wrong where a frame is linearised: F of operating_point. Of theta and what is the right
+/// camera's own; the left one's pixels place the points.
 MatrixXd Navigator::doubted() const {
-  switch (options_.method) {
-    case Method::kLcekf:
-      return kWidestErrors * constraint_directions(options_.constraints, estimate_.theta);
-    case Method::kSoft:
-      return theta_sigma(options_, calibration_).asDiagonal();
-    default:
-      return (kWidestErrors * scale_).asDiagonal();
+  const Index c = has_more(options_) ? kParameters : kBlockSize;
+  MatrixXd F_theta = options_.softened.head<6>().asDiagonal();
+  if (options_.method == Method::kLcekf) {
+    F_theta = kWidestErrors * constraint_directions(options_.constraints, estimate_.theta);
+  } else if (options_.method == Method::kSoft) {
+    F_theta = theta_sigma(options_, calibration_).asDiagonal();
+  } else if (!fresh_.is_zero()) {
+    F_theta = (kWidestErrors * scale_).asDiagonal();
   }
+  ParameterVector more = options_.softened;
+  if (options_.method == Method::kLcekf) {
+    more += kWidestErrors *
+            unit_directions(options_.constraints.more(), plausible_errors(given_)).rowwise().sum();
+  }
+  const Index own = first_of(ParameterBlock::kCam1);
+  MatrixXd F = MatrixXd::Zero(c, F_theta.cols() + (c > kBlockSize ? kBlockSize : 0));
+  F.topLeftCorner(kBlockSize, F_theta.cols()) = F_theta;
+  if (c > kBlockSize) {
+    F.block<kBlockSize, kBlockSize>(own, F_theta.cols()) = more.segment<kBlockSize>(own).asDiagonal();
+  }
+  return F;
 }
 
 Navigator::Newborn Navigator::bear(const StereoFrame& frame) {
@@ -282,7 +498,13 @@ Navigator::Newborn Navigator::bear(const StereoFrame& frame) {
       continue;
     }
     if (anchor < 0 && options_.landmarks == LandmarkKind::kInverseDepth) {
-      anchor = estimate_.add_anchor(rig_[0].T_cam_body.inverse());
+      // Where the place of the camera on the body, or its time, is estimated, the camera itself is the
+      // anchor.
+      const std::array<bool, 3>& has_more = estimate_.layout().has_more;
+      anchor = has_more.front() || has_more.back()
+                   ? estimate_.add_camera_anchor(
+                         cam0_pose(rig_[0], estimate_.nav.T_world_body, estimate_.layout()))
+                   : estimate_.add_anchor(rig_[0].T_cam_body.inverse());
     }
     const std::optional<UnspentRows> unspent =
         bear_landmark(estimate_, observation, rig_, options_.sigma_px, frame.t_ns, anchor, options_.birth);
@@ -314,13 +536,13 @@ void Navigator::book(const StackedFrame& stacked, const std::vector<bool>& accep
   }
 }
 
-void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, const RigParameters& shift,
+void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, const ParameterVector& shift,
                             double dt, FrameReport& report) {
   StackedFrame stacked = stack_frame(estimate_, frame, rig_, options_.sigma_px, newborn, report.refused);
   if (!shift.isZero(0.0)) {
     // r = H dx + D (theta - assumed) + noise, wherever it is linearised. What is constrained does not notice;
     // what is trusted, or expected to be small (soft), is the assumed rig and not the operating point.
-    stacked.measurement.residual += stacked.measurement.D * shift;
+    stacked.measurement.residual += stacked.measurement.D * shift.head(stacked.measurement.D.cols());
   }
   std::vector<bool> accepted(stacked.track_ids.size(), true);
   if (stacked.measurement.rows() > 0) {
@@ -342,8 +564,8 @@ void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, co
       }
     }
     const Eigen::Matrix<double, 6, 6> P_theta =
-        has_theta(options_.method) ? estimate_.P.diagonal_block<6>(estimate_.layout().theta())
-                                   : Eigen::Matrix<double, 6, 6>::Zero().eval();
+        has_theta(options_) ? estimate_.P.diagonal_block<6>(estimate_.layout().theta())
+                            : Eigen::Matrix<double, 6, 6>::Zero().eval();
     UpdateReport update_report = update(estimate_.P, trusted, how);
     if (options_.method == Method::kConsider && update_report.status == UpdateStatus::kUpdated) {
       // Schmidt: the gain's theta rows are zero, so its block stays; the cross-covariances are those of the
@@ -361,9 +583,8 @@ void Navigator::update_with(const StereoFrame& frame, const Newborn& newborn, co
       learn_from(how, update_report, dt, report);
     }
   }
-  if (estimates_theta(options_.method)) {
-    calibration_.theta = estimate_.theta;
-    rig_ = mount(calibration_);
+  if (estimates_theta(options_) || estimated(options_).any()) {
+    use_estimated_calibration();
   }
   book(stacked, accepted, newborn, report);
 }
@@ -380,12 +601,12 @@ FrameReport Navigator::process(const StereoFrame& raw) {
   rest_and_recall(estimate_, frame, last_frame_ns_, options_.upkeep);
   options_.birth.mode = birth_mode();
   const bool bear_before = options_.birth.mode == BirthMode::kDiffuse;
-  RigParameters shift = RigParameters::Zero();
+  ParameterVector shift = ParameterVector::Zero();
+  rig_ = mounted(calibration_);
   if (bear_before) {
-    StereoCalibration here = calibration_;
-    here.theta = operating_point(estimate_, frame, calibration_, options_.sigma_px, doubted());
-    shift = here.theta - calibration_.theta;
-    rig_ = mount(here);
+    const Eigen::VectorXd off = operating_point(estimate_, frame, rig_[1], options_.sigma_px, doubted());
+    shift.head(off.size()) = off;
+    rig_ = mounted(corrected(calibration_, shift));
   }
   report.removed = forget_misplaced(estimate_, frame, last_frame_ns_, rig_[0], options_.upkeep);
   last_frame_ns_ = frame.t_ns;

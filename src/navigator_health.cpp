@@ -26,8 +26,9 @@ std::optional<ParameterEvidence> Navigator::gathered(const ParameterTreatment& h
 
 void Navigator::learn_from(const ParameterTreatment& how, const UpdateReport& update, double dt,
                            FrameReport& report) {
-  HealthInput input{report.t_ns,   how.watched, update.evidence,
-                    gathered(how), update.nis,  static_cast<double>(update.dof)};
+  const MatrixXd watched = how.watched.topRows<kBlockSize>();
+  HealthInput input{report.t_ns,   watched,    update.evidence,
+                    gathered(how), update.nis, static_cast<double>(update.dof)};
   if (!how.witness && !update.evidence.empty()) {
     // Of a filter that trusts theta, NIS also counts what theta would explain.
     const EvidenceStatistic explained = statistic(update.evidence, 1.0 / (kWidestErrors * kWidestErrors));
@@ -35,9 +36,10 @@ void Navigator::learn_from(const ParameterTreatment& how, const UpdateReport& up
     input.dof -= static_cast<double>(explained.dof);
   }
   report.evidence = input;
-  if (how.white_covariance.size() > 0 && !input.frame.empty()) {
-    const MatrixXd inverse = how.watched.inverse();
-    input.frame = without_white(input.frame, inverse * how.white_covariance * inverse.transpose());
+  if (how.white_covariance.size() > 0 && !how.witness && !input.frame.empty()) {
+    const MatrixXd inverse = watched.inverse();
+    const MatrixXd white = how.white_covariance.topLeftCorner<kBlockSize, kBlockSize>();
+    input.frame = without_white(input.frame, inverse * white * inverse.transpose());
   }
   if (!fresh_.is_zero() && !input.frame.empty()) {
     fresh_.learn(input.frame, dt);

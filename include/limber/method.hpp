@@ -7,6 +7,7 @@
 #include <string>
 
 #include "limber/sensors/calibration.hpp"
+#include "limber/sensors/parameters.hpp"
 
 namespace limber {
 
@@ -32,7 +33,7 @@ inline constexpr std::array kAllMethods = {Method::kEkf,      Method::kEkfFull, 
 /// @throws std::invalid_argument for another name; the message lists the known ones
 [[nodiscard]] Method method_from_string(const std::string& name);
 
-/// Directions of theta to which the gain is blind.
+/// Parameters to which the gain is blind: directions of theta, and whatever else is listed.
 struct ConstraintSet {
   enum class Kind : std::uint8_t {
     kFull,               ///< all six
@@ -41,16 +42,21 @@ struct ConstraintSet {
     kListed              ///< those in `listed`
   };
   Kind kind = Kind::kFull;
-  std::array<bool, 6> listed{};  ///< ax, ay, az, tx, ty, tz; read for kListed only
+  ParameterSet listed{};  ///< of theta read for kListed only
+
+  [[nodiscard]] bool has_theta() const {
+    return kind != Kind::kListed || (listed & parameters_of(ParameterBlock::kTheta)).any();
+  }
+  /// Those listed beyond theta.
+  [[nodiscard]] ParameterSet more() const { return listed & ~parameters_of(ParameterBlock::kTheta); }
+  [[nodiscard]] bool empty() const { return !has_theta() && listed.none(); }
 };
 
-/// "full", "none", "rotation", "rotation+direction" or a list such as "ax,ay,tx".
+/// "full", "none", "rotation", "rotation+direction" or a list of names such as "ax,ay,tx"; names and groups
+/// beyond theta may follow: "full,dt1,intrinsics1". Names: limber/sensors/parameters.hpp.
 /// @throws std::invalid_argument for anything else
 [[nodiscard]] ConstraintSet constraint_set_from_string(const std::string& text);
 [[nodiscard]] std::string to_string(const ConstraintSet& set);
-
-/// One plausible error of each parameter: 0.1 deg, and 5 % of the baseline [rad, m].
-[[nodiscard]] RigParameters plausible_error(double baseline);
 
 /// Plausible errors that a rig may be off by where nothing is known of it, one standard deviation: 1 deg,
 /// 50 % of the baseline.
@@ -60,7 +66,8 @@ inline constexpr double kWidestErrors = 10.0;
 [[nodiscard]] Eigen::Matrix<double, 6, 6> without_length(const Eigen::Matrix<double, 6, 6>& covariance,
                                                          const RigParameters& theta);
 
-/// C: 6×k, columns scaled to one plausible error each. `rotation+direction` leaves the direction of t_s out.
+/// C of theta: 6×k, columns scaled to one plausible error each. `rotation+direction` leaves the direction of
+/// t_s out.
 [[nodiscard]] Eigen::MatrixXd constraint_directions(const ConstraintSet& set, const RigParameters& theta);
 
 }  // namespace limber

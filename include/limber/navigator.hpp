@@ -27,6 +27,12 @@ namespace limber {
 struct NavigatorOptions {
   Method method = Method::kLcekf;
   ConstraintSet constraints;  ///< lcekf only
+  /// Standard deviations of parameters that are estimated beside what the method does with theta; zero: not.
+  /// Each walks by 1 % of it per sqrt(s). Not with theta for ekf-full, consider and adaptive: those have it.
+  ParameterVector estimated = ParameterVector::Zero();
+  /// Standard deviations of errors that are fresh in every frame (time-white), beside theta of soft; zero:
+  /// none.
+  ParameterVector softened = ParameterVector::Zero();
   MotionModel motion = MotionModel::kImu;
 
   ImuNoise imu_noise;
@@ -61,6 +67,13 @@ struct InitialState {
 struct Doubt {
   Eigen::Matrix<double, 6, 6> jump;  ///< covariance of what has changed and stays [plausible errors squared]
   WhiteSize::Vector6 fresh;  ///< at least that large is what changes in every frame [plausible errors]
+};
+
+/// What a filter has learned of the calibration that it was given.
+struct CalibrationEstimate {
+  ParameterSet parameters;                          ///< those it estimates; the others are zero below
+  ParameterVector error = ParameterVector::Zero();  ///< true minus given
+  ParameterVector sigma = ParameterVector::Zero();  ///< standard deviation of that
 };
 
 /// What became of one frame.
@@ -114,6 +127,10 @@ class Navigator {
   /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
   void assume_theta(const RigParameters& theta);
 
+  /// The calibration that the filter takes for true: what was given, with what has been estimated.
+  [[nodiscard]] const StereoCalibration& calibration() const { return calibration_; }
+  [[nodiscard]] CalibrationEstimate calibration_estimate() const;
+
   [[nodiscard]] const Estimate& estimate() const { return estimate_; }
   [[nodiscard]] const NavigatorOptions& options() const { return options_; }
 
@@ -123,24 +140,28 @@ class Navigator {
   [[nodiscard]] Transition predict_step(const InputStep& step);
   [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns);
   [[nodiscard]] Newborn bear(const StereoFrame& frame);
-  /// @param shift  from the assumed rig to the one at which this frame is linearised
-  void update_with(const StereoFrame& frame, const Newborn& newborn, const RigParameters& shift, double dt,
+  /// @param shift  from the assumed calibration to the one at which this frame is linearised
+  void update_with(const StereoFrame& frame, const Newborn& newborn, const ParameterVector& shift, double dt,
                    FrameReport& report);
   void book(const StackedFrame& stacked, const std::vector<bool>& accepted, const Newborn& newborn,
             FrameReport& report);
   [[nodiscard]] Eigen::MatrixXd doubted() const;
+  [[nodiscard]] MountedRig mounted(const StereoCalibration& calibration) const;
+  void use_estimated_calibration();
   [[nodiscard]] ParameterTreatment treatment() const;
   [[nodiscard]] BirthMode birth_mode() const;
-  void walk_theta(double dt);
+  void walk_parameters(double dt);
   void learn_from(const ParameterTreatment& how, const UpdateReport& update, double dt, FrameReport& report);
   [[nodiscard]] std::optional<ParameterEvidence> gathered(const ParameterTreatment& how) const;
 
   NavigatorOptions options_;
-  StereoCalibration calibration_;  // theta is the one in use
-  RigParameters scale_;            // one plausible error of the calibration that was given
+  StereoCalibration given_;        // as assumed at the start
+  StereoCalibration calibration_;  // the one in use
+  RigParameters scale_;            // one plausible error of theta of the calibration that was given
   MountedRig rig_;
   Estimate estimate_;
   InputBuffer inputs_;
+  Eigen::Vector3d omega_input_ = Eigen::Vector3d::Zero();  // [rad/s], of the last step: gyro or odometry
   std::optional<HealthMonitor> monitor_;
   WhiteSize fresh_;  // adaptive: zero as long as theta is trusted
   std::int64_t last_frame_ns_ = std::numeric_limits<std::int64_t>::min();

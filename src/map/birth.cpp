@@ -27,6 +27,9 @@ constexpr double kFarthestBaselines = 1000.0;
 constexpr double kNearestBaselines = 0.5;
 constexpr int kRefinements = 4;
 
+/// Of the pixels that one or two cameras saw, with respect to the landmark's triplet.
+using LandmarkJacobian = Eigen::Matrix<double, Eigen::Dynamic, kTriplet, Eigen::ColMajor, 4, kTriplet>;
+
 /// What both cameras say about a new point, as unit bearings.
 struct Sighting {
   Vector3d d0;
@@ -91,17 +94,19 @@ Matrix3d diffuse_covariance(const MountedRig& rig, const Landmark& landmark, con
   return P_ll;
 }
 
-/// Reprojection of a landmark that is not in the state yet: four rows at `measurement`, H_l beside it.
-/// The landmark's own blocks are taken out of H.
+/// Reprojection of a landmark that is not in the state yet into the cameras that saw it: two or four rows at
+/// `measurement`, H_l beside it. The landmark's own blocks are taken out of H.
 bool linearise_newborn(const Estimate& estimate, const StereoObservation& observation, const MountedRig& rig,
                        const PixelNoise& sigma_px, Landmark& landmark, const Anchor* anchor,
-                       LinearMeasurement& measurement, Eigen::Matrix<double, 4, 3>& H_l) {
-  const BodyPoint point = body_point(estimate.nav.T_world_body, landmark, anchor);
-  measurement = empty_measurement(4);
+                       LinearMeasurement& measurement, LandmarkJacobian& H_l) {
+  const Index cameras = observation.in_cam1 ? 2 : 1;
+  measurement = empty_measurement(2 * cameras, jacobian_width(rig));
+  H_l.resize(2 * cameras, kTriplet);
   landmark.at = -1;
-  for (Index cam = 0; cam < 2; ++cam) {
+  for (Index cam = 0; cam < cameras; ++cam) {
+    const MountedCamera& mounted = rig[static_cast<std::size_t>(cam)];
     const std::optional<PointProjection> projection =
-        project_point(rig[static_cast<std::size_t>(cam)], point);
+        project_point(mounted, body_point_at_exposure(mounted, estimate.nav.T_world_body, landmark, anchor));
     if (!projection) {
       return false;
     }
@@ -117,7 +122,7 @@ bool linearise_newborn(const Estimate& estimate, const StereoObservation& observ
 bool bear_classically(Estimate& estimate, const StereoObservation& observation, const MountedRig& rig,
                       const PixelNoise& sigma_px, Landmark landmark, const Anchor* anchor) {
   LinearMeasurement measurement;
-  Eigen::Matrix<double, 4, 3> H_l;
+  LandmarkJacobian H_l;
   const Eigen::Vector4d weight = sigma_px.cwiseInverse();
   Eigen::Matrix<double, 3, 4> G;  // whitened pixels to landmark
   for (int i = 0; i < kRefinements; ++i) {
@@ -140,16 +145,78 @@ bool bear_classically(Estimate& estimate, const StereoObservation& observation, 
   return true;
 }
 
+/// The same for what the left camera alone saw of a point: its bearing from the pixel, with what the pose and
+/// the parameters add; its inverse depth is that of `landmark`, +- rho_sigma.
+bool bear_bearing(Estimate& estimate, StereoObservation observation, const MountedRig& rig,
+                  const PixelNoise& sigma_px, Landmark landmark, double rho_sigma) {
+  observation.in_cam1 = false;
+  LinearMeasurement measurement;
+  LandmarkJacobian H_l;
+  Eigen::Matrix2d G = Eigen::Matrix2d::Zero();  // whitened pixel to (a, b)
+  for (int i = 0; i < kRefinements; ++i) {
+    if (!linearise_newborn(estimate, observation, rig, sigma_px, landmark, estimate.anchor_of(landmark),
+                           measurement, H_l)) {
+      return false;
+    }
+    const Eigen::FullPivLU<Eigen::Matrix2d> J(H_l.leftCols<2>());
+    if (!J.isInvertible()) {
+      return false;
+    }
+    G = J.inverse() * sigma_px.head<2>().asDiagonal();
+    if (i + 1 < kRefinements) {
+      landmark.value.head<2>() += G * sigma_px.head<2>().cwiseInverse().cwiseProduct(measurement.residual);
+    }
+  }
+  const Innovation innovation = form_innovation(estimate.P, measurement);
+  const Vector2d of_rho = -G * sigma_px.head<2>().cwiseInverse().cwiseProduct(H_l.col(2));
+  const double variance = rho_sigma * rho_sigma;
+  Matrix3d P_ll;
+  P_ll.topLeftCorner<2, 2>() = G * innovation.S * G.transpose() + variance * of_rho * of_rho.transpose();
+  P_ll.topRightCorner<2, 1>() = variance * of_rho;
+  P_ll.bottomLeftCorner<1, 2>() = variance * of_rho.transpose();
+  P_ll(2, 2) = variance;
+  MatrixXd P_xl = MatrixXd::Zero(estimate.size(), kTriplet);
+  P_xl.leftCols<2>() = -innovation.PHt * G.transpose();
+  estimate.add_landmark(landmark, P_ll, P_xl);
+  return true;
+}
+
+/// Whether the left pixel shows a bearing from the body's pose at the stamp and nothing else.
+bool left_pixel_is_clean(const MountedCamera& cam0) {
+  return !cam0.depends_on_theta && !cam0.with_parameters && cam0.time_offset_s == 0.0;
+}
+
+/// Leaves the bearing to the stacked update as well.
+void forget_bearing(Matrix3d& P_ll) { P_ll.topLeftCorner<2, 2>() = Eigen::Matrix2d::Identity(); }
+
+std::optional<UnspentRows> bear_mono(Estimate& estimate, const StereoObservation& observation,
+                                     const Sighting& sighting, const MountedRig& rig,
+                                     const PixelNoise& sigma_px, std::int64_t t_ns, int anchor,
+                                     const BirthOptions& options) {
+  const Landmark landmark =
+      inverse_depth_landmark(observation, sighting.d0, options.mono_inverse_depth, anchor, t_ns);
+  const double rho_sigma = options.mono_inverse_depth_sigma;
+  Matrix3d P_ll = diffuse_covariance(rig, landmark, sigma_px, rho_sigma);
+  if (left_pixel_is_clean(rig[0])) {
+    estimate.add_landmark(landmark, P_ll);
+    return UnspentRows::kNone;
+  }
+  if (options.mode == BirthMode::kDiffuse) {
+    forget_bearing(P_ll);
+    estimate.add_landmark(landmark, P_ll);
+    return UnspentRows::kAll;
+  }
+  return bear_bearing(estimate, observation, rig, sigma_px, landmark, rho_sigma)
+             ? std::optional(UnspentRows::kNone)
+             : std::nullopt;
+}
+
 std::optional<UnspentRows> bear_inverse_depth(Estimate& estimate, const StereoObservation& observation,
                                               const Sighting& sighting, const MountedRig& rig,
                                               const PixelNoise& sigma_px, std::int64_t t_ns, int anchor,
                                               const BirthOptions& options) {
   if (!sighting.d1) {
-    const Landmark landmark =
-        inverse_depth_landmark(observation, sighting.d0, options.mono_inverse_depth, anchor, t_ns);
-    estimate.add_landmark(landmark,
-                          diffuse_covariance(rig, landmark, sigma_px, options.mono_inverse_depth_sigma));
-    return UnspentRows::kNone;
+    return bear_mono(estimate, observation, sighting, rig, sigma_px, t_ns, anchor, options);
   }
   const Pose T_cam1_cam0 = between_cameras(rig);
   Landmark landmark = inverse_depth_landmark(observation, sighting.d0,
@@ -163,9 +230,8 @@ std::optional<UnspentRows> bear_inverse_depth(Estimate& estimate, const StereoOb
   landmark.rho_assumed = landmark.value.z();
   const double rho_sigma = options.inverse_depth_sigma_baselines / T_cam1_cam0.p.norm();
   Matrix3d P_ll = diffuse_covariance(rig, landmark, sigma_px, rho_sigma);
-  if (rig[0].depends_on_theta) {
-    // The left pixel is no clean bearing of the body then: leave it to the stacked update as well.
-    P_ll.topLeftCorner<2, 2>() = Eigen::Matrix2d::Identity();
+  if (!left_pixel_is_clean(rig[0])) {
+    forget_bearing(P_ll);
     estimate.add_landmark(landmark, P_ll);
     return UnspentRows::kAll;
   }

@@ -70,9 +70,7 @@ void Estimate::retract(const Eigen::VectorXd& dx) {
     nav.bias_gyro += dx.segment<3>(L::kBiasGyro);
     nav.bias_accel += dx.segment<3>(L::kBiasAccel);
   }
-  if (layout_.has_theta) {
-    theta += dx.segment<6>(layout_.theta());
-  }
+  retract_parameters(dx);
   if (layout_.has_witness) {
     witness += dx.segment<6>(layout_.witness());
   }
@@ -80,6 +78,22 @@ void Estimate::retract(const Eigen::VectorXd& dx) {
     retract_triplet(tenants_[k], dx.segment<3>(layout_.map_begin() + kTriplet * static_cast<Index>(k)));
   }
   drift_ += dx.segment(layout_.map_begin(), drift_.size());
+}
+
+void Estimate::retract_parameters(const Eigen::VectorXd& dx) {
+  if (layout_.has_theta) {
+    theta += dx.segment<6>(layout_.theta());
+  }
+  for (std::size_t k = 0; k < layout_.has_more.size(); ++k) {
+    if (layout_.has_more[k]) {
+      more.segment<6>(6 * static_cast<Index>(k)) += dx.segment<6>(layout_.more(k));
+    }
+  }
+  if (layout_.has_more.back()) {  // the mount's rotation: Exp(more) := Exp(dx) Exp(more)
+    const Index k = kMoreParameters - 6;
+    const Vector3d turn = dx.segment<3>(layout_.more(layout_.has_more.size() - 1));
+    more.segment<3>(k) = so3_log(so3_exp(turn) * so3_exp(more.segment<3>(k) - turn));
+  }
 }
 
 void Estimate::retract_triplet(Tenant tenant, const Vector3d& dx) {
@@ -198,7 +212,7 @@ void Estimate::move_in(Tenant tenant, Index at, bool dormant) {
   }
 }
 
-int Estimate::add_anchor(const Pose& T_body_cam0) {
+int Estimate::append_anchor(const Pose& T_world_frame, const Pose& T_frame_cam0) {
   std::size_t index = anchors_.size();
   if (free_anchors_.empty()) {
     anchors_.emplace_back();
@@ -207,25 +221,54 @@ int Estimate::add_anchor(const Pose& T_body_cam0) {
     free_anchors_.pop_back();
   }
   Anchor& anchor = anchors_[index];
-  anchor.T_world_body = nav.T_world_body;
-  anchor.T_body_cam0 = T_body_cam0;
+  anchor.T_world_body = T_world_frame;
+  anchor.T_body_cam0 = T_frame_cam0;
   anchor.users = 0;
   anchor.dormant = false;
   anchor.position_at = append_triplet({Owner::kAnchorPosition, index});
   anchor.attitude_at = append_triplet({Owner::kAnchorAttitude, index});
+  return static_cast<int>(index);
+}
 
+/// @param columns  of P: those of the anchor's two triplets
+void Estimate::add_whisker(const Anchor& anchor, MatrixXd& columns) const {
+  for (Index k = 0; k < kTriplet; ++k) {
+    columns(anchor.position_at + k, k) += kCloneJitterPosition * kCloneJitterPosition;
+    columns(anchor.attitude_at + k, kTriplet + k) += kCloneJitterAttitude * kCloneJitterAttitude;
+  }
+}
+
+int Estimate::add_anchor(const Pose& T_body_cam0) {
+  const int index = append_anchor(nav.T_world_body, T_body_cam0);
+  const Anchor& anchor = anchors_[static_cast<std::size_t>(index)];
   // Same rows as the pose, plus the whisker on the diagonal.
   const std::array<Index, 2> pose = {L::kPosition, L::kAttitude};
   const std::array<Index, 2> clone = {anchor.position_at, anchor.attitude_at};
   MatrixXd columns;
   P.gather(pose, columns);
   columns.middleRows<L::kPoseSize>(anchor.position_at) = columns.topRows<L::kPoseSize>().eval();
-  for (Index k = 0; k < kTriplet; ++k) {
-    columns(anchor.position_at + k, k) += kCloneJitterPosition * kCloneJitterPosition;
-    columns(anchor.attitude_at + k, kTriplet + k) += kCloneJitterAttitude * kCloneJitterAttitude;
-  }
+  add_whisker(anchor, columns);
   P.scatter(clone, columns);
-  return static_cast<int>(index);
+  return index;
+}
+
+int Estimate::add_camera_anchor(const CameraPose& pose) {
+  const int index = append_anchor(pose.T_world_cam, Pose{});
+  const Anchor& anchor = anchors_[static_cast<std::size_t>(index)];
+  MatrixXd columns = MatrixXd::Zero(size(), L::kPoseSize), sources;
+  for (const CameraPose::Block& block : pose.blocks) {
+    P.gather(std::array<Index, 1>{block.col}, sources);
+    columns.noalias() += sources * block.value.transpose();
+  }
+  Eigen::Matrix<double, L::kPoseSize, L::kPoseSize> own;
+  own.setZero();
+  for (const CameraPose::Block& block : pose.blocks) {
+    own += block.value * columns.middleRows<kTriplet>(block.col);
+  }
+  columns.middleRows<L::kPoseSize>(anchor.position_at) = 0.5 * (own + own.transpose());
+  add_whisker(anchor, columns);
+  P.scatter(std::array<Index, 2>{anchor.position_at, anchor.attitude_at}, columns);
+  return index;
 }
 
 Landmark& Estimate::add_landmark(Landmark landmark, const Matrix3d& P_ll, const MatrixXd& P_xl) {

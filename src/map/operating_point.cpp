@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "limber/measure/rig.hpp"
 #include "limber/measure/stereo_model.hpp"
 
 namespace limber {
@@ -16,19 +15,17 @@ using Eigen::Matrix2d;
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
-using Matrix26 = Eigen::Matrix<double, 2, 6>;
-using Matrix2X = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 6>;
+using Matrix2X = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, kParameters>;
 
 namespace {
 
 constexpr double kHuber = 2.5;  // standard deviations
 constexpr int kReweightings = 3;
 
-/// Right pixel of a known landmark: residual, Jacobian of theta, and the inverse of the residual's
-/// covariance.
+/// Right pixel of a known landmark: residual, D F, and the inverse of the residual's covariance.
 struct Clue {
   Vector2d r;
-  Matrix26 D;
+  Matrix2X DF;
   Matrix2d information;
 };
 
@@ -52,7 +49,7 @@ Matrix2d predicted_covariance(const Estimate& estimate, const Landmark& landmark
 }
 
 std::vector<Clue> collect(const Estimate& estimate, const StereoFrame& frame, const MountedCamera& cam1,
-                          const PixelNoise& sigma_px) {
+                          const PixelNoise& sigma_px, const Eigen::Ref<const MatrixXd>& F) {
   std::vector<Clue> clues;
   for (const StereoObservation& o : frame.observations) {
     const Landmark* landmark = o.in_cam1 ? estimate.find(o.track_id) : nullptr;
@@ -61,11 +58,15 @@ std::vector<Clue> collect(const Estimate& estimate, const StereoFrame& frame, co
     }
     const Anchor* anchor = estimate.anchor_of(*landmark);
     const std::optional<PointProjection> projection =
-        project_point(cam1, body_point(estimate.nav.T_world_body, *landmark, anchor));
+        project_point(cam1, body_point_at_exposure(cam1, estimate.nav.T_world_body, *landmark, anchor));
     if (projection) {
       Matrix2d S = predicted_covariance(estimate, *landmark, anchor, *projection);
       S.diagonal() += sigma_px.tail<2>().cwiseAbs2();
-      clues.push_back({o.uv_cam1 - projection->uv, projection->J_theta, S.inverse()});
+      Matrix2X DF = projection->J_theta * F.topRows<kBlockSize>();
+      if (F.rows() > kBlockSize) {
+        DF += *projection->J_more * F.bottomRows<kMoreParameters>();
+      }
+      clues.push_back({o.uv_cam1 - projection->uv, DF, S.inverse()});
     }
   }
   return clues;
@@ -73,26 +74,27 @@ std::vector<Clue> collect(const Estimate& estimate, const StereoFrame& frame, co
 
 }  // namespace
 
-RigParameters operating_point(const Estimate& estimate, const StereoFrame& frame,
-                              const StereoCalibration& calibration, const PixelNoise& sigma_px,
-                              const Eigen::Ref<const MatrixXd>& F) {
-  const std::vector<Clue> clues = collect(estimate, frame, mount(calibration)[1], sigma_px);
+VectorXd operating_point(const Estimate& estimate, const StereoFrame& frame, const MountedCamera& cam1,
+                         const PixelNoise& sigma_px, const Eigen::Ref<const MatrixXd>& F) {
   VectorXd beta = VectorXd::Zero(F.cols());  // dtheta = F beta, beta ~ N(0, I)
+  if (F.isZero(0.0)) {
+    return VectorXd::Zero(F.rows());
+  }
+  const std::vector<Clue> clues = collect(estimate, frame, cam1, sigma_px, F);
   for (int i = 0; i < kReweightings; ++i) {
     MatrixXd A = MatrixXd::Identity(F.cols(), F.cols());
     VectorXd b = VectorXd::Zero(F.cols());
     for (const Clue& clue : clues) {
-      const Matrix2X DF = clue.D * F;
-      const Vector2d e = clue.r - DF * beta;
+      const Vector2d e = clue.r - clue.DF * beta;
       const double distance = std::sqrt(e.dot(clue.information * e));
       // The first pass has no idea of theta and takes everything.
       const double weight = i == 0 || distance <= kHuber ? 1.0 : kHuber / distance;
-      A += weight * DF.transpose() * clue.information * DF;
-      b += weight * DF.transpose() * (clue.information * clue.r);
+      A += weight * clue.DF.transpose() * clue.information * clue.DF;
+      b += weight * clue.DF.transpose() * (clue.information * clue.r);
     }
     beta = A.ldlt().solve(b);
   }
-  return calibration.theta + F * beta;
+  return F * beta;
 }
 
 }  // namespace limber

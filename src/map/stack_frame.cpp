@@ -26,12 +26,18 @@ struct Row {
 /// Projects a landmark into the cameras that are to be used. @return false if it does not project into one of
 /// them
 bool project_used(const Estimate& estimate, const MountedRig& rig, UnspentRows unspent, Row& row) {
-  const BodyPoint point =
-      body_point(estimate.nav.T_world_body, *row.landmark, estimate.anchor_of(*row.landmark));
+  const auto seen_by = [&](const MountedCamera& mounted) {
+    return body_point_at_exposure(mounted, estimate.nav.T_world_body, *row.landmark,
+                                  estimate.anchor_of(*row.landmark));
+  };
+  BodyPoint point = seen_by(rig[0]);
   const std::array<bool, 2> used = {row.observation->in_cam0 && unspent == UnspentRows::kAll,
                                     row.observation->in_cam1 && unspent != UnspentRows::kNone};
   for (std::size_t cam = 0; cam < 2; ++cam) {
     if (used[cam]) {
+      if (rig[cam].time_offset_s != rig[0].time_offset_s) {
+        point = seen_by(rig[cam]);
+      }
       row.projections[cam] = project_point(rig[cam], point);
       if (!row.projections[cam]) {
         return false;
@@ -65,7 +71,7 @@ StackedFrame stack_frame(const Estimate& estimate, const StereoFrame& frame, con
   }
 
   StackedFrame out;
-  out.measurement = empty_measurement(m);
+  out.measurement = empty_measurement(m, jacobian_width(rig));
   Index at = 0;
   for (const Row& point : points) {
     out.measurement.groups.push_back({at, point.rows(), point.landmark->at});

@@ -76,7 +76,7 @@ double linearity_index(const Estimate& estimate, const Landmark& landmark) {
 
 double projection_curvature(const Estimate& estimate, const Landmark& landmark, const MountedCamera& cam0) {
   const Anchor* anchor = estimate.anchor_of(landmark);
-  const BodyPoint point = body_point(estimate.nav.T_world_body, landmark, anchor);
+  const BodyPoint point = body_point_at_exposure(cam0, estimate.nav.T_world_body, landmark, anchor);
   const Eigen::RowVector3d axis = cam0.T_cam_body.R.row(2);
   const double depth = axis * point.Y + point.w * cam0.T_cam_body.p.z();
   const std::optional<PointProjection> projection = project_point(cam0, point);

@@ -6,11 +6,40 @@ namespace limber {
 using Eigen::Index;
 using L = StateLayout;
 
-LinearMeasurement empty_measurement(Index rows) {
+namespace {
+
+using Blocks = std::vector<SparseJacobian::Block>;
+
+void push_block_of_six(Blocks& blocks, Index row, Index col, const Eigen::Matrix<double, 2, kBlockSize>& J) {
+  if (!J.isZero(0.0)) {
+    blocks.push_back({row, col, J.leftCols<kTriplet>()});
+    blocks.push_back({row, col + kTriplet, J.rightCols<kTriplet>()});
+  }
+}
+
+/// What the pose at exposure owes to the body's motion since the stamp.
+void push_motion(Blocks& blocks, Index row, const PointProjection::MotionJacobians& J, MotionModel motion) {
+  switch (motion) {
+    case MotionModel::kImu:
+      blocks.push_back({row, L::kVelocity, J.velocity});
+      blocks.push_back({row, L::kBiasGyro, -J.rate});
+      break;
+    case MotionModel::kConstantVelocity:
+      blocks.push_back({row, L::kVelocity, J.velocity});
+      blocks.push_back({row, L::kRate, J.rate});
+      break;
+    case MotionModel::kOdometry:
+      break;
+  }
+}
+
+}  // namespace
+
+LinearMeasurement empty_measurement(Index rows, Index parameters) {
   LinearMeasurement out;
   out.residual.setZero(rows);
   out.sigma.setOnes(rows);
-  out.D.setZero(rows, 6);
+  out.D.setZero(rows, parameters);
   return out;
 }
 
@@ -27,10 +56,22 @@ void write_point_rows(LinearMeasurement& measurement, Index row, const Eigen::Ve
     blocks.push_back({row, anchor->position_at, projection.J_anchor_position});
     blocks.push_back({row, anchor->attitude_at, projection.J_anchor_attitude});
   }
-  measurement.D.middleRows<2>(row) = projection.J_theta;
-  if (layout.has_theta && !projection.J_theta.isZero(0.0)) {
-    blocks.push_back({row, layout.theta(), projection.J_theta.leftCols<3>()});
-    blocks.push_back({row, layout.theta() + kTriplet, projection.J_theta.rightCols<3>()});
+  if (projection.J_motion) {
+    push_motion(blocks, row, *projection.J_motion, layout.motion);
+  }
+  measurement.D.middleRows<2>(row).leftCols<kBlockSize>() = projection.J_theta;
+  if (layout.has_theta) {
+    push_block_of_six(blocks, row, layout.theta(), projection.J_theta);
+  }
+  if (!projection.J_more) {
+    return;
+  }
+  measurement.D.middleRows<2>(row).rightCols<kMoreParameters>() = *projection.J_more;
+  for (std::size_t k = 0; k < layout.has_more.size(); ++k) {
+    if (layout.has_more[k]) {
+      push_block_of_six(blocks, row, layout.more(k),
+                        projection.J_more->middleCols<kBlockSize>(kBlockSize * static_cast<Index>(k)));
+    }
   }
 }
 

@@ -47,6 +47,15 @@ MountedCamera chain_cam1(const RigParameters& theta, const MountedCamera& cam0) 
   return out;
 }
 
+/// T_body_cam0 := (Exp(phi) R, p + d), and so T_cam0_body := (Exp(−R_cb phi) R_cb, ...).
+void set_mount_jacobians(MountedCamera& cam0, MountedCamera& cam1, const Matrix3d& R_cam1_cam0) {
+  const Matrix3d& R_cam0_body = cam0.T_cam_body.R;
+  cam0.J_rotation_mount.leftCols<3>() = -R_cam0_body;
+  cam0.J_translation_mount << skew(cam0.T_cam_body.p) * R_cam0_body, -R_cam0_body;
+  cam1.J_rotation_mount = R_cam1_cam0 * cam0.J_rotation_mount;
+  cam1.J_translation_mount = R_cam1_cam0 * cam0.J_translation_mount;
+}
+
 }  // namespace
 
 Pose body_from_cam0(const StereoCalibration& calibration) {
@@ -69,9 +78,23 @@ MountedRig mount(const StereoCalibration& calibration) {
     cam0.T_cam_body = body_from_cam0(calibration).inverse();
   }
   MountedCamera cam1 = chain_cam1(calibration.theta, cam0);
+  if (calibration.body == BodyFrame::kImu) {
+    set_mount_jacobians(cam0, cam1, pose_from_rig(calibration.theta).R);
+  }
+  cam1.own = ParameterBlock::kCam1;
   cam0.camera = calibration.cam0;
   cam1.camera = calibration.cam1;
+  cam0.time_offset_s = calibration.time_offset_s[0];
+  cam1.time_offset_s = calibration.time_offset_s[1];
   return {cam0, cam1};
+}
+
+Pose at_exposure(const MountedCamera& mounted, const Pose& T_world_body) {
+  if (mounted.time_offset_s == 0.0) {
+    return T_world_body;
+  }
+  return {T_world_body.R * so3_exp(mounted.time_offset_s * mounted.motion.omega_body),
+          T_world_body.p + mounted.time_offset_s * mounted.motion.v_world};
 }
 
 }  // namespace limber

@@ -53,6 +53,24 @@ BodyPoint inverse_depth_point(const Pose& T_world_body, const Landmark& landmark
   return out;
 }
 
+/// Derivative with respect to all parameters beyond theta.
+/// @param RY, X  the point, turned into the camera; and in it
+/// @param J      of the pixel with respect to X
+Eigen::Matrix<double, 2, kMoreParameters> jacobian_of_more(const MountedCamera& mounted,
+                                                           const BodyPoint& point, const Vector3d& RY,
+                                                           const Vector3d& X,
+                                                           const Eigen::Matrix<double, 2, 3>& J,
+                                                           const PointProjection& projection) {
+  Eigen::Matrix<double, 2, kMoreParameters> out = Eigen::Matrix<double, 2, kMoreParameters>::Zero();
+  const Eigen::Index own = first_of(mounted.own) - kBlockSize;
+  out.middleCols<5>(own) = intrinsics_jacobian(mounted.camera, X, projection.uv);
+  out.col(own + 5) =
+      projection.J_position * mounted.motion.v_world + projection.J_attitude * mounted.motion.omega_body;
+  out.rightCols<kBlockSize>() =
+      J * (point.w * mounted.J_translation_mount - skew(RY) * mounted.J_rotation_mount);
+  return out;
+}
+
 }  // namespace
 
 BodyPoint body_point(const Pose& T_world_body, const Landmark& landmark, const Anchor* anchor) {
@@ -68,6 +86,16 @@ Vector3d world_position(const Landmark& landmark, const Anchor* anchor) {
   Landmark clamped = landmark;
   clamped.value.z() = rho;
   return anchor->T_world_body * Vector3d(scaled_in_anchor(clamped, *anchor) / rho);
+}
+
+BodyPoint body_point_at_exposure(const MountedCamera& mounted, const Pose& T_world_body,
+                                 const Landmark& landmark, const Anchor* anchor) {
+  BodyPoint out = body_point(at_exposure(mounted, T_world_body), landmark, anchor);
+  if (mounted.time_offset_s != 0.0) {
+    // R Exp(dtheta) Exp(omega dt) = R Exp(omega dt) Exp(Exp(−omega dt) dtheta).
+    out.J_Y_attitude *= so3_exp(-mounted.time_offset_s * mounted.motion.omega_body);
+  }
+  return out;
 }
 
 std::optional<PointProjection> project_point(const MountedCamera& mounted, const BodyPoint& point) {
@@ -91,6 +119,14 @@ std::optional<PointProjection> project_point(const MountedCamera& mounted, const
     out.J_theta = J * (point.w * mounted.J_translation - skew(RY) * mounted.J_rotation);
   } else {
     out.J_theta.setZero();
+  }
+  if (mounted.with_parameters) {
+    out.J_more = jacobian_of_more(mounted, point, RY, X, J, out);
+  }
+  if (mounted.time_offset_s != 0.0) {
+    out.J_motion = {mounted.time_offset_s * out.J_position,
+                    mounted.time_offset_s * out.J_attitude *
+                        so3_right_jacobian(-mounted.time_offset_s * mounted.motion.omega_body)};
   }
   return out;
 }

@@ -105,7 +105,7 @@ ReportTable axis_table(const HealthSummary& summary) {
   const RigParameters sigma = in_degrees_and_mm(summary.mean.sigma);
   for (std::size_t axis = 0; axis < 6; ++axis) {
     const auto k = static_cast<Eigen::Index>(axis);
-    table.rows.push_back({{kRigAxes[axis]},
+    table.rows.push_back({{std::string(kParameterNames[axis])},
                           {fmt::format("{:+.4f}", delta(k))},
                           {fmt::format("{:.4f}", sigma(k))},
                           {axis < 3 ? "deg" : "mm"},
@@ -128,7 +128,7 @@ ReportTable stretch_table(const RunFolder& run) {
     }
     std::string axes;
     for (std::size_t k = 0; k < 6; ++k) {
-      axes += named[k] ? (axes.empty() ? "" : ", ") + std::string(kRigAxes[k]) : "";
+      axes += named[k] ? (axes.empty() ? "" : ", ") + std::string(kParameterNames[k]) : "";
     }
     if (++stretches <= kMostStretches) {
       table.rows.push_back({{fmt::format("{:.2f} s", run.seconds(run.health[begin].t_ns))},

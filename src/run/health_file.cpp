@@ -22,7 +22,7 @@ constexpr std::array kVerdicts = {HealthVerdict::kOk, HealthVerdict::kSuspect, H
 
 void add_six(std::vector<std::string>& names, const std::string& what) {
   for (std::size_t k = 0; k < 6; ++k) {
-    names.push_back(what + "_" + kRigAxes[k] + (k < 3 ? " [deg]" : " [mm]"));
+    names.push_back(what + "_" + std::string(kParameterNames[k]) + (k < 3 ? " [deg]" : " [mm]"));
   }
 }
 
@@ -33,8 +33,8 @@ std::vector<std::string> column_names() {
   names.insert(names.end(), {"gathered_since_ns", "gathered_p_value [-]"});
   add_six(names, "gathered_delta");
   add_six(names, "gathered_sigma");
-  for (const char* const axis : kRigAxes) {
-    names.push_back(std::string("verdict_") + axis);
+  for (std::size_t k = 0; k < 6; ++k) {
+    names.push_back("verdict_" + std::string(kParameterNames[k]));
   }
   names.emplace_back("changed_ns");
   return names;

@@ -150,7 +150,7 @@ std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frame
 std::string to_json(const HealthSummary& summary, double false_alarms_per_hour) {
   Json axes;
   for (std::size_t k = 0; k < 6; ++k) {
-    axes[kRigAxes[k]] = to_string(summary.axes[k]);
+    axes[std::string(kParameterNames[k])] = to_string(summary.axes[k]);
   }
   const Json json = {{"verdict", to_string(summary.verdict)},
                      {"first_alarm_s", or_null(summary.first_alarm_s)},

@@ -4,20 +4,17 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
-#include <sstream>
 #include <stdexcept>
 
 namespace limber {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kPaperBaseline = 2.0;  // [m]
 constexpr double kPaperWalk = 1e-6;     // [rad^2], [m^2] per prediction step, Table 1
 constexpr double kPaperStepsPerSecond = 100.0;
 constexpr double kSmallestBaseline = 1e-4;  // [m]
 constexpr double kLargestError = 10.0;      // of an assumed calibration, in baselines
-constexpr double kLargestAngle = 180.0;     // [deg]
+constexpr double kLargestTimeOffset = 0.1;  // [s]
 constexpr double kSmallestSigmaPx = 1e-6, kLargestSigmaPx = 1e3;
 // Pixel noise where the recording says nothing: limber's own front end, and somebody's tracks.
 constexpr double kImageSigmaPx = 0.5;
@@ -106,6 +103,21 @@ void check_assumed(const StereoCalibration& given, const StereoCalibration& assu
         fmt::format("--assume-error: expected at most {} baselines of {:.4g} m, found {:.4g} m",
                     kLargestError, given.baseline(), (t_assumed - t).norm()));
   }
+  for (const Camera& camera : {assumed.cam0, assumed.cam1}) {
+    if (!(camera.fu > 0.0 && camera.fv > 0.0)) {
+      throw std::invalid_argument(fmt::format(
+          "--assume-error: expected an error that leaves focal lengths positive, found {:.4g} and {:.4g} px",
+          camera.fu, camera.fv));
+    }
+  }
+  for (const double offset : assumed.time_offset_s) {
+    if (std::abs(offset) > kLargestTimeOffset) {
+      throw std::invalid_argument(
+          fmt::format("--assume-error: expected time offsets within ±{} s, found {} s; images that far from "
+                      "their stamps are none of this pose",
+                      kLargestTimeOffset, offset));
+    }
+  }
 }
 
 void check(const Recording& recording, const RunOptions& options) {
@@ -127,8 +139,7 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   check(recording, options);
   RunSetup setup;
   setup.notes = recording.notes;
-  setup.calibration = recording.calibration;
-  setup.calibration.theta += options.assume_error;
+  setup.calibration = corrected(recording.calibration, options.assume_error);
   check_assumed(recording.calibration, setup.calibration);
   NavigatorOptions& navigator = setup.navigator;
   navigator.method = options.method;
@@ -141,6 +152,8 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   navigator.constant_velocity_noise =
       options.constant_velocity_noise.value_or(navigator.constant_velocity_noise);
   navigator.theta_sigma = options.theta_sigma.value_or(plausible_error(setup.calibration.baseline()));
+  navigator.estimated = options.estimated;
+  navigator.softened = options.softened;
   navigator.theta_walk = options.theta_walk.value_or(default_walk(setup.calibration.baseline()));
   navigator.landmarks = options.landmarks;
   navigator.gate = options.gate;
@@ -154,41 +167,6 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
     navigator.upkeep.forget_after_s = 0.0;  // a track that the front end has lost never comes back
   }
   return setup;
-}
-
-RigParameters parse_rig_error(const std::string& text, double baseline) {
-  const auto fail = [&] {
-    throw std::invalid_argument(
-        "expected six numbers ax,ay,az,tx,ty,tz (degrees within ±180; metres, or % of the baseline), "
-        "found '" +
-        text + "'");
-  };
-  RigParameters out;
-  std::istringstream stream(text);
-  std::string item;
-  Eigen::Index k = 0;
-  for (; std::getline(stream, item, ','); ++k) {
-    const bool percent = !item.empty() && item.back() == '%';
-    if (percent) {
-      item.pop_back();
-    }
-    std::size_t used = 0;
-    double value = 0.0;
-    try {
-      value = std::stod(item, &used);
-    } catch (const std::exception&) {
-      fail();
-    }
-    if (k >= 6 || used != item.size() || !std::isfinite(value) || (percent && k < 3) ||
-        (k < 3 && std::abs(value) > kLargestAngle)) {
-      fail();
-    }
-    out(k) = k < 3 ? value * kDegree : (percent ? 0.01 * value * baseline : value);
-  }
-  if (k != 6 || text.back() == ',') {
-    fail();
-  }
-  return out;
 }
 
 }  // namespace limber

@@ -18,6 +18,7 @@
 #include "limber/evaluate/consistency.hpp"
 #include "limber/evaluate/evaluation.hpp"
 #include "limber/run/health_file.hpp"
+#include "limber/run/parameter_text.hpp"
 
 namespace limber {
 namespace {
@@ -137,11 +138,36 @@ std::vector<double> in_degrees_and_metres(RigParameters theta) {
   return {theta.data(), theta.data() + theta.size()};
 }
 
+Json text_or_null(const ParameterVector& parameters) {
+  return parameters.isZero(0.0) ? Json(nullptr) : Json(format_parameters(parameters));
+}
+
+/// True minus assumed after the last frame, by name; null where nothing was estimated.
+Json estimated_parameters(const RunRecord& record) {
+  if (record.calibration.empty()) {
+    return nullptr;
+  }
+  const CalibrationEstimate& last = record.calibration.back().estimate;
+  Json out;
+  for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
+    if (last.parameters[k]) {
+      const auto at = static_cast<Eigen::Index>(k);
+      out[std::string(kParameterNames[k])] = {{"error", in_user_units(k, last.error(at))},
+                                              {"sigma", in_user_units(k, last.sigma(at))},
+                                              {"unit", user_unit_of(k)}};
+    }
+  }
+  return out;
+}
+
 /// What the user chose; null where limber chose (`notes` say what).
 Json to_json(const RunOptions& options) {
   return {{"method", to_string(options.method)},
           {"constraints", options.constraints ? Json(to_string(*options.constraints)) : Json(nullptr)},
-          {"assume_error_deg_m", in_degrees_and_metres(options.assume_error)},
+          {"assume_error_deg_m", in_degrees_and_metres(options.assume_error.head<6>())},
+          {"assume_error", text_or_null(options.assume_error)},
+          {"estimate", text_or_null(options.estimated)},
+          {"soften", text_or_null(options.softened)},
           {"sigma_px", or_null(options.sigma_px)},
           {"init", options.start == StartMode::kGroundTruth ? "groundtruth" : "auto"},
           {"landmarks", options.landmarks == LandmarkKind::kCartesian ? "cartesian" : "inverse-depth"},
@@ -179,6 +205,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["options"] = to_json(options);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
   json["theta"] = std::vector<double>(record.theta.data(), record.theta.data() + 6);
+  json["estimated"] = estimated_parameters(record);
   json["notes"] = record.notes;
   return json;
 }
@@ -193,6 +220,30 @@ std::string frames_csv(const RunRecord& record) {
     fmt::format_to(out, "{},{},{},{},{},{},{:d},{},{},{},{:.3f},{:.3f}\n", f.t_ns, f.observed, f.used, f.born,
                    f.removed, f.refused.size(), f.gate_overruled, f.nis, f.dof, f.rank, record.frame_ms[k],
                    record.source_ms[k]);
+  }
+  return text;
+}
+
+std::string calibration_csv(const RunRecord& record) {
+  const ParameterSet& parameters = record.calibration.back().estimate.parameters;
+  std::string text = "#t_ns";
+  auto out = std::back_inserter(text);
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    if (parameters[k]) {
+      fmt::format_to(out, ",{0} [{1}],sigma_{0} [{1}]", kParameterNames[k], user_unit_of(k));
+    }
+  }
+  text += '\n';
+  for (const CalibrationRow& row : record.calibration) {
+    fmt::format_to(out, "{}", row.t_ns);
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      if (parameters[k]) {
+        const auto at = static_cast<Eigen::Index>(k);
+        fmt::format_to(out, ",{},{}", in_user_units(k, row.estimate.error(at)),
+                       in_user_units(k, row.estimate.sigma(at)));
+      }
+    }
+    text += '\n';
   }
   return text;
 }
@@ -263,6 +314,10 @@ void write_run_output(const std::filesystem::path& folder, const RunOptions& opt
       write_health_csv(staged.path() / "health.csv", record.frames);
       names.emplace_back("health.csv");
     }
+    if (!record.calibration.empty()) {
+      write_file_atomically(staged.path() / "calibration.csv", calibration_csv(record));
+      names.emplace_back("calibration.csv");
+    }
     if (!summary.truth.empty()) {
       write_tum(staged.path() / "truth.tum", summary.truth);
       names.emplace_back("truth.tum");
@@ -273,6 +328,7 @@ void write_run_output(const std::filesystem::path& folder, const RunOptions& opt
     std::filesystem::remove(folder / "summary.json");
     std::filesystem::remove(folder / "truth.tum");
     std::filesystem::remove(folder / "health.csv");
+    std::filesystem::remove(folder / "calibration.csv");
     staged.move_files(names, folder);
   } catch (const std::filesystem::filesystem_error& error) {
     throw DataError(folder.string(), 0, "a folder that can be made and written", error.code().message());

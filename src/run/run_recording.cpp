@@ -193,6 +193,13 @@ TrajectoryRow row_of(const Navigator& navigator) {
   return row;
 }
 
+void keep_calibration(const Navigator& navigator, RunRecord& record) {
+  const CalibrationEstimate estimate = navigator.calibration_estimate();
+  if (estimate.parameters.any()) {
+    record.calibration.push_back({navigator.estimate().nav.t_ns, estimate});
+  }
+}
+
 bool is_sane(const TrajectoryRow& row) {
   return row.T_world_body.p.norm() < kLargestPosition && row.T_world_body.R.allFinite() &&
          row.v_world_body->allFinite() && row.covariance->allFinite();
@@ -274,6 +281,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     }
     record.frames.push_back(supervised.process(frame));
     record.trajectory.push_back(row_of(navigator));
+    keep_calibration(navigator, record);
     record.frame_ms.push_back(milliseconds(begin_filter, Clock::now()));
     if (!is_sane(record.trajectory.back())) {
       fail_diverged(options.method, n, frame.t_ns, remarks);

@@ -188,6 +188,22 @@ std::optional<Projection> project(const Camera& camera, const Vector3d& X) {
       camera.distortion);
 }
 
+Eigen::Matrix<double, 2, 5> intrinsics_jacobian(const Camera& camera, const Vector3d& X, const Vector2d& uv) {
+  // m + k1 m |m|^2 (planar), theta_d = theta + k1 theta^3 along (x, y) / rho (fisheye).
+  Vector2d radial;
+  if (std::holds_alternative<Equidistant>(camera.distortion)) {
+    const double rho = X.head<2>().norm(), theta = std::atan2(rho, X.z());
+    radial = rho > 0.0 ? Vector2d(X.head<2>() * (theta * theta * theta / rho)) : Vector2d::Zero();
+  } else {
+    const Vector2d m = X.head<2>() / X.z();
+    radial = m * m.squaredNorm();
+  }
+  Eigen::Matrix<double, 2, 5> J;
+  J << (uv.x() - camera.cu) / camera.fu, 0.0, 1.0, 0.0, camera.fu * radial.x(),  //
+      0.0, (uv.y() - camera.cv) / camera.fv, 0.0, 1.0, camera.fv * radial.y();
+  return J;
+}
+
 std::optional<Vector3d> unproject(const Camera& camera, const Vector2d& uv) {
   const Vector2d target((uv.x() - camera.cu) / camera.fu, (uv.y() - camera.cv) / camera.fv);
   if (!target.allFinite()) {

@@ -30,19 +30,6 @@ struct Run {
   }
 };
 
-StereoCalibration nominal_calibration(const Scenario& scenario) {
-  const RigScenario& rig = scenario.rig;
-  StereoCalibration calibration{rig.cam0, rig.cam1, rig.theta, rig.body, rig.T_imu_cam0};
-  calibration.T_body_cam0.R = so3_normalized(rig.T_imu_cam0.R);
-  // What a track log of cameras alone says when it is read back.
-  const bool camera_only = !scenario.use_imu && !scenario.odometry;
-  if (camera_only && rig.body == BodyFrame::kImu && rig.T_imu_cam0.R.isIdentity(0.0) &&
-      rig.T_imu_cam0.p.isZero(0.0)) {
-    calibration.body = BodyFrame::kCam0;
-  }
-  return calibration;
-}
-
 /// Poses, velocities and, with IMU, biases: constant plus a random walk.
 void fill_groundtruth(const Run& run, Recording& recording) {
   const Scenario& s = run.scenario;
@@ -253,6 +240,19 @@ std::vector<Vector3d> make_world(const Scenario& scenario, const SplineTrajector
                          : T_world_body.p + offset_around(scenario.world, u));
   }
   return points;
+}
+
+StereoCalibration nominal_calibration(const Scenario& scenario) {
+  const RigScenario& rig = scenario.rig;
+  StereoCalibration calibration{rig.cam0, rig.cam1, rig.theta, rig.body, rig.T_imu_cam0};
+  calibration.T_body_cam0.R = so3_normalized(rig.T_imu_cam0.R);
+  // What a track log of cameras alone says when it is read back.
+  const bool camera_only = !scenario.use_imu && !scenario.odometry;
+  if (camera_only && rig.body == BodyFrame::kImu && rig.T_imu_cam0.R.isIdentity(0.0) &&
+      rig.T_imu_cam0.p.isZero(0.0)) {
+    calibration.body = BodyFrame::kCam0;
+  }
+  return calibration;
 }
 
 Recording simulate(const Scenario& scenario, std::uint64_t seed, std::uint64_t run) {

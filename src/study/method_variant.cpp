@@ -9,6 +9,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "limber/run/parameter_text.hpp"
+
 namespace limber {
 namespace {
 
@@ -54,8 +56,27 @@ std::string to_string(const ThetaWalk& walk) {
                        : fmt::format("x{}", walk.factor);
 }
 
+struct ListOption {
+  std::string_view name;
+  std::string MethodVariant::*member;
+  ParameterVector (*parse)(const std::string&, const StereoCalibration&);
+};
+constexpr std::array<ListOption, 3> kListOptions = {
+    {{"estimate=", &MethodVariant::estimate, parse_parameter_sigmas},
+     {"soften=", &MethodVariant::soften, parse_parameter_sigmas},
+     {"assume=", &MethodVariant::assume, parse_calibration_error}}};
+
 void apply(std::string_view option, std::string_view text, MethodVariant& variant) {
   constexpr std::string_view kWalk = "walk=";
+  StereoCalibration some_rig;  // to find out whether a text can be read at all
+  some_rig.theta(3) = -1.0;
+  for (const auto& [name, member, parse] : kListOptions) {
+    if (option.starts_with(name)) {
+      variant.*member = option.substr(name.size());
+      (void)parse(variant.*member, some_rig);
+      return;
+    }
+  }
   if (option == "cartesian") {
     variant.landmarks = LandmarkKind::kCartesian;
   } else if (option.starts_with(kWalk)) {
@@ -70,14 +91,15 @@ void apply(std::string_view option, std::string_view text, MethodVariant& varian
   } else if (variant.method == Method::kLcekf) {
     variant.constraints = constraint_set_from_string(std::string(option));
   } else {
-    refuse(text, fmt::format("unknown option '{}', expected cartesian{}", option,
-                             variant.method == Method::kEkfFull ? " or walk=..." : ""));
+    refuse(text, fmt::format("unknown option '{}', expected cartesian, estimate=..., soften=..., "
+                             "assume=...{}",
+                             option, variant.method == Method::kEkfFull ? " or walk=..." : ""));
   }
 }
 
+/// A parameter or a group of them, with or without a value and what follows it.
 bool is_parameter(std::string_view text) {
-  constexpr std::array<std::string_view, 6> kParameters = {"ax", "ay", "az", "tx", "ty", "tz"};
-  return std::find(kParameters.begin(), kParameters.end(), text) != kParameters.end();
+  return parameters_named(text.substr(0, text.find_first_of("=:"))).has_value();
 }
 
 }  // namespace
@@ -102,6 +124,11 @@ std::string to_string(const MethodVariant& variant) {
   }
   if (variant.walk) {
     text += ":walk=" + to_string(*variant.walk);
+  }
+  for (const auto& [name, member, parse] : kListOptions) {
+    if (!(variant.*member).empty()) {
+      text += fmt::format(":{}{}", name, variant.*member);
+    }
   }
   return text;
 }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "../datasets/text_file.hpp"
+#include "limber/run/parameter_text.hpp"
 #include "limber/simulate/random.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
@@ -94,6 +95,15 @@ RunOptions run_options(const Scenario& scenario, const MethodVariant& variant, s
   RunOptions options;
   options.method = variant.method;
   options.constraints = variant.constraints;
+  if (!variant.estimate.empty()) {
+    options.estimated = parse_parameter_sigmas(variant.estimate, nominal_calibration(scenario));
+  }
+  if (!variant.soften.empty()) {
+    options.softened = parse_parameter_sigmas(variant.soften, nominal_calibration(scenario));
+  }
+  if (!variant.assume.empty()) {
+    options.assume_error = parse_calibration_error(variant.assume, nominal_calibration(scenario));
+  }
   options.landmarks = variant.landmarks;
   options.start = StartMode::kGroundTruth;
   options.initial = filter.initial;

@@ -86,7 +86,8 @@ void absorb_white(Innovation& innovation, const Eigen::Ref<const MatrixXd>& Sigm
   innovation.S.selfadjointView<Eigen::Lower>().rankUpdate(DF);
 }
 
-StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const MatrixXd>& C) {
+StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const MatrixXd>& C,
+                                  bool keep_all) {
   const Index k = C.cols(), q = innovation.stateless.residual.size();
   const auto nothing_seen = [&] {
     return StatelessSolution{MatrixXd(k, 0), MatrixXd::Identity(k, k), MatrixXd(0, 0), VectorXd(0),
@@ -107,7 +108,7 @@ StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const
   const Index rest = q - p;
   const bool says_something =
       rest > 0 && (rows.D.bottomRows(rest) * C).cwiseAbs().maxCoeff() > kNothing * qr.maxPivot();
-  if (says_something) {
+  if (says_something || (keep_all && rest > 0)) {
     append(innovation, rows.D.bottomRows(rest), rows.residual.tail(rest));
   } else {
     innovation.noise.rows += rest;
@@ -129,6 +130,7 @@ StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const
   out.G = innovation.D * (C * out.seen);
   out.L.triangularView<Eigen::Lower>().solveInPlace<Eigen::OnTheRight>(out.G);
   innovation.r.noalias() -= out.G * out.y;
+  innovation.D.noalias() -= out.G * rows.D.topRows(p);
   innovation.S.selfadjointView<Eigen::Lower>().rankUpdate(out.G);
   return out;
 }

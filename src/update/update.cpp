@@ -27,6 +27,14 @@ void check(const Innovation& innovation, const ParameterTreatment& treatment) {
                                 std::to_string(treatment.constrained.rows()) + " rows and Sigma_w " +
                                 std::to_string(treatment.white_covariance.rows()));
   }
+  if (treatment.nuisance < 0 || treatment.nuisance > treatment.constrained.cols() ||
+      (treatment.watched.cols() > 0 && treatment.constrained.cols() > treatment.nuisance &&
+       treatment.watched.cols() != treatment.constrained.cols() - treatment.nuisance)) {
+    throw std::invalid_argument("update: of " + std::to_string(treatment.constrained.cols()) +
+                                " constrained columns " + std::to_string(treatment.nuisance) +
+                                " are nuisance, but " + std::to_string(treatment.watched.cols()) +
+                                " are watched");
+  }
 }
 
 /// Eigen calls a factor with NaN on its diagonal a success.
@@ -94,15 +102,31 @@ ConstrainedRows constrained_rows(const WhiteRows& rows, const StatelessSolution&
   return out;
 }
 
-/// Evidence about beta without a constraint: (D B)ᵀ S⁻¹ (D B) and (D B)ᵀ S⁻¹ r, of the stateless rows as
-/// well.
-ParameterEvidence evidence_of(const Innovation& innovation, const MatrixXd& B, const VectorXd& y,
-                              const Factor& llt) {
+/// What the unused rows say whatever the last `nuisance` columns of F are multiplied with.
+void project_out(ConstrainedRows& rows, Index nuisance) {
+  const NullSpaceProjection projection(strong_directions(rows.F.rightCols(nuisance)));
+  const Index left = rows.y.size() - projection.rank();
+  projection.apply_left(rows.y);
+  projection.apply_left(rows.F);
+  rows.y = rows.y.tail(left).eval();
+  rows.F = rows.F.bottomLeftCorner(left, rows.F.cols() - nuisance).eval();
+  if (rows.W.size() > 0) {
+    projection.apply_right(rows.W);
+    rows.W = rows.W.rightCols(left).eval();
+  }
+}
+
+/// Evidence about a beta that is not constrained: (D B)ᵀ S⁻¹ (D B) and (D B)ᵀ S⁻¹ r of the rows that are
+/// used, and of the stateless ones as well.
+ParameterEvidence evidence_of(const Innovation& innovation, const MatrixXd& B, const WhiteRows& rows,
+                              const Factor& llt, const NullSpaceProjection& projection) {
   MatrixXd DB = innovation.D * B;
   llt.matrixL().solveInPlace(DB);
+  projection.apply_left(DB);
+  const auto used = DB.bottomRows(rows.used());
   const MatrixXd EB = innovation.stateless.D * B;
-  return {DB.transpose() * DB + EB.transpose() * EB,
-          DB.transpose() * y + EB.transpose() * innovation.stateless.residual};
+  return {used.transpose() * used + EB.transpose() * EB,
+          used.transpose() * rows.y.tail(rows.used()) + EB.transpose() * innovation.stateless.residual};
 }
 
 }  // namespace
@@ -122,7 +146,8 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
     absorb_white(innovation, treatment.white_covariance);
   }
   const MatrixXd& C = treatment.constrained;
-  const StatelessSolution stateless = solve_stateless(innovation, C);
+  const bool watches_another = treatment.watched.cols() > 0 && C.cols() == treatment.nuisance;
+  const StatelessSolution stateless = solve_stateless(innovation, C, watches_another);
   const MatrixXd D_unseen =
       C.cols() > 0 ? MatrixXd(innovation.D * (C * stateless.unseen)) : MatrixXd(innovation.r.size(), 0);
   MatrixXd A = strong_directions(D_unseen);
@@ -158,14 +183,17 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
   if (treatment.watched.cols() == 0) {
     return report;
   }
-  if (C.cols() == 0) {
-    report.evidence = evidence_of(innovation, treatment.watched, rows.y, llt);
+  if (watches_another) {
+    report.evidence = evidence_of(innovation, treatment.watched, rows, llt, projection);
     return report;
   }
-  const ConstrainedRows lost =
+  ConstrainedRows lost =
       constrained_rows(rows, stateless, D_unseen, llt, projection, treatment.witness.has_value());
+  if (treatment.nuisance > 0) {
+    project_out(lost, treatment.nuisance);
+  }
   report.evidence = {lost.F.transpose() * lost.F, lost.F.transpose() * lost.y};
-  if (treatment.witness && report.rank > 0) {
+  if (treatment.witness && lost.y.size() > 0) {
     auto own = report.dx.segment<kWitnessSize>(treatment.witness->at);
     own += learn(P, treatment.witness->at, treatment.witness->mean + own, {lost.y, lost.F, lost.W});
   }

@@ -13,6 +13,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using Eigen::VectorXd;
 using testing::Generator;
 
 const PixelNoise kSigma = PixelNoise::Constant(0.5);
@@ -59,8 +60,9 @@ Setting make(Generator& generator, const RigParameters& theta_true, double near,
 
 MatrixXd all_doubted() { return (kWidestErrors * plausible_error(0.3)).asDiagonal(); }
 
-RigParameters found(const Setting& s) {
-  return operating_point(s.estimate, s.frame, calibration(), kSigma, all_doubted());
+/// The rig at which a frame is linearised that F leaves in doubt.
+RigParameters found(const Setting& s, const MatrixXd& F = all_doubted()) {
+  return calibration().theta + operating_point(s.estimate, s.frame, mount(calibration())[1], kSigma, F);
 }
 
 /// In units of one plausible error.
@@ -125,14 +127,29 @@ TEST(OperatingPoint, LeavesWhatIsTrustedAsItIs) {
   const StereoCalibration rig = calibration();
   const MatrixXd rotation =
       kWidestErrors * constraint_directions({ConstraintSet::Kind::kRotation, {}}, rig.theta);
-  const RigParameters theta = operating_point(s.estimate, s.frame, rig, kSigma, rotation);
+  const RigParameters theta = found(s, rotation);
   EXPECT_EQ(theta.tail<3>(), rig.theta.tail<3>());
   EXPECT_GE((theta - rig.theta).head<3>().norm(), 1e-3);
   const MatrixXd direction =
       kWidestErrors * constraint_directions({ConstraintSet::Kind::kRotationDirection, {}}, rig.theta);
-  const RigParameters moved = operating_point(s.estimate, s.frame, rig, kSigma, direction) - rig.theta;
+  const RigParameters moved = found(s, direction) - rig.theta;
   EXPECT_NEAR(moved.tail<3>().dot(rig.theta.tail<3>()), 0.0, 1e-12);
-  EXPECT_EQ(operating_point(s.estimate, s.frame, rig, kSigma, MatrixXd(6, 0)), rig.theta);
+  EXPECT_EQ(found(s, MatrixXd(6, 0)), rig.theta);
+}
+
+TEST(OperatingPoint, FindsWhatElseIsWrongWithTheRightCamera) {
+  Generator generator(10);
+  ParameterVector error = ParameterVector::Zero();
+  error.segment<5>(first_of(ParameterBlock::kCam1)) << 4.0, -3.0, 5.0, 6.0, 0.02;
+  const StereoCalibration assumed = corrected(calibration(), error);
+  const Setting s = make(generator, calibration().theta, 2.0, 20.0, 60);
+  MountedCamera cam1 = mount(assumed)[1];
+  cam1.with_parameters = true;
+  MatrixXd F = MatrixXd::Zero(kParameters, 5);
+  F.middleRows<5>(first_of(ParameterBlock::kCam1)) =
+      (kWidestErrors * plausible_errors(assumed).segment<5>(first_of(ParameterBlock::kCam1))).asDiagonal();
+  const VectorXd shift = operating_point(s.estimate, s.frame, cam1, kSigma, F);
+  EXPECT_LE((shift + error).cwiseQuotient(plausible_errors(assumed)).cwiseAbs().maxCoeff(), 0.05);
 }
 
 }  // namespace

@@ -56,11 +56,16 @@ StereoFrame perfect_frame(const Estimate& estimate, const MountedRig& rig, doubl
   StereoFrame frame;
   for (std::int64_t id = 0; id < 6; ++id) {
     const Landmark& landmark = *estimate.find(id);
-    const BodyPoint point = body_point(estimate.nav.T_world_body, landmark, estimate.anchor_of(landmark));
+    const auto pixel = [&](const MountedCamera& camera) {
+      return Vector2d(project_point(camera, body_point_at_exposure(camera, estimate.nav.T_world_body,
+                                                                   landmark, estimate.anchor_of(landmark)))
+                          ->uv +
+                      Vector2d::Constant(offset));
+    };
     StereoObservation observation;
     observation.track_id = id;
-    observation.uv_cam0 = project_point(rig[0], point)->uv + Vector2d::Constant(offset);
-    observation.uv_cam1 = project_point(rig[1], point)->uv + Vector2d::Constant(offset);
+    observation.uv_cam0 = pixel(rig[0]);
+    observation.uv_cam1 = pixel(rig[1]);
     frame.observations.push_back(observation);
   }
   return frame;
@@ -116,6 +121,72 @@ TEST(StackFrame, HAndDMatchCentralDifferencesOfTheRetractedEstimate) {
       testing::check_jacobian(
           z.D, [&](const VectorXd& dtheta) { return residual(no_dx, dtheta); }, 1e-6);
     }
+  }
+}
+
+/// The cameras of `rig`, corrected by what the estimate says, on a body that moves as it says.
+MountedRig mounted_on(const Estimate& estimate, const StereoCalibration& rig, const Vector3d& gyro,
+                      const ParameterVector& error) {
+  ParameterVector more = error;
+  more.tail<kMoreParameters>() += estimate.more;
+  StereoCalibration corrected_rig = corrected(rig, more);
+  corrected_rig.theta = estimate.theta + error.head<6>();
+  MountedRig out = mount(corrected_rig);
+  for (MountedCamera& camera : out) {
+    camera.with_parameters = true;
+    camera.motion.v_world = estimate.nav.v_world_body;
+    camera.motion.omega_body = estimate.layout().motion == MotionModel::kImu
+                                   ? Vector3d(gyro - estimate.nav.bias_gyro)
+                                   : estimate.nav.omega_body;
+  }
+  return out;
+}
+
+TEST(StackFrame, HAndDOfAllParametersMatchCentralDifferencesOfTheRetractedEstimate) {
+  Generator generator(12);
+  const Vector3d gyro(0.3, -0.8, 1.1);
+  for (const MotionModel motion :
+       {MotionModel::kImu, MotionModel::kConstantVelocity, MotionModel::kOdometry}) {
+    for (const double offset : {0.0, 0.006}) {
+      SCOPED_TRACE(::testing::Message() << "motion " << static_cast<int>(motion) << ", offset " << offset);
+      StereoCalibration rig = calibration(BodyFrame::kImu);
+      rig.time_offset_s = {offset, -0.5 * offset};
+      StateLayout layout{motion, true};
+      layout.has_more = {true, true, true};
+      Estimate estimate = visible_map(generator, layout, rig);
+      estimate.nav.v_world_body << 1.5, -2.0, 0.4;
+      estimate.nav.omega_body << -0.4, 0.9, 0.2;
+      const MountedRig here = mounted_on(estimate, rig, gyro, ParameterVector::Zero());
+      const StereoFrame frame = perfect_frame(estimate, here);
+      const LinearMeasurement z = stacked(estimate, frame, here).frame.measurement;
+      const auto residual = [&](const VectorXd& dx, const ParameterVector& error) {
+        Estimate moved = estimate;
+        moved.retract(dx);
+        return VectorXd(
+            -stacked(moved, frame, mounted_on(moved, rig, gyro, error)).frame.measurement.residual);
+      };
+      testing::check_jacobian(
+          z.H.dense(z.rows(), estimate.size()),
+          [&](const VectorXd& dx) { return residual(dx, ParameterVector::Zero()); }, 1e-6);
+      ASSERT_EQ(z.D.cols(), kParameters);
+      const VectorXd no_dx = VectorXd::Zero(estimate.size());
+      testing::check_jacobian(
+          z.D, [&](const VectorXd& error) { return residual(no_dx, error); }, 1e-6);
+    }
+  }
+}
+
+TEST(StackFrame, AParameterThatACameraDoesNotHaveMovesNoneOfItsPixels) {
+  Generator generator(13);
+  const StereoCalibration rig = calibration(BodyFrame::kImu);
+  const Estimate estimate = visible_map(generator, {MotionModel::kOdometry, false}, rig);
+  const MountedRig here = mounted_on(estimate, rig, Vector3d::Zero(), ParameterVector::Zero());
+  const LinearMeasurement z = stacked(estimate, perfect_frame(estimate, here), here).frame.measurement;
+  for (Index row = 0; row < z.rows(); row += 4) {
+    EXPECT_TRUE(z.D.block(row, first_of(ParameterBlock::kCam1), 2, 6).isZero(0.0));
+    EXPECT_TRUE(z.D.block(row + 2, first_of(ParameterBlock::kCam0), 2, 6).isZero(0.0));
+    EXPECT_FALSE(z.D.block(row, first_of(ParameterBlock::kCam0), 2, 5).isZero(1e-3));
+    EXPECT_FALSE(z.D.block(row + 2, first_of(ParameterBlock::kMount), 2, 6).isZero(1e-3));
   }
 }
 

@@ -39,7 +39,8 @@ TEST(Method, AnUnknownNameIsRefusedWithTheKnownOnes) {
 
 TEST(ConstraintSet, ComesBackFromItsString) {
   for (const std::string text :
-       {"full", "none", "rotation", "rotation+direction", "ax", "tz", "ax,ay,tx", "ax,ay,az,tx,ty,tz"}) {
+       {"full", "none", "rotation", "rotation+direction", "ax", "tz", "ax,ay,tx", "ax,ay,az,tx,ty,tz",
+        "full,dt1", "rotation,fu1,imu-tx", "rotation+direction,dt0", "tx,radial0", "dt0,dt1"}) {
     EXPECT_EQ(to_string(constraint_set_from_string(text)), text);
   }
 }
@@ -47,11 +48,16 @@ TEST(ConstraintSet, ComesBackFromItsString) {
 TEST(ConstraintSet, AListIsPutInOrder) {
   EXPECT_EQ(to_string(constraint_set_from_string("tx,ax")), "ax,tx");
   EXPECT_EQ(to_string(constraint_set_from_string("ty,ty")), "ty");
+  EXPECT_EQ(to_string(constraint_set_from_string("theta")), "ax,ay,az,tx,ty,tz");
+  EXPECT_EQ(to_string(constraint_set_from_string("none,dt1")), "dt1");
+  EXPECT_EQ(to_string(constraint_set_from_string("full,imu,intrinsics1")),
+            "full,fu1,fv1,cu1,cv1,radial1,imu-ax,imu-ay,imu-az,imu-tx,imu-ty,imu-tz");
 }
 
 TEST(ConstraintSet, AnythingElseIsRefusedWithWhatWasExpected) {
   for (const std::string text :
-       {"", "all", "ax,", ",ax", "ax,,ay", "ax ay", "ax, ay", "Full", "none,ax", "rotation,tx", "bx"}) {
+       {"", "all", "ax,", ",ax", "ax,,ay", "ax ay", "ax, ay", "Full", "none,ax", "rotation,tx", "bx", "full,",
+        "dt1,full", "full,theta", "full,dt", "full,full"}) {
     const std::string message = message_of([&] { (void)constraint_set_from_string(text); });
     EXPECT_NE(message.find("'" + text + "'"), std::string::npos) << message;
     EXPECT_NE(message.find("rotation+direction"), std::string::npos) << message;

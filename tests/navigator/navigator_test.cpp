@@ -355,5 +355,48 @@ TEST(Navigator, ThetaCanBeAssumedUnlessItIsInTheState) {
   }
 }
 
+TEST(Navigator, ParametersThatContradictEachOtherAreRefused) {
+  const Scene scene = small_scene();
+  const auto refusal = [&](Method method, const std::string& constraints, const std::string& estimated,
+                           const std::string& softened, BodyFrame body = BodyFrame::kImu) {
+    NavigatorOptions options = with_method(scene, method);
+    options.constraints = constraint_set_from_string(constraints);
+    const auto set = [](const std::string& name, ParameterVector& sigma) {
+      const std::optional<ParameterSet> named = parameters_named(name);
+      for (std::size_t k = 0; named && k < named->size(); ++k) {
+        sigma(static_cast<Eigen::Index>(k)) = (*named)[k] ? 1e-3 : 0.0;
+      }
+    };
+    set(estimated, options.estimated);
+    set(softened, options.softened);
+    StereoCalibration calibration = scene.calibration;
+    calibration.body = body;
+    try {
+      const Navigator navigator(options, calibration, scene.initial);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(refusal(Method::kLcekf, "full,dt1", "dt0", "cu1"), "none");
+  EXPECT_EQ(refusal(Method::kLcekf, "rotation", "tx", ""), "none");
+  EXPECT_EQ(refusal(Method::kEkf, "full", "tx", "ax"), "none");
+  EXPECT_NE(refusal(Method::kLcekf, "full,dt1", "dt1", "").find("dt1 cannot be constrained and estimated"),
+            std::string::npos);
+  EXPECT_NE(refusal(Method::kLcekf, "tx", "", "tx").find("tx cannot be constrained and softened"),
+            std::string::npos);
+  EXPECT_NE(refusal(Method::kEkfFull, "full", "ay", "").find("ay of ekf-full is in the state already"),
+            std::string::npos);
+  EXPECT_NE(refusal(Method::kSoft, "full", "", "ay").find("ay is softened by soft already"),
+            std::string::npos);
+  EXPECT_NE(refusal(Method::kMonoLeft, "full", "fu1", "").find("fu1 cannot be seen without the right camera"),
+            std::string::npos);
+  EXPECT_NE(refusal(Method::kEkf, "full", "imu-tx", "", BodyFrame::kCam0).find("body is not an IMU"),
+            std::string::npos);
+  NavigatorOptions negative = with_method(scene, Method::kEkf);
+  negative.estimated(7) = -1.0;
+  EXPECT_THROW(Navigator(negative, scene.calibration, scene.initial), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace limber

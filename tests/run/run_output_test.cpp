@@ -147,7 +147,7 @@ TEST(WriteRunOutput, TakesAwayTheTruthOfAnOlderRun) {
 TEST(WriteRunOutput, SummaryHoldsWhatTheUserChose) {
   const TemporaryFolder folder;
   Judged run(short_recording());
-  run.options.assume_error << 0.0, M_PI / 180.0, 0.0, 0.1, 0.0, 0.0;
+  run.options.assume_error.head<6>() << 0.0, M_PI / 180.0, 0.0, 0.1, 0.0, 0.0;
   write_run_output(folder.path(), run.options, run.record, run.summary);
   const Json options = Json::parse(testing::read_text(folder.path() / "summary.json"))["options"];
   EXPECT_EQ(options["method"], "lcekf");

@@ -33,7 +33,8 @@ TEST(MethodVariant, ReadsWhatItWrites) {
   for (const std::string text :
        {"ekf", "ekf-full", "oracle", "lcekf", "lcekf:full", "lcekf:none", "lcekf:rotation+direction",
         "lcekf:ax,tz", "mono-left:cartesian", "lcekf:rotation:cartesian", "ekf-full:walk=x10",
-        "ekf-full:walk=x0.1", "ekf-full:walk=0/0", "ekf-full:walk=5e-07/0.1", "ekf-full:cartesian:walk=x2"}) {
+        "ekf-full:walk=x0.1", "lcekf:full,fu0,dt1", "ekf:estimate=dt0,imu:assume=dt0=0.005,imu-tx=0.01",
+        "ekf:soften=cu1=2", "ekf-full:walk=0/0", "ekf-full:walk=5e-07/0.1", "ekf-full:cartesian:walk=x2"}) {
     EXPECT_EQ(to_string(method_variant_from_string(text)), text);
   }
 }
@@ -42,7 +43,7 @@ TEST(MethodVariant, HoldsWhatTheTextSays) {
   const MethodVariant lcekf = method_variant_from_string("lcekf:tx,ty:cartesian");
   EXPECT_EQ(lcekf.method, Method::kLcekf);
   EXPECT_EQ(lcekf.landmarks, LandmarkKind::kCartesian);
-  EXPECT_EQ(lcekf.constraints->listed, (std::array<bool, 6>{false, false, false, true, true, false}));
+  EXPECT_EQ(lcekf.constraints->listed, ParameterSet("011000"));
   const MethodVariant full = method_variant_from_string("ekf-full:walk=2e-5/20");
   EXPECT_TRUE(full.walk->absolute);
   EXPECT_EQ(full.walk->rotation, 2e-5);
@@ -53,6 +54,9 @@ TEST(MethodVariant, HoldsWhatTheTextSays) {
 
 TEST(MethodVariants, KeepTheParametersOfAListTogether) {
   EXPECT_THAT(labels_of("lcekf:ax,tx,ekf,lcekf:tz"), ElementsAre("lcekf:ax,tx", "ekf", "lcekf:tz"));
+  EXPECT_THAT(labels_of("ekf:estimate=dt0=0.001,dt1:assume=dt0=0.005,fu1=1%,lcekf:full,intrinsics0,soft"),
+              ElementsAre("ekf:estimate=dt0=0.001,dt1:assume=dt0=0.005,fu1=1%",
+                          "lcekf:full,fu0,fv0,cu0,cv0,radial0", "soft"));
 }
 
 TEST(MethodVariants, RefuseEverythingElseAndSayWhy) {
@@ -66,6 +70,9 @@ TEST(MethodVariants, RefuseEverythingElseAndSayWhy) {
   for (const std::string walk : {"", "x", "10", "1/2/3", "-1/1", "x-1", "nan/1", "1e-6/"}) {
     EXPECT_THAT(message_of("ekf-full:walk=" + walk), HasSubstr("expected walk=xFACTOR")) << walk;
   }
+  EXPECT_THAT(message_of("ekf:estimate="), HasSubstr("unknown parameter ''"));
+  EXPECT_THAT(message_of("ekf:soften=dt2"), HasSubstr("unknown parameter 'dt2'"));
+  EXPECT_THAT(message_of("ekf:assume=dt1"), HasSubstr("NAME=VALUE"));
   EXPECT_THAT(message_of("ekf,lcekf,ekf"), HasSubstr("'ekf': comes twice"));
 }
 

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -12,10 +15,11 @@
 /// The state, its error and its layout; said once, here.
 ///
 /// Error state: true = estimate ⊕ error. Additive for positions, velocities, biases, landmark values and
-/// theta; attitude local: R_true = R_est Exp(dtheta), dtheta [rad] in the body frame. Order: position,
-/// attitude, then what the motion model adds, then theta (if estimated or considered), then the witness of
-/// the calibration monitor (if any; limber/update/witness.hpp), then the triplets of the map in no particular
-/// order (anchors: a position and an attitude triplet; landmarks: one).
+/// parameters of the calibration; attitude local: R_true = R_est Exp(dtheta), dtheta [rad] in the body frame.
+/// Order: position, attitude, then what the motion model adds, then parameters beyond theta, then theta (of
+/// both, what is estimated or considered), then the witness of the calibration monitor (if any;
+/// limber/update/witness.hpp), then the triplets of the map in no particular order (anchors: a position and
+/// an attitude triplet; landmarks: one).
 namespace limber {
 
 /// What drives the prediction, and so what the state holds beside the pose.
@@ -43,6 +47,7 @@ struct StateLayout {
   MotionModel motion = MotionModel::kImu;
   bool has_theta = false;
   bool has_witness = false;
+  std::array<bool, 3> has_more{};  ///< parameters of cam0, cam1, mount (limber/sensors/parameters.hpp)
 
   static constexpr Eigen::Index kPosition = 0;
   static constexpr Eigen::Index kAttitude = 3;
@@ -64,10 +69,14 @@ struct StateLayout {
     }
     return 6;
   }
+  /// Start of the k-th of has_more (six wide), valid only if it is there.
+  [[nodiscard]] Eigen::Index more(std::size_t k) const {
+    return body_size() + 6 * std::count(has_more.begin(), has_more.begin() + k, true);
+  }
   /// Start of theta (six wide), valid only if has_theta.
-  [[nodiscard]] Eigen::Index theta() const { return body_size(); }
+  [[nodiscard]] Eigen::Index theta() const { return more(has_more.size()); }
   /// Start of the witness (six wide), valid only if has_witness.
-  [[nodiscard]] Eigen::Index witness() const { return body_size() + (has_theta ? 6 : 0); }
+  [[nodiscard]] Eigen::Index witness() const { return theta() + (has_theta ? 6 : 0); }
   /// Start of the map.
   [[nodiscard]] Eigen::Index map_begin() const { return witness() + (has_witness ? 6 : 0); }
 };

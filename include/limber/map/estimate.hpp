@@ -9,12 +9,14 @@
 #include "limber/core/covariance.hpp"
 #include "limber/core/state.hpp"
 #include "limber/map/dormant_block.hpp"
+#include "limber/measure/camera_pose.hpp"
 #include "limber/measure/stereo_model.hpp"
 #include "limber/sensors/calibration.hpp"
+#include "limber/sensors/parameters.hpp"
 
 namespace limber {
 
-/// @brief Mean and covariance of everything the filter knows: body, theta (if in the state), anchors,
+/// @brief Mean and covariance of everything the filter knows: body, parameters (if in the state), anchors,
 /// landmarks. Keeps mean and covariance in step while the map grows and shrinks.
 ///
 /// Landmarks out of view can be laid to rest: they leave P and cost nothing until they are recalled, and the
@@ -38,7 +40,7 @@ class Estimate {
   /// The landmark's anchor; null for Cartesian landmarks.
   [[nodiscard]] const Anchor* anchor_of(const Landmark& landmark) const;
 
-  /// @brief x := x ⊕ dx, dx: size(). Theta moves only if it is in the state.
+  /// @brief x := x ⊕ dx, dx: size(). Parameters move only if they are in the state.
   ///
   /// The covariance is carried along: it keeps its meaning as that of the right-invariant error (Exp(phi)
   /// acting on all world vectors), so that what nobody can observe, position and heading of the world, stays
@@ -57,6 +59,10 @@ class Estimate {
   /// Clones the body's pose into the state as a new anchor; returns its index. A whisker of noise (1 µm, 0.1
   /// µrad) keeps P positive definite while clone and pose are otherwise the same.
   int add_anchor(const Pose& T_body_cam0);
+
+  /// The same with the pose of the left camera instead of the body's, whose errors include those of mount and
+  /// time offset: what is seen from it does not depend on them, however its depth is corrected later on.
+  int add_camera_anchor(const CameraPose& pose);
 
   /// Removes an anchor that no landmark came to stand on; -1 is nobody.
   void drop_unused_anchor(int anchor);
@@ -96,6 +102,8 @@ class Estimate {
 
   NavigationState nav;
   RigParameters theta;  ///< what the filter takes for the rig: an estimate if in the state, else assumed
+  /// Parameters beyond theta, true minus assumed, as far as they are in the state.
+  Eigen::Matrix<double, kMoreParameters, 1> more = Eigen::Matrix<double, kMoreParameters, 1>::Zero();
   Eigen::Matrix<double, 6, 1> witness = Eigen::Matrix<double, 6, 1>::Zero();  ///< [plausible errors]
   Covariance P;
 
@@ -109,6 +117,8 @@ class Estimate {
   /// Carries the covariance along with the correction dx: see retract.
   void transport(const Eigen::VectorXd& dx);
   void add_attitude_coupling(const Eigen::MatrixXd& U);
+  int append_anchor(const Pose& T_world_frame, const Pose& T_frame_cam0);
+  void add_whisker(const Anchor& anchor, Eigen::MatrixXd& columns) const;
   Eigen::Index append_triplet(Tenant tenant);
   void remove_triplet(Eigen::Index at, bool dormant);
   void move_in(Tenant tenant, Eigen::Index at, bool dormant);
@@ -123,6 +133,7 @@ class Estimate {
     Tenant tenant;
     Eigen::Vector3d displacement;  // since the covariance was last carried along
   };
+  void retract_parameters(const Eigen::VectorXd& dx);
   void retract_triplet(Tenant tenant, const Eigen::Vector3d& dx);
   [[nodiscard]] bool is_world_vector(Tenant tenant) const;
   [[nodiscard]] std::vector<bool> anchors_in_use(const std::vector<bool>& resting) const;

@@ -10,10 +10,11 @@
 namespace limber {
 
 /// @brief A measurement of `rows` rows, all zero.
-[[nodiscard]] LinearMeasurement empty_measurement(Eigen::Index rows);
+/// @param parameters  columns of D: those of theta, or all (jacobian_width)
+[[nodiscard]] LinearMeasurement empty_measurement(Eigen::Index rows, Eigen::Index parameters = kBlockSize);
 
 /// @brief Writes the two rows of one point in one camera at `row` of a stacked measurement: residual, sigma,
-/// the blocks of H, and theta's share, which goes to D, and to H as well if theta is in the state.
+/// the blocks of H, and the parameters' share, which goes to D, and to H as well for those in the state.
 /// @param anchor    of the landmark; null if Cartesian
 /// @param sigma_px  standard deviations of (u, v) [px]
 void write_point_rows(LinearMeasurement& measurement, Eigen::Index row, const Eigen::Vector2d& uv_measured,

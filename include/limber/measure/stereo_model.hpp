@@ -6,6 +6,7 @@
 
 #include "limber/core/state.hpp"
 #include "limber/measure/rig.hpp"
+#include "limber/sensors/parameters.hpp"
 
 namespace limber {
 
@@ -26,6 +27,11 @@ struct BodyPoint {
 /// @param anchor  the landmark's anchor; null for a Cartesian landmark
 [[nodiscard]] BodyPoint body_point(const Pose& T_world_body, const Landmark& landmark, const Anchor* anchor);
 
+/// @brief The same at the time at which a camera took its image, with derivatives with respect to the pose at
+/// the stamp. The body moves as mounted.motion says.
+[[nodiscard]] BodyPoint body_point_at_exposure(const MountedCamera& mounted, const Pose& T_world_body,
+                                               const Landmark& landmark, const Anchor* anchor);
+
 /// @brief Position of the landmark in the world [m]; far away but finite where the inverse depth is not
 /// positive.
 [[nodiscard]] Eigen::Vector3d world_position(const Landmark& landmark, const Anchor* anchor);
@@ -36,6 +42,13 @@ struct PointProjection {
   Eigen::Matrix<double, 2, 3> J_position, J_attitude, J_landmark;
   Eigen::Matrix<double, 2, 3> J_anchor_position, J_anchor_attitude;  ///< inverse depth only
   Eigen::Matrix<double, 2, 6> J_theta;  ///< zero if the camera does not depend on theta
+  /// Parameters beyond theta, in their order; only if the camera was mounted with_parameters.
+  std::optional<Eigen::Matrix<double, 2, kMoreParameters>> J_more;
+  /// The body's velocity (world) and rate (body); only if the camera has a time offset.
+  struct MotionJacobians {
+    Eigen::Matrix<double, 2, 3> velocity, rate;
+  };
+  std::optional<MotionJacobians> J_motion;
 };
 
 /// @brief Projects a body point into one camera of the rig.

@@ -49,9 +49,6 @@ struct HealthSummary {
 /// As in summary.json, degrees and mm: docs/formats.md.
 [[nodiscard]] std::string to_json(const HealthSummary& summary, double false_alarms_per_hour);
 
-/// The six parameters of the rig, in their order.
-inline constexpr std::array<const char*, 6> kRigAxes = {"ax", "ay", "az", "tx", "ty", "tz"};
-
 /// From radians and metres to degrees and millimetres.
 [[nodiscard]] RigParameters in_degrees_and_mm(const RigParameters& theta);
 

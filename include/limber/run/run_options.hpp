@@ -22,8 +22,10 @@ enum class StartMode : std::uint8_t {
 struct RunOptions {
   Method method = Method::kLcekf;
   std::optional<ConstraintSet> constraints;  ///< lcekf; nothing: the default for the recording's sensors
-  RigParameters assume_error = RigParameters::Zero();  ///< added to the assumed theta [rad, m]
-  std::optional<double> sigma_px;                      ///< nothing: the recording's, or the default
+  ParameterVector assume_error = ParameterVector::Zero();  ///< added to the assumed calibration
+  ParameterVector estimated = ParameterVector::Zero();     ///< see NavigatorOptions
+  ParameterVector softened = ParameterVector::Zero();      ///< see NavigatorOptions
+  std::optional<double> sigma_px;                          ///< nothing: the recording's, or the default
   StartMode start = StartMode::kAuto;
   InitialSigma initial;  ///< kGroundTruth: what the estimator assumes of its start
   std::optional<InitialSigma>
@@ -59,9 +61,5 @@ struct RunSetup {
 /// that
 ///         assume_error makes vanish
 [[nodiscard]] RunSetup set_up_run(const Recording& recording, const RunOptions& options);
-
-/// "ax,ay,az,tx,ty,tz" in degrees and metres, a value with % is of the baseline [m].
-/// @throws std::invalid_argument that says what was expected
-[[nodiscard]] RigParameters parse_rig_error(const std::string& text, double baseline);
 
 }  // namespace limber

@@ -26,6 +26,12 @@ using FrameSource = std::function<StereoFrame(std::size_t)>;
 /// Told of every frame once it is processed; what it throws ends the run and passes through.
 using FrameObserver = std::function<void(const Navigator&, const FrameReport&)>;
 
+/// What a filter took for the calibration after a frame.
+struct CalibrationRow {
+  std::int64_t t_ns = 0;
+  CalibrationEstimate estimate;
+};
+
 /// What a run leaves behind.
 struct RunRecord {
   std::vector<TrajectoryRow> trajectory;  ///< after each frame
@@ -34,6 +40,7 @@ struct RunRecord {
   std::vector<double> source_ms;          ///< time in the frame source per frame [ms]
   std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< the final map, p_world_landmark [m]
   RigParameters theta = RigParameters::Zero();        ///< what the filter takes for the rig at the end
+  std::vector<CalibrationRow> calibration;            ///< one per row of the trajectory, if it is estimated
   std::vector<std::string> notes;                     ///< choices made on the user's behalf, in plain words
   MotionModel motion = MotionModel::kImu;
 };

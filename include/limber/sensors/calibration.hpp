@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 
 #include "limber/core/pose.hpp"
 #include "limber/sensors/camera.hpp"
@@ -29,10 +30,15 @@ struct StereoCalibration {
   RigParameters theta = RigParameters::Zero();
   BodyFrame body = BodyFrame::kImu;
   Pose T_body_cam0;  ///< used for kImu; identity for kCam0, derived from theta for kMiddleOfBaseline
+  /// How much later than its stamp an image of cam0, cam1 was taken [s], by the clock of IMU or odometry.
+  std::array<double, 2> time_offset_s{};
 
   /// Distance between the camera centres [m].
   [[nodiscard]] double baseline() const { return theta.tail<3>().norm(); }
 };
+
+/// One plausible error of theta: 0.1 deg, and 5 % of the baseline [rad, m].
+[[nodiscard]] RigParameters plausible_error(double baseline);
 
 /// IMU noise: continuous densities, as in EuRoC's imu0/sensor.yaml.
 struct ImuNoise {

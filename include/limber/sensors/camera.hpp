@@ -41,6 +41,12 @@ struct Projection {
 /// @return nothing where the model is not valid: z <= 0 (pinhole), or the distortion is not monotonic there.
 [[nodiscard]] std::optional<Projection> project(const Camera& camera, const Eigen::Vector3d& X);
 
+/// @brief Derivative of the pixel of X with respect to fu, fv, cu, cv and the first radial coefficient k1 (of
+/// a camera without distortion: of a radial-tangential one whose coefficients are zero).
+/// @param uv  the pixel of X, as project has it
+[[nodiscard]] Eigen::Matrix<double, 2, 5> intrinsics_jacobian(const Camera& camera, const Eigen::Vector3d& X,
+                                                              const Eigen::Vector2d& uv);
+
 /// @brief Unit bearing (camera frame) of the raw pixel uv, the inverse of project.
 /// @return nothing where the iteration does not converge (pixel outside the model's valid range).
 [[nodiscard]] std::optional<Eigen::Vector3d> unproject(const Camera& camera, const Eigen::Vector2d& uv);

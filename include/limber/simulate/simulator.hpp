@@ -19,6 +19,9 @@ namespace limber {
 /// Times of a sensor of `rate` [Hz], from 0 to `duration` [s], both included: [ns].
 [[nodiscard]] std::vector<std::int64_t> sample_times(double rate, double duration);
 
+/// The rig of a scenario as its recordings say it: what estimators may assume.
+[[nodiscard]] StereoCalibration nominal_calibration(const Scenario& scenario);
+
 /// @brief What the sensors deliver in this scenario, with the truth beside it.
 /// Times start at 0. IMU and odometry samples are instantaneous values; ground truth has the IMU's times;
 /// calibration_true has those of the frames and of every jump. `calibration` is the nominal rig. Landmarks

@@ -31,10 +31,15 @@ struct StatelessSolution {
 };
 
 /// @brief Puts what the stateless rows say of beta into the other rows: afterwards no seen direction moves
-/// them, r −= G y and S += G Gᵀ. Stateless rows that say nothing become noise rows.
-/// @param C  c×k, scaled to one plausible error a column
+/// them, r −= G y and S += G Gᵀ, and what else moves the rows, D, is as it is then. Stateless rows that say
+/// nothing become noise rows.
+/// @param C         c×k, scaled to one plausible error a column
+/// @param keep_all  rows that say nothing of beta join the others nevertheless: they may say something of
+/// what
+///                  C leaves out
 [[nodiscard]] StatelessSolution solve_stateless(Innovation& innovation,
-                                                const Eigen::Ref<const Eigen::MatrixXd>& C);
+                                                const Eigen::Ref<const Eigen::MatrixXd>& C,
+                                                bool keep_all = false);
 
 /// @brief An orthogonal change of rows, Q = H_1 ... H_k (Householder), such that Qᵀ A has non-zeros only in
 /// its first k rows. What stands below them is Nᵀ times the measurement, N a basis of the left null space.

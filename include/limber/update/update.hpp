@@ -27,8 +27,11 @@ struct ParameterTreatment {
   /// Sigma_w: c×c, covariance of dtheta, fresh in every measurement (time-white). Empty: none.
   Eigen::MatrixXd white_covariance{};
   /// B: c×k, what is watched: dtheta = B beta; the report then holds the evidence about beta. Columns are
-  /// scaled like C; with a constraint it is C itself. k = 0: nothing.
+  /// scaled like C: they are those of C that come before the nuisance, or, where C is nuisance alone, any
+  /// that are not among them. k = 0: nothing.
   Eigen::MatrixXd watched{};
+  /// The last columns of C: constrained, and of no interest. What is said of beta is true whatever they are.
+  Eigen::Index nuisance = 0;
   /// A state that learns beta from the rows which the constraint takes from all others; needs `watched`.
   std::optional<Witness> witness{};
 };

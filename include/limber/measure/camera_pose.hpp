@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "limber/core/state.hpp"
+#include "limber/measure/rig.hpp"
+
+namespace limber {
+
+/// Where a camera is when it takes an image, and how that depends on the state.
+struct CameraPose {
+  Pose T_world_cam;
+  /// Rows: position (world), attitude (local, R_true = R Exp(dtheta)). Columns: a triplet of the error state.
+  struct Block {
+    Eigen::Index col = 0;
+    Eigen::Matrix<double, 6, kTriplet> value;
+  };
+  std::vector<Block> blocks;
+};
+
+/// @brief The pose of cam0 in the image that is stamped with the time of T_world_body: pose, velocity and
+/// rate of the body, mount and time offset of the camera, as far as they are in the state.
+[[nodiscard]] CameraPose cam0_pose(const MountedCamera& cam0, const Pose& T_world_body,
+                                   const StateLayout& layout);
+
+}  // namespace limber
