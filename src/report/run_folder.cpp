@@ -62,6 +62,9 @@ RunFolder read_run_folder(const fs::path& path) {
   if (fs::exists(path / "health.csv")) {
     folder.health = read_health_csv(path / "health.csv");
   }
+  if (fs::exists(path / "calibration.csv")) {
+    folder.calibration = read_calibration_csv(path / "calibration.csv");
+  }
   folder.landmarks = read_landmarks_ply(path / "landmarks.ply");
   folder.matched = match_truth(folder, path / "truth.tum");
   return folder;

@@ -10,6 +10,7 @@
 #include "limber/datasets/trajectory_files.hpp"
 #include "limber/evaluate/association.hpp"
 #include "limber/evaluate/consistency.hpp"
+#include "limber/run/calibration_file.hpp"
 #include "limber/run/health_file.hpp"
 #include "limber/run/run_files.hpp"
 
@@ -25,6 +26,7 @@ struct RunFolder {
   std::vector<TrajectoryRow> trajectory;
   std::vector<FrameRow> frames;      ///< as many as trajectory, at the same times
   std::vector<HealthReport> health;  ///< empty where the calibration was not watched
+  std::vector<CalibrationRow> calibration;  ///< empty where it was not estimated
   std::map<std::int64_t, Eigen::Vector3d> landmarks;
   std::vector<MatchedPose> matched;  ///< with the truth; empty where it is not known
 

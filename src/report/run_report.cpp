@@ -18,6 +18,9 @@ ReportDocument run_report(const std::filesystem::path& folder) {
   document.sections = {detail::path_section(run),       detail::error_section(run),
                        detail::innovation_section(run), detail::point_section(run),
                        detail::time_section(run),       detail::summary_section(run)};
+  if (!run.calibration.empty()) {
+    document.sections.insert(document.sections.begin() + 2, detail::estimated_section(run));
+  }
   if (!run.health.empty()) {
     document.sections.insert(document.sections.begin() + 2, detail::calibration_section(run));
   }

@@ -14,6 +14,8 @@ namespace limber::detail {
 [[nodiscard]] ReportSection error_section(const RunFolder& run);
 /// Of a run whose calibration was watched.
 [[nodiscard]] ReportSection calibration_section(const RunFolder& run);
+/// Of a run that estimated something of its calibration.
+[[nodiscard]] ReportSection estimated_section(const RunFolder& run);
 [[nodiscard]] ReportSection innovation_section(const RunFolder& run);
 [[nodiscard]] ReportSection point_section(const RunFolder& run);
 [[nodiscard]] ReportSection time_section(const RunFolder& run);

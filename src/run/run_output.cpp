@@ -224,30 +224,6 @@ std::string frames_csv(const RunRecord& record) {
   return text;
 }
 
-std::string calibration_csv(const RunRecord& record) {
-  const ParameterSet& parameters = record.calibration.back().estimate.parameters;
-  std::string text = "#t_ns";
-  auto out = std::back_inserter(text);
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    if (parameters[k]) {
-      fmt::format_to(out, ",{0} [{1}],sigma_{0} [{1}]", kParameterNames[k], user_unit_of(k));
-    }
-  }
-  text += '\n';
-  for (const CalibrationRow& row : record.calibration) {
-    fmt::format_to(out, "{}", row.t_ns);
-    for (std::size_t k = 0; k < parameters.size(); ++k) {
-      if (parameters[k]) {
-        const auto at = static_cast<Eigen::Index>(k);
-        fmt::format_to(out, ",{},{}", in_user_units(k, row.estimate.error(at)),
-                       in_user_units(k, row.estimate.sigma(at)));
-      }
-    }
-    text += '\n';
-  }
-  return text;
-}
-
 std::string refusals_csv(const RunRecord& record) {
   std::string text = "#t_ns,track_id,reason,squared_distance [-],threshold [-]\n";
   auto out = std::back_inserter(text);
@@ -315,7 +291,7 @@ void write_run_output(const std::filesystem::path& folder, const RunOptions& opt
       names.emplace_back("health.csv");
     }
     if (!record.calibration.empty()) {
-      write_file_atomically(staged.path() / "calibration.csv", calibration_csv(record));
+      write_calibration_csv(staged.path() / "calibration.csv", record.calibration);
       names.emplace_back("calibration.csv");
     }
     if (!summary.truth.empty()) {

@@ -28,9 +28,12 @@ constexpr double kToDegrees = 180.0 / M_PI;
 class RunReport : public ::testing::Test {
  protected:
   void navigate(Recording recording, StartMode start = StartMode::kGroundTruth) {
-    recording_ = std::move(recording);
     RunOptions options;
     options.start = start;
+    navigate(std::move(recording), options);
+  }
+  void navigate(Recording recording, const RunOptions& options) {
+    recording_ = std::move(recording);
     record_ = run_recording(recording_, options, matched_frames(recording_));
     write_run_output(folder_.path(), options, record_, summarize(recording_, options, record_));
   }
@@ -184,6 +187,29 @@ TEST_F(RunReport, DrawsTheCalibrationWhereItWasWatched) {
   EXPECT_NE(find_trace(rotation, "+3 sigma", 2), nullptr);
   fs::remove(file("health.csv"));
   EXPECT_THAT(section_ids(run_report(folder_.path())), ::testing::Not(::testing::Contains("calibration")));
+}
+
+TEST_F(RunReport, DrawsWhatWasEstimatedOfTheCalibration) {
+  navigate(testing::short_recording());
+  EXPECT_THAT(section_ids(run_report(folder_.path())), ::testing::Not(::testing::Contains("estimated")));
+  RunOptions options;
+  options.start = StartMode::kGroundTruth;
+  options.method = Method::kEkf;
+  options.estimated(first_of(ParameterBlock::kCam1)) = 1.0;
+  options.estimated(first_of(ParameterBlock::kCam1) + 5) = 1e-3;
+  navigate(testing::short_recording(), options);
+  const ReportDocument document = run_report(folder_.path());
+  const ReportFigure& focal = figure(document, "estimated-4");
+  ASSERT_EQ(focal.y.size(), 1U);
+  EXPECT_EQ(focal.y[0].title, "fu1");
+  const ReportTrace* fu = find_trace(focal, "estimate");
+  ASSERT_EQ(fu->y.size(), record_.calibration.size());
+  EXPECT_NEAR(fu->y.back(), record_.calibration.back().estimate.error(first_of(ParameterBlock::kCam1)), 1e-9);
+  EXPECT_EQ(figure(document, "estimated-5").y[0].unit, "s");
+  std::ofstream(file("calibration.csv")) << "1,2,3\n";
+  EXPECT_EQ(data_error_of([&] { (void)run_report(folder_.path()); }).line(), 1U);
+  navigate(testing::short_recording());  // an older run's file must not stay
+  EXPECT_FALSE(fs::exists(file("calibration.csv")));
 }
 
 TEST_F(RunReport, TellsOptionsAndNotes) {

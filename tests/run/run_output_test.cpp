@@ -157,6 +157,52 @@ TEST(WriteRunOutput, SummaryHoldsWhatTheUserChose) {
   EXPECT_EQ(options["init"], "groundtruth");
 }
 
+TEST(CalibrationCsv, GivesBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  std::vector<CalibrationRow> rows(2);
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    rows[n].t_ns = 50 + static_cast<std::int64_t>(n);
+    for (const std::size_t k : {0U, 3U, 6U, 17U, 20U}) {
+      rows[n].estimate.parameters.set(k);
+      rows[n].estimate.error(static_cast<Eigen::Index>(k)) = 0.001 * static_cast<double>(k + n);
+      rows[n].estimate.sigma(static_cast<Eigen::Index>(k)) = 0.5 + static_cast<double>(k);
+    }
+  }
+  write_calibration_csv(folder.path() / "calibration.csv", rows);
+  EXPECT_EQ(testing::read_text(folder.path() / "calibration.csv").substr(0, 31),
+            "#t_ns,ax [deg],sigma_ax [deg],a");
+  const std::vector<CalibrationRow> read = read_calibration_csv(folder.path() / "calibration.csv");
+  ASSERT_EQ(read.size(), rows.size());
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    EXPECT_EQ(read[n].t_ns, rows[n].t_ns);
+    EXPECT_EQ(read[n].estimate.parameters, rows[n].estimate.parameters);
+    EXPECT_TRUE(read[n].estimate.error.isApprox(rows[n].estimate.error, 1e-14));
+    EXPECT_TRUE(read[n].estimate.sigma.isApprox(rows[n].estimate.sigma, 1e-14));
+  }
+}
+
+TEST(WriteRunOutput, SummaryHoldsWhatWasEstimated) {
+  const TemporaryFolder folder;
+  Judged run(short_recording());
+  write_run_output(folder.path(), run.options, run.record, run.summary);
+  EXPECT_TRUE(Json::parse(testing::read_text(folder.path() / "summary.json"))["estimated"].is_null());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "calibration.csv"));
+  CalibrationRow row;
+  row.t_ns = 5;
+  row.estimate.parameters.set(17);
+  row.estimate.error(17) = 0.002;
+  row.estimate.sigma(17) = 0.001;
+  run.record.calibration = {row};
+  run.options.estimated(17) = 0.002;
+  write_run_output(folder.path(), run.options, run.record, run.summary);
+  const Json json = Json::parse(testing::read_text(folder.path() / "summary.json"));
+  EXPECT_EQ(json["estimated"]["dt1"]["error"], 0.002);
+  EXPECT_EQ(json["estimated"]["dt1"]["sigma"], 0.001);
+  EXPECT_EQ(json["estimated"]["dt1"]["unit"], "s");
+  EXPECT_EQ(json["options"]["estimate"], "dt1=0.002");
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "calibration.csv"));
+}
+
 TEST(ReadFramesCsv, GivesBackWhatWasWritten) {
   const TemporaryFolder folder;
   const Judged run(short_recording());
