@@ -131,6 +131,25 @@ TEST_F(RunCommand, AssumesTheErrorItIsTold) {
   EXPECT_NEAR(theta[3].get<double>(), -1.6, 1e-12);
 }
 
+TEST_F(RunCommand, EstimatesSoftensAndConstrainsOtherParameters) {
+  const auto rmse_with = [this](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"--assume-error", "fu1=3%", "--init", "groundtruth"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const ProgramResult result = run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return summary_in(out())["position_rmse_m"].get<double>();
+  };
+  const double trusting = rmse_with({"--method", "lcekf"});  // all but the focal length
+  EXPECT_TRUE(summary_in(out())["estimated"].is_null());
+  EXPECT_LT(rmse_with({"--method", "lcekf", "--constraints", "full,fu1"}), 0.7 * trusting);
+  EXPECT_LT(rmse_with({"--method", "lcekf", "--soften", "fu1=9"}), 0.7 * trusting);
+  EXPECT_LT(rmse_with({"--method", "lcekf", "--estimate", "fu1=9"}), 0.7 * trusting);
+  const Json found = summary_in(out())["estimated"]["fu1"];
+  EXPECT_NEAR(found["error"].get<double>(), -9.0, 4.0 * found["sigma"].get<double>());
+  EXPECT_LT(found["sigma"].get<double>(), 1.0);
+  EXPECT_EQ(lines_of(read_text(out() / "calibration.csv")).size(), 42U);
+}
+
 TEST_F(RunCommand, ObeysItsOtherOptions) {
   ASSERT_EQ(run_into(folder() / "default").exit_code, 0);
   const std::string usual = content_without_times(folder() / "default");
@@ -170,6 +189,9 @@ TEST_F(RunCommand, RefusesOptionsThatMakeNoSenseAsWrongUsage) {
            {{"--assume-error", "0,0,0,nan,0,0"}, "found '0,0,0,nan,0,0'"},
            {{"--assume-error", "200,0,0,0,0,0"}, "degrees within ±180"},
            {{"--assume-error", "5%,0,0,0,0,0"}, "found '5%,0,0,0,0,0'"},
+           {{"--assume-error", "dt1=soon"}, "found 'dt1=soon'"},
+           {{"--estimate", "dt2"}, "unknown parameter 'dt2' in 'dt2', expected a list of ax, ay"},
+           {{"--soften", "dt1=-1"}, "expected NAME or NAME=SIGMA with a positive number (s)"},
            {{"--sigma-px", "0"}, "--sigma-px: expected a positive number, found '0'"},
            {{"--sigma-px", "nan"}, "--sigma-px: expected a positive number, found 'nan'"},
            {{"--seed", "-1"}, "--seed: expected a whole number from 0"},
@@ -199,6 +221,8 @@ TEST_F(RunCommand, RefusesWhatTheRecordingCannotGive) {
   expect_refused(run({"--init", "groundtruth"}), 1, "log has no ground truth; use --init auto");
   expect_refused(run({"--method", "oracle"}), 1, "log does not say what the true calibration is");
   expect_refused(run({"--assume-error", "0,0,0,100%,0,0"}), 1, "leaves cam1 on its side of cam0");
+  expect_refused(run({"--estimate", "dt1", "--constraints", "full,dt1"}), 1,
+                 "dt1 cannot be constrained and estimated at once");
   expect_refused(run({"--sigma-px", "1e-300"}), 1, "pixel noise: expected 1e-06 to 1000 px");
   EXPECT_FALSE(fs::exists(out()));
 }
