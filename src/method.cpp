@@ -4,11 +4,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "limber/core/split.hpp"
 
 namespace limber {
 
@@ -29,18 +30,6 @@ constexpr std::array<std::pair<std::string_view, Kind>, 4> kWords = {
   throw std::invalid_argument("unknown constraint set '" + text +
                               "', expected full, none, rotation, rotation+direction or a list of "
                               "ax,ay,az,tx,ty,tz; more parameters may follow, such as dt1 or intrinsics1");
-}
-
-std::vector<std::string> items_of(const std::string& text) {
-  std::vector<std::string> items;
-  std::istringstream stream(text);
-  for (std::string item; std::getline(stream, item, ',');) {
-    items.push_back(item);
-  }
-  if (text.empty() || text.back() == ',') {
-    unknown_set(text);
-  }
-  return items;
 }
 
 }  // namespace
@@ -79,7 +68,7 @@ Method method_from_string(const std::string& name) {
 }
 
 ConstraintSet constraint_set_from_string(const std::string& text) {
-  const std::vector<std::string> items = items_of(text);
+  const std::vector<std::string_view> items = split(text, ',');
   ConstraintSet set{Kind::kListed, {}};
   const auto* word = std::find_if(kWords.begin(), kWords.end(),
                                   [&](const auto& known) { return known.first == items.front(); });

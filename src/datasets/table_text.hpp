@@ -9,8 +9,14 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace limber::detail {
+
+/// The first line of a table: '#', then the names of its columns.
+inline std::string header_of(const std::vector<std::string>& names) {
+  return fmt::format("#{}", fmt::join(names, ","));
+}
 
 /// @brief Builds the text of a table, cell by cell. Numbers are printed as short as they can be read back
 /// unchanged.

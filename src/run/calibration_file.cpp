@@ -22,14 +22,6 @@ std::vector<std::string> column_names() {
   return names;
 }
 
-std::string header_line() {
-  std::string line = "#";
-  for (const std::string& name : column_names()) {
-    line += (line == "#" ? "" : ",") + name;
-  }
-  return line;
-}
-
 CalibrationRow row_of(detail::TableReader& table) {
   CalibrationRow out;
   out.t_ns = table.increasing_time();
@@ -51,7 +43,7 @@ CalibrationRow row_of(detail::TableReader& table) {
 
 void write_calibration_csv(const std::filesystem::path& path, const std::vector<CalibrationRow>& rows) {
   detail::TableText table("calibration.csv", ',');
-  table.header(header_line());
+  table.header(detail::header_of(column_names()));
   for (const CalibrationRow& row : rows) {
     table.time(row.t_ns);
     for (std::size_t k = 0; k < kParameterNames.size(); ++k) {

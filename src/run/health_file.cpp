@@ -40,14 +40,6 @@ std::vector<std::string> column_names() {
   return names;
 }
 
-std::string header_line() {
-  std::string line = "#";
-  for (const std::string& name : column_names()) {
-    line += (line == "#" ? "" : ",") + name;
-  }
-  return line;
-}
-
 void add_row(const HealthReport& report, detail::TableText& table) {
   table.time(report.t_ns);
   table.cell(to_string(report.verdict));
@@ -111,7 +103,7 @@ HealthReport row_of(detail::TableReader& table) {
 
 void write_health_csv(const std::filesystem::path& path, std::span<const FrameReport> frames) {
   detail::TableText table("health.csv", ',');
-  table.header(header_line());
+  table.header(detail::header_of(column_names()));
   for (const FrameReport& frame : frames) {
     if (frame.health) {
       add_row(*frame.health, table);

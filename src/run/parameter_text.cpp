@@ -6,9 +6,10 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <vector>
+
+#include "limber/core/split.hpp"
 
 namespace limber {
 namespace {
@@ -57,28 +58,16 @@ std::optional<double> value_of(std::string text, std::size_t parameter,
   return is_angle(parameter) ? value * kDegree : value;
 }
 
-std::vector<std::string> items_of(const std::string& text) {
-  std::vector<std::string> items;
-  std::istringstream stream(text);
-  for (std::string item; std::getline(stream, item, ',');) {
-    items.push_back(item);
-  }
-  if (text.empty() || text.back() == ',') {
-    items.emplace_back();
-  }
-  return items;
-}
-
 struct NamedValue {
   std::optional<ParameterSet> parameters;
   std::optional<std::string> value;  ///< behind "="
 };
 
-NamedValue split(const std::string& item) {
+NamedValue named_value(std::string_view item) {
   const std::size_t equals = item.find('=');
   NamedValue out{parameters_named(item.substr(0, equals)), std::nullopt};
-  if (equals != std::string::npos) {
-    out.value = item.substr(equals + 1);
+  if (equals != std::string_view::npos) {
+    out.value = std::string(item.substr(equals + 1));
   }
   return out;
 }
@@ -100,7 +89,7 @@ ParameterVector parse_calibration_error(const std::string& text, const StereoCal
                     "baseline), NAME=VALUE for other parameters, or both, found '{}'; names: {}",
                     text, known_names()));
   };
-  const std::vector<std::string> items = items_of(text);
+  const std::vector<std::string_view> items = split(text, ',');
   ParameterVector out = ParameterVector::Zero();
   ParameterSet given;
   const auto set = [&](std::size_t parameter, const std::string& value) {
@@ -111,16 +100,16 @@ ParameterVector parse_calibration_error(const std::string& text, const StereoCal
     out(static_cast<Eigen::Index>(parameter)) = *parsed;
     given.set(parameter);
   };
-  const bool positional = items.front().find('=') == std::string::npos;
+  const bool positional = items.front().find('=') == std::string_view::npos;
   if (positional && items.size() < kThetaSize) {
     fail();
   }
   for (std::size_t k = 0; k < items.size(); ++k) {
     if (positional && k < kThetaSize) {
-      set(k, items[k]);
+      set(k, std::string(items[k]));
       continue;
     }
-    const NamedValue named = split(items[k]);
+    const NamedValue named = named_value(items[k]);
     if (!named.parameters || named.parameters->count() != 1 || !named.value) {
       fail();
     }
@@ -132,8 +121,8 @@ ParameterVector parse_calibration_error(const std::string& text, const StereoCal
 ParameterVector parse_parameter_sigmas(const std::string& text, const StereoCalibration& calibration) {
   const ParameterVector plausible = plausible_errors(calibration);
   ParameterVector out = ParameterVector::Zero();
-  for (const std::string& item : items_of(text)) {
-    const NamedValue named = split(item);
+  for (const std::string_view item : split(text, ',')) {
+    const NamedValue named = named_value(item);
     if (!named.parameters) {
       throw std::invalid_argument(
           fmt::format("unknown parameter '{}' in '{}', expected a list of {}, or of the groups theta, "

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "limber/core/split.hpp"
 #include "limber/run/parameter_text.hpp"
 
 namespace limber {
@@ -16,16 +17,6 @@ namespace {
 
 [[noreturn]] void refuse(std::string_view text, std::string_view why) {
   throw std::invalid_argument(fmt::format("method '{}': {}", text, why));
-}
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(separator, begin), text.size());
-    parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
 }
 
 std::optional<double> not_negative_number(std::string_view text) {
