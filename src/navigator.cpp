@@ -11,141 +11,15 @@
 #include "limber/core/time.hpp"
 #include "limber/map/operating_point.hpp"
 #include "limber/update/gate.hpp"
+#include "parameter_roles.hpp"
 
 namespace limber {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using namespace detail;
 
 namespace {
-
-constexpr double kTrustedSigma = 1e-3;  // plausible errors: theta of adaptive, as long as it trusts the rig
-/// Variance that theta gains per second of walk, in variances of what is fresh in every frame: what shakes
-/// may also shift, by as much from one frame to the next at 20 Hz.
-constexpr double kWalkPerSecond = 20.0;
-
-constexpr double kEstimatedWalk = 0.01;  // of the standard deviation at the start, per sqrt(s)
-constexpr double kNotEstimated =
-    1e-6;  // plausible errors: keeps P positive definite beside what is estimated
-constexpr std::array kMoreBlocks = {ParameterBlock::kCam0, ParameterBlock::kCam1, ParameterBlock::kMount};
-
-const ParameterSet kTheta = parameters_of(ParameterBlock::kTheta);
-
-/// theta is in the state whatever else is estimated.
-bool always_has_theta(Method method) {
-  return method == Method::kEkfFull || method == Method::kConsider || method == Method::kAdaptive;
-}
-
-ParameterSet estimated(const NavigatorOptions& options) { return parameters_of(options.estimated); }
-ParameterSet softened(const NavigatorOptions& options) { return parameters_of(options.softened); }
-
-bool has_theta(const NavigatorOptions& options) {
-  return always_has_theta(options.method) || (estimated(options) & kTheta).any();
-}
-
-/// theta follows its estimate from frame to frame.
-bool estimates_theta(const NavigatorOptions& options) {
-  return has_theta(options) && options.method != Method::kConsider;
-}
-
-bool constrains(const NavigatorOptions& options) {
-  return options.method == Method::kLcekf && !options.constraints.empty();
-}
-
-bool constrains_theta(const NavigatorOptions& options) {
-  return options.method == Method::kLcekf && options.constraints.has_theta();
-}
-
-bool softens(const NavigatorOptions& options) {
-  return options.method == Method::kSoft || softened(options).any();
-}
-
-/// Parameters beyond theta that the filter treats as anything but known.
-bool has_more(const NavigatorOptions& options) {
-  const ParameterSet constrained =
-      options.method == Method::kLcekf ? options.constraints.more() : ParameterSet{};
-  return ((estimated(options) | softened(options) | constrained) & ~kTheta).any();
-}
-
-bool watches(const NavigatorOptions& options) {
-  return options.health.has_value() && options.method != Method::kMonoLeft;
-}
-
-/// The witness lives on the rows that a constraint leaves.
-bool has_witness(const NavigatorOptions& options) { return watches(options) && constrains_theta(options); }
-
-/// How wrong ekf-full, consider and soft expect theta to be.
-RigParameters theta_sigma(const NavigatorOptions& options, const StereoCalibration& calibration) {
-  return options.theta_sigma.isZero() ? plausible_error(calibration.baseline()) : options.theta_sigma;
-}
-
-/// Of theta in the state, at the start.
-RigParameters theta_prior(const NavigatorOptions& options, const StereoCalibration& calibration) {
-  if (options.method == Method::kAdaptive) {
-    return kTrustedSigma * plausible_error(calibration.baseline());
-  }
-  return always_has_theta(options.method)
-             ? theta_sigma(options, calibration)
-             : options.estimated.head<6>().cwiseMax(kNotEstimated * plausible_error(calibration.baseline()));
-}
-
-[[noreturn]] void refuse(const ParameterSet& parameters, const std::string& why) {
-  std::string names;
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    if (parameters[k]) {
-      names += (names.empty() ? "" : ", ") + std::string(kParameterNames[k]);
-    }
-  }
-  throw std::invalid_argument("navigator: " + names + " " + why);
-}
-
-/// All that the gain is blind to, at least in part.
-ParameterSet constrained_parameters(const NavigatorOptions& options) {
-  if (!constrains(options)) {
-    return {};
-  }
-  switch (options.constraints.kind) {
-    case ConstraintSet::Kind::kListed:
-      return options.constraints.listed;
-    case ConstraintSet::Kind::kRotation:
-      return options.constraints.more() | ParameterSet(0b111);  // ax, ay, az
-    case ConstraintSet::Kind::kFull:
-    case ConstraintSet::Kind::kRotationDirection:
-      break;
-  }
-  return options.constraints.more() | kTheta;
-}
-
-void check_parameters(const NavigatorOptions& options, const StereoCalibration& calibration) {
-  const auto demand_none = [](const ParameterSet& parameters, const std::string& why) {
-    if (parameters.any()) {
-      refuse(parameters, why);
-    }
-  };
-  for (const ParameterVector& sigma : {options.estimated, options.softened}) {
-    if (!sigma.allFinite() || sigma.minCoeff() < 0.0) {
-      throw std::invalid_argument("navigator: standard deviations of parameters must be finite and positive");
-    }
-  }
-  const ParameterSet constrained = constrained_parameters(options);
-  const ParameterSet all = constrained | estimated(options) | softened(options);
-  demand_none(constrained & estimated(options), "cannot be constrained and estimated at once");
-  demand_none(constrained & softened(options), "cannot be constrained and softened at once");
-  if (always_has_theta(options.method)) {
-    demand_none(estimated(options) & kTheta, "of " + to_string(options.method) + " is in the state already");
-  }
-  if (options.method == Method::kSoft || options.method == Method::kAdaptive) {
-    demand_none(softened(options) & kTheta, "is softened by " + to_string(options.method) + " already");
-  }
-  if (options.method == Method::kMonoLeft) {
-    demand_none(all & (kTheta | parameters_of(ParameterBlock::kCam1)),
-                "cannot be seen without the right camera");
-  }
-  if (calibration.body != BodyFrame::kImu) {
-    demand_none(all & parameters_of(ParameterBlock::kMount),
-                "cannot be wrong where the body is not an IMU but the camera rig itself");
-  }
-}
 
 NavigatorOptions completed(NavigatorOptions options) {
   options.birth.kind = options.landmarks;
@@ -183,18 +57,6 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
   }
   if (has_witness(options)) {
     out.restart_witness(kWidestErrors);
-  }
-  return out;
-}
-
-/// A column for each parameter of the set: c×k, one plausible error each.
-MatrixXd unit_directions(const ParameterSet& set, const ParameterVector& scale) {
-  MatrixXd out = MatrixXd::Zero(kParameters, static_cast<Index>(set.count()));
-  Index column = 0;
-  for (std::size_t k = 0; k < set.size(); ++k) {
-    if (set[k]) {
-      out(static_cast<Index>(k), column++) = scale(static_cast<Index>(k));
-    }
   }
   return out;
 }
@@ -284,57 +146,6 @@ void Navigator::assume_theta(const RigParameters& theta) {
   rig_ = mounted(calibration_);
 }
 
-/// The cameras of a calibration on the body as it moves now.
-MountedRig Navigator::mounted(const StereoCalibration& calibration) const {
-  MountedRig out = mount(calibration);
-  BodyMotion motion{estimate_.nav.v_world_body, omega_input_};
-  if (options_.motion == MotionModel::kImu) {
-    motion.omega_body -= estimate_.nav.bias_gyro;
-  } else if (options_.motion == MotionModel::kConstantVelocity) {
-    motion.omega_body = estimate_.nav.omega_body;
-  }
-  for (MountedCamera& camera : out) {
-    camera.motion = motion;
-    camera.with_parameters = has_more(options_);
-  }
-  return out;
-}
-
-void Navigator::use_estimated_calibration() {
-  ParameterVector error;
-  error << RigParameters::Zero(), estimate_.more;
-  calibration_ = corrected(given_, error);
-  calibration_.theta = estimate_.theta;
-  rig_ = mounted(calibration_);
-}
-
-CalibrationEstimate Navigator::calibration_estimate() const {
-  CalibrationEstimate out;
-  out.parameters = estimated(options_);
-  if (estimates_theta(options_) && always_has_theta(options_.method)) {
-    out.parameters |= kTheta;
-  }
-  const StateLayout& layout = estimate_.layout();
-  out.error << estimate_.theta - given_.theta, estimate_.more;
-  const auto read_sigma = [&](ParameterBlock block, Index at) {
-    out.sigma.segment<6>(first_of(block)) = estimate_.P.diagonal_block<6>(at).diagonal().cwiseSqrt();
-  };
-  if (layout.has_theta) {
-    read_sigma(ParameterBlock::kTheta, layout.theta());
-  }
-  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
-    if (layout.has_more[k]) {
-      read_sigma(kMoreBlocks[k], layout.more(k));
-    }
-  }
-  for (std::size_t k = 0; k < out.parameters.size(); ++k) {
-    if (!out.parameters[k]) {
-      out.error(static_cast<Index>(k)) = out.sigma(static_cast<Index>(k)) = 0.0;
-    }
-  }
-  return out;
-}
-
 std::vector<InputStep> Navigator::steps_to(std::int64_t t_ns) {
   const std::int64_t begin_ns = estimate_.nav.t_ns;
   if (options_.motion != MotionModel::kConstantVelocity) {
@@ -379,115 +190,10 @@ void Navigator::predict_to(std::int64_t t_ns) {
   walk_parameters(dt);
 }
 
-void Navigator::walk_parameters(double dt) {
-  const ParameterVector estimated_walk = (kEstimatedWalk * options_.estimated).cwiseAbs2();
-  const StateLayout& layout = estimate_.layout();
-  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
-    if (layout.has_more[k]) {
-      const Eigen::Matrix<double, 6, 6> walk =
-          estimated_walk.segment<6>(first_of(kMoreBlocks[k])).asDiagonal();
-      estimate_.P.set_diagonal_block(layout.more(k),
-                                     estimate_.P.diagonal_block<6>(layout.more(k)) + walk * dt);
-    }
-  }
-  if (!estimates_theta(options_)) {
-    return;
-  }
-  const RigParameters fresh = kWalkPerSecond * fresh_.variance().cwiseProduct(scale_.cwiseAbs2());
-  Eigen::Matrix<double, 6, 6> walk =
-      (options_.method == Method::kEkfFull    ? options_.theta_walk
-       : options_.method == Method::kAdaptive ? fresh
-                                              : RigParameters(estimated_walk.head<6>()))
-          .asDiagonal();
-  if (options_.method == Method::kAdaptive && !has_scale(options_.motion)) {
-    walk = without_length(walk, calibration_.theta);
-  }
-  const Index at = estimate_.layout().theta();
-  estimate_.P.set_diagonal_block(at, estimate_.P.diagonal_block<6>(at) + walk * dt);
-}
-
 /// Where theta is trusted a newborn may believe all its pixels at once: lcekf without constraints is the ekf.
 BirthMode Navigator::birth_mode() const {
   return constrains(options_) || softens(options_) || !fresh_.is_zero() ? BirthMode::kDiffuse
                                                                         : BirthMode::kClassical;
-}
-
-void Navigator::distrust(const Doubt& doubt) {
-  const Index at = estimate_.layout().theta();
-  Eigen::Matrix<double, 6, 6> jump = scale_.asDiagonal() * doubt.jump * scale_.asDiagonal();
-  jump.diagonal() += kTrustedSigma * kTrustedSigma * scale_.cwiseAbs2();  // keeps P positive definite
-  estimate_.P.set_diagonal_block(at, estimate_.P.diagonal_block<6>(at) + jump);
-  fresh_.begin(doubt.fresh);
-}
-
-void Navigator::take_over(const Navigator& constrained, const Doubt& doubt) {
-  estimate_ = constrained.estimate_;
-  estimate_.promote_witness(constrained.treatment().watched.topRows<kBlockSize>());
-  inputs_ = constrained.inputs_;
-  omega_input_ = constrained.omega_input_;
-  last_frame_ns_ = constrained.last_frame_ns_;
-  use_estimated_calibration();
-  distrust(doubt);
-}
-
-ParameterTreatment Navigator::treatment() const {
-  const Index c = has_more(options_) ? kParameters : kBlockSize;
-  const auto of_theta = [&](const MatrixXd& directions) {
-    MatrixXd out = MatrixXd::Zero(c, directions.cols());
-    out.topRows<kBlockSize>() = directions;
-    return out;
-  };
-  ParameterTreatment out;
-  MatrixXd C_theta(kBlockSize, 0);
-  if (options_.method == Method::kLcekf) {
-    C_theta = constraint_directions(options_.constraints, estimate_.theta);
-    const MatrixXd C_more = unit_directions(options_.constraints.more(), plausible_errors(given_));
-    out.nuisance = C_more.cols();
-    out.constrained.resize(c, C_theta.cols() + C_more.cols());
-    out.constrained << of_theta(C_theta), C_more.topRows(c);
-  }
-  ParameterVector white = options_.softened.cwiseAbs2();
-  if (options_.method == Method::kSoft) {
-    white.head<6>() = theta_sigma(options_, calibration_).cwiseAbs2();
-  } else if (!fresh_.is_zero()) {
-    white.head<6>() = fresh_.variance().cwiseProduct(scale_.cwiseAbs2());
-  }
-  if (!white.isZero(0.0)) {
-    out.white_covariance = white.head(c).asDiagonal();
-  }
-  if (has_witness(options_)) {
-    out.watched = of_theta(C_theta);
-    out.witness = Witness{estimate_.layout().witness(), estimate_.witness};
-  } else if (watches(options_)) {
-    out.watched = of_theta(scale_.asDiagonal());
-  }
-  return out;
-}
-
-/// What may be wrong where a frame is linearised: F of operating_point. Of theta and what is the right
-/// camera's own; the left one's pixels place the points.
-MatrixXd Navigator::doubted() const {
-  const Index c = has_more(options_) ? kParameters : kBlockSize;
-  MatrixXd F_theta = options_.softened.head<6>().asDiagonal();
-  if (options_.method == Method::kLcekf) {
-    F_theta = kWidestErrors * constraint_directions(options_.constraints, estimate_.theta);
-  } else if (options_.method == Method::kSoft) {
-    F_theta = theta_sigma(options_, calibration_).asDiagonal();
-  } else if (!fresh_.is_zero()) {
-    F_theta = (kWidestErrors * scale_).asDiagonal();
-  }
-  ParameterVector more = options_.softened;
-  if (options_.method == Method::kLcekf) {
-    more += kWidestErrors *
-            unit_directions(options_.constraints.more(), plausible_errors(given_)).rowwise().sum();
-  }
-  const Index own = first_of(ParameterBlock::kCam1);
-  MatrixXd F = MatrixXd::Zero(c, F_theta.cols() + (c > kBlockSize ? kBlockSize : 0));
-  F.topLeftCorner(kBlockSize, F_theta.cols()) = F_theta;
-  if (c > kBlockSize) {
-    F.block<kBlockSize, kBlockSize>(own, F_theta.cols()) = more.segment<kBlockSize>(own).asDiagonal();
-  }
-  return F;
 }
 
 Navigator::Newborn Navigator::bear(const StereoFrame& frame) {
