@@ -22,6 +22,13 @@ float smaller_eigenvalue(const Eigen::Matrix2f& A) {
   return half_trace - std::sqrt(std::max(0.0f, half_trace * half_trace - A.determinant()));
 }
 
+/// Eigen's own mean() adds up in an order that goes with the address of x, so that the same image would give
+/// other bits in another place of the memory. A product is summed from its first element on.
+template <typename Derived>
+float mean_of(const Eigen::MatrixBase<Derived>& x) {
+  return x.dot(Derived::PlainObject::Ones()) / static_cast<float>(x.size());
+}
+
 bool in_shape(const Eigen::Matrix2d& A) {
   const double det = A.determinant();
   return A.allFinite() && A.norm() < kMaxStretch * std::sqrt(2.0) && det > 1.0 / (kMaxStretch * kMaxStretch);
@@ -92,7 +99,7 @@ std::optional<Patch> Patch::cut(const GreyImage& image, const Eigen::Vector2d& u
   Patch patch;
   const auto square = [](Values& values) { return Eigen::Map<Square>(values.data()); };
   square(patch.value_) = wide.block<kWidth, kWidth>(1, 1);
-  patch.value_.array() -= patch.value_.mean();
+  patch.value_.array() -= mean_of(patch.value_);
   const float contrast = patch.value_.norm();
   if (contrast * contrast < kMinTexture * kArea) return std::nullopt;
   patch.value_ /= contrast;
@@ -104,7 +111,7 @@ std::optional<Patch> Patch::cut(const GreyImage& image, const Eigen::Vector2d& u
   patch.descent_ << gradient_u, gradient_v, gradient_u.cwiseProduct(kX), gradient_v.cwiseProduct(kX),
       gradient_u.cwiseProduct(kY), gradient_v.cwiseProduct(kY);
   for (auto descent : patch.descent_.colwise()) {
-    descent.array() -= descent.mean();
+    descent.array() -= mean_of(descent);
     descent -= descent.dot(patch.value_) * patch.value_;
   }
   Eigen::Matrix<float, 6, 6> H = patch.descent_.transpose().lazyProduct(patch.descent_);
@@ -129,7 +136,7 @@ std::optional<PatchFit> Patch::find(const GreyImage& image, const PatchFit& star
     } else if (!sample(image, fit.uv, fit.A, seen)) {
       return std::nullopt;
     }
-    seen.array() -= seen.mean();
+    seen.array() -= mean_of(seen);
     const float contrast = seen.norm();
     const float gain = seen.dot(value_);
     if (gain <= 0.0f || contrast * contrast < kMinTexture * kArea) return std::nullopt;

@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <memory>
+#include <new>
+#include <vector>
 
 #include "frontend/painted_room.hpp"
 
@@ -46,6 +50,36 @@ TEST(Patch, IsFoundToAFewHundredthsOfAPixel) {
         EXPECT_GT(fit->ncc, 0.99);
       }
     }
+  }
+}
+
+/// Cuts and finds at another depth of the stack: locals have other addresses.
+template <std::size_t Bytes>
+PatchFit found_deep(const Image& from, const Image& to) {
+  volatile char room[Bytes] = {};
+  room[0] = 1;
+  const auto patch = Patch::cut(from.view(), kCentre);
+  const auto fit = patch->find(to.view(), {kCentre}, PatchMotion::kAffine, 4.0);
+  room[Bytes - 1] = 1;
+  return fit.value();
+}
+
+TEST(Patch, GivesTheSameBitsWhereverItLiesInMemory) {
+  const Image from = blobs({0, 0}), to = blobs({0.7, -0.4});
+  const PatchFit once = found_deep<16>(from, to);
+  for (const PatchFit& again :
+       {found_deep<32>(from, to), found_deep<48>(from, to), found_deep<64>(from, to)}) {
+    EXPECT_EQ(again.uv, once.uv);
+    EXPECT_EQ(again.A, once.A);
+    EXPECT_EQ(again.ncc, once.ncc);
+  }
+  const auto patch = Patch::cut(from.view(), kCentre);
+  std::vector<std::byte> room(sizeof(Patch) + 256);
+  for (std::size_t shift = 0; shift < 256; shift += alignof(Patch)) {
+    void* place = room.data() + shift;
+    std::size_t left = room.size() - shift;
+    const Patch* moved = new (std::align(alignof(Patch), sizeof(Patch), place, left)) Patch(*patch);
+    EXPECT_EQ(moved->find(to.view(), {kCentre}, PatchMotion::kAffine, 4.0)->uv, once.uv) << shift;
   }
 }
 
