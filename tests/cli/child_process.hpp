@@ -49,7 +49,11 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  void signal(int number) const { kill(pid_, number); }
+  void signal(int number) const {
+    if (pid_ > 0) {  // else everybody would get it
+      kill(pid_, number);
+    }
+  }
 
   /// @return its exit code, or minus the number of the signal that ended it
   int wait() {

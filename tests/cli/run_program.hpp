@@ -63,6 +63,9 @@ inline bool start_and_kill_limber(const std::vector<std::string>& arguments, int
     execv(LIMBER_PROGRAM, const_cast<char* const*>(argv.data()));
     _exit(127);
   }
+  if (child < 0) {
+    return false;
+  }
   usleep(static_cast<useconds_t>(1000 * after_ms));
   kill(child, signal);
   int status = 0;
