@@ -115,7 +115,7 @@ FrameReport SupervisedNavigator::process(const StereoFrame& frame) {
   }
   log(frame);
   const FrameReport audit = supervision_->auditor.process(frame);
-  if (navigator_.options().method == Method::kAdaptive) {
+  if (!supervision_->resigned) {
     supervise(report, audit);
   }
   report.health = audit.health;
@@ -141,9 +141,10 @@ void SupervisedNavigator::supervise(FrameReport& report, const FrameReport& audi
     return;
   }
   if (!knows_scale(report.t_ns)) {
-    navigator_ = s.auditor;
-    report = audit;
-  } else if (own.alarm) {
+    s.resigned = true;
+    return;
+  }
+  if (own.alarm) {
     report = go_back(own);
   } else {
     navigator_.take_over(s.auditor,

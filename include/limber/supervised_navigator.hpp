@@ -19,7 +19,7 @@ namespace limber {
 /// goes back to a checkpoint from before the window in which it happened and comes again with theta in
 /// doubt; when the second does, it takes over the constrained filter's state. From then on the filter learns
 /// how much theta stays wrong and how much of it is fresh in every frame. Where nothing but a young map fixes
-/// the scale, neither could be learned: there the constrained filter itself goes on.
+/// the scale, neither could be learned: there it goes on trusting the rig, and the health report says so.
 /// @note docs/derivations/adaptive.md
 class SupervisedNavigator {
  public:
@@ -49,6 +49,7 @@ class SupervisedNavigator {
     std::int64_t doubted_ns = 0;  // last
     int doubts = 0;               // in a row
     bool trusts = true;
+    bool resigned = false;  // nobody can know how long a metre is: what is assumed stays as good as any
   };
 
   void log(const Event& event);

@@ -111,6 +111,15 @@ TEST(SupervisedNavigator, AnErrorFromTheStartIsFoundByTheAuditor) {
             3.0 * (lcekf.positions.back() - scene.truth.back().T_world_body.p).norm() + 0.01);
 }
 
+TEST(SupervisedNavigator, WhereNothingFixesTheScaleAWrongStartIsNavigatedAsByTheEkfAndReported) {
+  SceneOptions options = ten_seconds(MotionModel::kConstantVelocity);
+  options.theta_error = [](double) { return step_error(); };
+  const Scene scene = make_scene(options);
+  const Outcome ekf = fly(scene, Method::kEkf), adaptive = fly(scene, Method::kAdaptive);
+  EXPECT_EQ(adaptive.reports.back().health->verdict, HealthVerdict::kDecalibrated);
+  EXPECT_NEAR(adaptive.rmse, ekf.rmse, 0.02 * ekf.rmse);
+}
+
 TEST(SupervisedNavigator, OtherMethodsAreLeftAlone) {
   const Scene scene = make_scene(SceneOptions{});
   NavigatorOptions options = scene.options;
