@@ -13,7 +13,7 @@
 #include "limber/measure/point_rows.hpp"
 #include "limber/measure/rig.hpp"
 #include "limber/measure/stereo_model.hpp"
-#include "limber/method.hpp"
+#include "limber/navigate/method.hpp"
 #include "limber/update/update.hpp"
 
 namespace {
@@ -84,7 +84,7 @@ limber::LinearMeasurement make_frame(Index n, Index points, Draws& draws, Index 
 }
 
 double time_update(const limber::Covariance& prior, const limber::LinearMeasurement& frame,
-                   const limber::ParameterTreatment& treatment) {
+                   const limber::ParameterErrorModel& treatment) {
   limber::Covariance P = prior;
   const Clock::time_point begin = Clock::now();
   const limber::UpdateReport report = limber::update(P, frame, treatment);
@@ -100,7 +100,7 @@ MatrixXd scaled_axes() { return limber::plausible_error(2.0).asDiagonal(); }
 struct Contestant {
   limber::Covariance prior;
   limber::LinearMeasurement frame;
-  limber::ParameterTreatment treatment;
+  limber::ParameterErrorModel treatment;
 };
 
 Contestant contestant(const benchmark::State& state, Index witness = 0) {

@@ -58,10 +58,8 @@ foreach(component IN LISTS limber_components)
   endif()
 endforeach()
 
-# The filter's headers: core/ to map/, and the navigator.
-file(GLOB limber_filter_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/limber/*.hpp)
-install(FILES ${limber_filter_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber)
-foreach(room core sensors predict measure update health map initialize)
+# The filter's headers, in the order of the data.
+foreach(room core sensors predict measure state landmarks stack update health navigate initialize)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/limber/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber)
 endforeach()
 

@@ -11,7 +11,7 @@
 
 #include "limber/core/chi_square.hpp"
 #include "limber/core/time.hpp"
-#include "limber/method.hpp"
+#include "limber/navigate/method.hpp"
 
 namespace limber {
 

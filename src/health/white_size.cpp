@@ -4,7 +4,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "limber/method.hpp"
+#include "limber/navigate/method.hpp"
 
 namespace limber {
 

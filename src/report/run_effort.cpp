@@ -38,10 +38,10 @@ ReportSection point_section(const RunFolder& run) {
   ReportFigure figure =
       figure_over_time("points-per-frame", "Points per frame", {{"points", ""}},
                        "Observed: seen by the left camera or both. Used: entered the update. "
-                       "Born: new in the map. Refused: by the gate, or not projectable.");
+                       "Initialized: new in the map. Refused: by the gate, or not projectable.");
   figure.traces = {trace_of(run, "observed", "wide", count_of<&FrameRow::observed>),
                    trace_of(run, "used", "series 1", count_of<&FrameRow::used>),
-                   trace_of(run, "born", "series 3", count_of<&FrameRow::born>),
+                   trace_of(run, "initialized", "series 3", count_of<&FrameRow::initialized>),
                    trace_of(run, "refused", "series 2", count_of<&FrameRow::refused>)};
   return {"points", "Points", {std::move(figure)}};
 }

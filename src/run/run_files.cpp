@@ -18,8 +18,8 @@ std::size_t count(const detail::TableReader& table, std::size_t column) {
 
 std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
   detail::TableReader table(
-      path, {.names = {"t_ns", "observed", "used", "born", "removed", "refused", "gate_overruled", "nis [-]",
-                       "dof", "constrained_rank", "filter_ms", "source_ms"},
+      path, {.names = {"t_ns", "observed", "used", "initialized", "removed", "refused", "gate_overruled",
+                       "nis [-]", "dof", "constrained_rank", "filter_ms", "source_ms"},
              .counts = {12}});
   std::vector<FrameRow> rows;
   while (table.next()) {
@@ -27,7 +27,7 @@ std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
     row.t_ns = table.increasing_time();
     row.observed = count(table, 1);
     row.used = count(table, 2);
-    row.born = count(table, 3);
+    row.initialized = count(table, 3);
     row.removed = count(table, 4);
     row.refused = count(table, 5);
     row.gate_overruled = count(table, 6) != 0;

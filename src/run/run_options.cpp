@@ -162,9 +162,9 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   } else {
     navigator.health.reset();
   }
-  navigator.upkeep.max_landmarks = options.max_landmarks;
+  navigator.map.max_landmarks = options.max_landmarks;
   if (!recording.images.empty()) {
-    navigator.upkeep.forget_after_s = 0.0;  // a track that the front end has lost never comes back
+    navigator.map.forget_after_s = 0.0;  // a track that the front end has lost never comes back
   }
   return setup;
 }

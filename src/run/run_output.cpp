@@ -212,14 +212,14 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
 
 std::string frames_csv(const RunRecord& record) {
   std::string text =
-      "#t_ns,observed,used,born,removed,refused,gate_overruled,nis "
+      "#t_ns,observed,used,initialized,removed,refused,gate_overruled,nis "
       "[-],dof,constrained_rank,filter_ms,source_ms\n";
   auto out = std::back_inserter(text);
   for (std::size_t k = 0; k < record.frames.size(); ++k) {
     const FrameReport& f = record.frames[k];
-    fmt::format_to(out, "{},{},{},{},{},{},{:d},{},{},{},{:.3f},{:.3f}\n", f.t_ns, f.observed, f.used, f.born,
-                   f.removed, f.refused.size(), f.gate_overruled, f.nis, f.dof, f.rank, record.frame_ms[k],
-                   record.source_ms[k]);
+    fmt::format_to(out, "{},{},{},{},{},{},{:d},{},{},{},{:.3f},{:.3f}\n", f.t_ns, f.observed, f.used,
+                   f.initialized, f.removed, f.refused.size(), f.gate_overruled, f.nis, f.dof, f.rank,
+                   record.frame_ms[k], record.source_ms[k]);
   }
   return text;
 }

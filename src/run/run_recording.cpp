@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "limber/datasets/interpolate.hpp"
+#include "limber/navigate/navigator.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "limber/supervised_navigator.hpp"
 #include "remarks.hpp"
 
 namespace limber {
@@ -154,8 +154,8 @@ class InputFeed {
   explicit InputFeed(const Recording& recording) : recording_(recording) {}
 
   /// All samples up to the first one at or after t.
-  void feed(SupervisedNavigator& navigator, std::int64_t t_ns) {
-    switch (navigator.navigator().options().motion) {
+  void feed(Navigator& navigator, std::int64_t t_ns) {
+    switch (navigator.options().motion) {
       case MotionModel::kImu:
         advance(recording_.imu, t_ns, [&](const ImuSample& s) { navigator.add_imu(s); });
         break;
@@ -252,11 +252,9 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   const std::size_t first = first_frame(recording, options, setup.navigator.motion);
   const bool from_truth = options.start == StartMode::kGroundTruth;
   Lookahead ahead = look_ahead(recording, frames, first, !from_truth);
-  SupervisedNavigator supervised(
-      setup.navigator, setup.calibration,
-      from_truth ? start_from_truth(recording, options, setup, frame_time(recording, first))
-                 : start_from_sensors(recording, setup, ahead));
-  const Navigator& navigator = supervised.navigator();
+  Navigator navigator(setup.navigator, setup.calibration,
+                      from_truth ? start_from_truth(recording, options, setup, frame_time(recording, first))
+                                 : start_from_sensors(recording, setup, ahead));
   RunRecord record;
   record.notes = setup.notes;
   record.motion = setup.navigator.motion;
@@ -275,11 +273,11 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     const auto begin_filter = Clock::now();
     record.source_ms.push_back(k < ahead.ms.size() ? ahead.ms[k] : milliseconds(begin_source, begin_filter));
     count(frame, points);
-    feed.feed(supervised, frame.t_ns);
+    feed.feed(navigator, frame.t_ns);
     if (options.method == Method::kOracle) {
-      supervised.assume_theta(calibration_at(recording.calibration_true, frame.t_ns));
+      navigator.assume_theta(calibration_at(recording.calibration_true, frame.t_ns));
     }
-    record.frames.push_back(supervised.process(frame));
+    record.frames.push_back(navigator.process(frame));
     record.trajectory.push_back(row_of(navigator));
     keep_calibration(navigator, record);
     record.frame_ms.push_back(milliseconds(begin_filter, Clock::now()));

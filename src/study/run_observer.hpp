@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "limber/datasets/recording.hpp"
-#include "limber/navigator.hpp"
+#include "limber/navigate/navigator.hpp"
 #include "limber/study/study_item.hpp"
 
 namespace limber::detail {

@@ -29,7 +29,7 @@ struct Distance {
 };
 
 /// eᵀ B⁺ e, where B is what the constraint leaves of S. In units of S, so that a huge variance in one
-/// direction (a newborn's depth) does not hide what the others say.
+/// direction (a new landmark's depth) does not hide what the others say.
 Distance mahalanobis(const VectorXd& e, const MatrixXd& B, const MatrixXd& S) {
   const Eigen::LLT<MatrixXd> root(S);
   const VectorXd white_e = root.matrixL().solve(e);
@@ -133,7 +133,7 @@ bool GateReport::all_accepted() const {
 }
 
 GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                const ParameterTreatment& treatment, double probability) {
+                const ParameterErrorModel& treatment, double probability) {
   GateReport report{std::vector<bool>(groups.size(), true), std::vector<double>(groups.size(), 0.0),
                     std::vector<double>(groups.size(), 0.0)};
   const MatrixXd S = with_white_covariance(innovation, treatment);

@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-void check(const Innovation& innovation, const ParameterTreatment& treatment) {
+void check(const Innovation& innovation, const ParameterErrorModel& treatment) {
   const Index c = innovation.D.cols();
   if ((treatment.constrained.cols() > 0 && treatment.constrained.rows() != c) ||
       (treatment.white_covariance.size() > 0 && treatment.white_covariance.rows() != c)) {
@@ -132,12 +132,12 @@ ParameterEvidence evidence_of(const Innovation& innovation, const MatrixXd& B, c
 }  // namespace
 
 UpdateReport update(Covariance& P, const LinearMeasurement& measurement,
-                    const ParameterTreatment& treatment) {
+                    const ParameterErrorModel& treatment) {
   check(P, measurement);
   return update(P, form_innovation(P, compressed(measurement)), treatment);
 }
 
-UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreatment& treatment) {
+UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterErrorModel& treatment) {
   check(innovation, treatment);
   if (innovation.r.size() == 0) {
     return untouched(UpdateStatus::kEmpty, P.size());
@@ -201,7 +201,7 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterTreat
 }
 
 UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measurement,
-                              const ParameterTreatment& treatment) {
+                              const ParameterErrorModel& treatment) {
   const Innovation innovation = form_innovation(P, measurement);
   check(innovation, treatment);
   if (measurement.stateless.residual.size() > 0) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What an embedded user writes: includes limber, links limber::filter, knows Eigen and nothing else.
 // One second at rest before a wall of points, with a right camera that stands one degree off.
-#include <limber/initialize/initial_state.hpp>
-#include <limber/navigator.hpp>
+#include <limber/initialize/initialize.hpp>
+#include <limber/navigate/stereo_filter.hpp>
 
 #include <cstdint>
 #include <cstdlib>
@@ -41,7 +41,7 @@ int main() {
   limber::NavigatorOptions options;
   options.method = limber::Method::kLcekf;
   const auto initial = limber::make_initial_state({}, options.motion, {});
-  limber::Navigator navigator(options, calibration, initial);
+  limber::StereoFilter navigator(options, calibration, initial);
 
   limber::FrameReport report;
   for (std::int64_t t_ms = 0; t_ms <= 1000; t_ms += 5) {

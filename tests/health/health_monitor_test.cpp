@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "check_covariance.hpp"
-#include "limber/method.hpp"
+#include "limber/navigate/method.hpp"
 #include "random_geometry.hpp"
 
 namespace limber {

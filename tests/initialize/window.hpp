@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "limber/core/so3.hpp"
-#include "limber/initialize/initial_state.hpp"
+#include "limber/initialize/initialize.hpp"
 #include "limber/initialize/stereo_motion.hpp"
 #include "limber/measure/rig.hpp"
 #include "scene.hpp"

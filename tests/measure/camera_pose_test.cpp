@@ -5,8 +5,8 @@
 
 #include "check_jacobian.hpp"
 #include "limber/core/so3.hpp"
-#include "map/small_map.hpp"
 #include "measure/rigs.hpp"
+#include "state/small_map.hpp"
 
 namespace limber {
 namespace {
@@ -101,7 +101,7 @@ TEST(Cam0Pose, AsAnAnchorHasTheCovarianceThatFollows) {
             1e-12 * scale);
   const MatrixXd own =
       with_anchor.block<6, 6>(anchor.position_at, anchor.position_at) - J * P * J.transpose();
-  EXPECT_LE(own.cwiseAbs().maxCoeff(), 1e-11);  // the whisker
+  EXPECT_LE(own.cwiseAbs().maxCoeff(), 1e-11);  // the jitter
   EXPECT_GT(own.diagonal().minCoeff(), 0.0);
 }
 

@@ -7,7 +7,7 @@
 
 #include "check_jacobian.hpp"
 #include "limber/core/so3.hpp"
-#include "limber/map/estimate.hpp"
+#include "limber/state/estimate.hpp"
 #include "rigs.hpp"
 
 namespace limber {

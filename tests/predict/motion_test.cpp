@@ -23,7 +23,8 @@ using testing::retracted;
 
 constexpr double kGravity = 9.81;
 
-/// Steps from a whisker to a long gap [s], with the rates [rad/s] and accelerations [m/s^2] that drive them.
+/// Steps from a microsecond to a long gap [s], with the rates [rad/s] and accelerations [m/s^2] that drive
+/// them.
 struct Step {
   double dt;
   Vector3d first, second;
@@ -107,7 +108,7 @@ TEST(PredictOdometry, QIsTheNoiseOfTheInputsThroughTheirNumericJacobian) {
     NavigationState advanced = state;
     const MatrixXd Q = predict_odometry(advanced, step.second, step.first, step.dt, noise).Q;
     const MatrixXd expected = G * sigma.cwiseAbs2().asDiagonal() * G.transpose();
-    const double tolerance = step.dt < 1e-3 ? 1e-3 : 1e-6;  // differences of a whisker of a step are coarse
+    const double tolerance = step.dt < 1e-3 ? 1e-3 : 1e-6;  // differences of a tiny step are coarse
     EXPECT_LE((Q - expected).cwiseAbs().maxCoeff(), tolerance * expected.cwiseAbs().maxCoeff()) << step.dt;
   }
 }

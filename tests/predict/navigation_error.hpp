@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "limber/core/so3.hpp"
-#include "limber/core/state.hpp"
+#include "limber/state/state.hpp"
 #include "random_geometry.hpp"
 
 /// The body's error state, written out a second time: true = estimate ⊕ error.

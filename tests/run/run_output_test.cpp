@@ -213,7 +213,7 @@ TEST(ReadFramesCsv, GivesBackWhatWasWritten) {
     const FrameReport& frame = run.record.frames[k];
     EXPECT_EQ(rows[k].t_ns, frame.t_ns);
     EXPECT_EQ(rows[k].used, frame.used);
-    EXPECT_EQ(rows[k].born, frame.born);
+    EXPECT_EQ(rows[k].initialized, frame.initialized);
     EXPECT_EQ(rows[k].refused, frame.refused.size());
     EXPECT_EQ(rows[k].nis, frame.nis);
     EXPECT_EQ(static_cast<Eigen::Index>(rows[k].dof), frame.dof);

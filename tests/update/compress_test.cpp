@@ -33,13 +33,13 @@ StereoProblem random_problem(Generator& generator, int points, double seen_by_bo
   return out;
 }
 
-std::vector<ParameterTreatment> treatments(const StereoProblem& problem) {
+std::vector<ParameterErrorModel> treatments(const StereoProblem& problem) {
   const MatrixXd white = problem.C * problem.C.transpose();
   return {{}, problem.constrained(), {{}, white}, {problem.C.leftCols<3>(), white}};
 }
 
 /// Row for row, without compression.
-Updated slowly(const StereoProblem& problem, const ParameterTreatment& how) {
+Updated slowly(const StereoProblem& problem, const ParameterErrorModel& how) {
   Covariance P = problem.P;
   Updated out;
   out.report = update(P, form_innovation(P, problem.z), how);
@@ -50,7 +50,7 @@ Updated slowly(const StereoProblem& problem, const ParameterTreatment& how) {
 /// Same correction, covariance, NIS and degrees of freedom.
 void expect_same_update(const StereoProblem& problem) {
   const VectorXd sigma = testing::prior_sigma(problem.P);
-  for (const ParameterTreatment& how : treatments(problem)) {
+  for (const ParameterErrorModel& how : treatments(problem)) {
     const Updated slow = slowly(problem, how), fast = updated(problem, how);
     ASSERT_EQ(fast.report.status, slow.report.status) << problem.name;
     EXPECT_EQ(fast.report.rank, slow.report.rank) << problem.name;

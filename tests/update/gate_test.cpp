@@ -23,7 +23,7 @@ using testing::StereoProblem;
 
 constexpr double kProbability = 0.999;
 
-GateReport gated(const StereoProblem& problem, const ParameterTreatment& treatment,
+GateReport gated(const StereoProblem& problem, const ParameterErrorModel& treatment,
                  double probability = kProbability) {
   return gate(form_innovation(problem.P, problem.z), problem.z.groups, treatment, probability);
 }
@@ -63,7 +63,7 @@ VectorXd huge_error(const StereoProblem& problem) {
 }
 
 /// The slow and obvious gate: after each drop everything anew, dense, on the projected residual itself.
-GateReport obvious_gate(const StereoProblem& problem, const ParameterTreatment& treatment) {
+GateReport obvious_gate(const StereoProblem& problem, const ParameterErrorModel& treatment) {
   GateReport report{std::vector<bool>(problem.z.groups.size(), true),
                     std::vector<double>(problem.z.groups.size(), 0.0),
                     std::vector<double>(problem.z.groups.size(), 0.0)};
@@ -155,7 +155,7 @@ TEST(Gate, AgreesWithTheSlowObviousOne) {
     for (int outlier = 0; outlier < k % 5 && 7 * outlier < problem.z.rows(); ++outlier) {
       problem.z.residual(7 * outlier) += 40.0;
     }
-    ParameterTreatment treatment;
+    ParameterErrorModel treatment;
     if (k % 3 != 0) {
       treatment.constrained = k % 3 == 1 ? problem.C : MatrixXd(problem.C.leftCols<3>());
     }
@@ -264,7 +264,7 @@ TEST(Gate, RefusesGoodPointsAsOftenAsItIsTold) {
   Generator generator(7);
   StereoProblem problem = random_frame(generator, 10);
   for (const bool constrained : {false, true}) {
-    const ParameterTreatment treatment = constrained ? problem.constrained() : ParameterTreatment{};
+    const ParameterErrorModel treatment = constrained ? problem.constrained() : ParameterErrorModel{};
     std::vector<int> exceeded(problem.z.groups.size(), 0);
     for (int run = 0; run < kRuns; ++run) {
       draw_residual(generator, problem);

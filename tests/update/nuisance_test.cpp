@@ -25,15 +25,15 @@ StereoProblem make_problem(Generator& generator, int points) {
 }
 
 /// The first columns of C are watched, the last are nuisance.
-ParameterTreatment watch_first(const StereoProblem& problem) {
-  ParameterTreatment how;
+ParameterErrorModel watch_first(const StereoProblem& problem) {
+  ParameterErrorModel how;
   how.constrained = problem.C;
   how.watched = problem.C.leftCols(problem.C.cols() - kNuisance);
   how.nuisance = kNuisance;
   return how;
 }
 
-UpdateReport updated(const StereoProblem& problem, const ParameterTreatment& how, bool compress,
+UpdateReport updated(const StereoProblem& problem, const ParameterErrorModel& how, bool compress,
                      Covariance& P) {
   return compress ? update(P, problem.z, how) : update(P, form_innovation(P, problem.z), how);
 }
@@ -62,7 +62,7 @@ TEST(Nuisance, ChangesNothingButWhatIsSaid) {
   Generator generator(1);
   for (const bool compress : {false, true}) {
     const StereoProblem problem = make_problem(generator, 12);
-    ParameterTreatment all = watch_first(problem);
+    ParameterErrorModel all = watch_first(problem);
     all.watched = problem.C;
     all.nuisance = 0;
     Covariance P = problem.P, P_all = problem.P;
@@ -81,16 +81,16 @@ TEST(Nuisance, AloneLeavesTheEvidenceAboutWhatIsTrusted) {
     for (const bool compress : {false, true}) {
       SCOPED_TRACE(::testing::Message() << points << " points, " << (compress ? "compressed" : "as it is"));
       const StereoProblem problem = make_problem(generator, points);
-      ParameterTreatment how = watch_first(problem);
+      ParameterErrorModel how = watch_first(problem);
       how.constrained = problem.C.rightCols(kNuisance).eval();
-      ParameterTreatment plain;
+      ParameterErrorModel plain;
       plain.watched = problem.C;
       Covariance P = problem.P, P_plain = problem.P;
       const UpdateReport report = updated(problem, how, compress, P);
       const UpdateReport all = updated(problem, plain, compress, P_plain);
       expect_same(report.evidence, marginal(all.evidence, problem.C.cols() - kNuisance));
       // What is watched is trusted: the gain is that of the constraint alone.
-      ParameterTreatment unwatched;
+      ParameterErrorModel unwatched;
       unwatched.constrained = how.constrained;
       Covariance P_unwatched = problem.P;
       const UpdateReport same = updated(problem, unwatched, compress, P_unwatched);
@@ -111,7 +111,7 @@ TEST(Nuisance, IsNothingThatTheWitnessLearnsFrom) {
     sigma << testing::prior_sigma(problem.P), VectorXd::Constant(kWitnessSize, 2.0);
     problem.P.append(kWitnessSize);
     problem.P.set_diagonal_block(0, testing::random_covariance(generator, sigma));
-    ParameterTreatment how = watch_first(problem);
+    ParameterErrorModel how = watch_first(problem);
     how.witness = Witness{n, testing::random_normal(generator, kWitnessSize)};
     const MatrixXd prior = problem.P.dense(), R = problem.R();
     const MatrixXd DB = problem.z.D * how.watched, DX = problem.z.D * problem.C.rightCols(kNuisance);
@@ -133,7 +133,7 @@ TEST(Nuisance, IsNothingThatTheWitnessLearnsFrom) {
 TEST(Nuisance, MoreColumnsThanThereAreIsAnError) {
   Generator generator(4);
   const StereoProblem problem = make_problem(generator, 8);
-  ParameterTreatment how = watch_first(problem);
+  ParameterErrorModel how = watch_first(problem);
   how.nuisance = problem.C.cols() + 1;
   Covariance P = problem.P;
   EXPECT_THROW((void)update(P, problem.z, how), std::invalid_argument);

@@ -168,13 +168,13 @@ TEST(StatelessRows, SayWhatTheySayAmongTheOthers) {
   const MatrixXd root = random_matrix(generator, 6, 3);
   for (const MatrixXd& E : {all_but_one(5), all_but_one(2), random_matrix(generator, 6, 6), weak, all_weak,
                             MatrixXd(0, 6), MatrixXd(MatrixXd::Zero(3, 6)), random_matrix(generator, 9, 6)}) {
-    for (const ParameterTreatment& how :
-         std::vector<ParameterTreatment>{{{}, {}, C, {}},
-                                         {C, {}, C, {}},
-                                         {C.leftCols<3>(), {}, C.leftCols<3>(), {}},
-                                         {{}, root * root.transpose(), C, {}},
-                                         {{}, 1e4 * MatrixXd::Identity(6, 6), C, {}},
-                                         {C.rightCols<2>(), root * root.transpose(), C.rightCols<2>(), {}}}) {
+    for (const ParameterErrorModel& how : std::vector<ParameterErrorModel>{
+             {{}, {}, C, {}},
+             {C, {}, C, {}},
+             {C.leftCols<3>(), {}, C.leftCols<3>(), {}},
+             {{}, root * root.transpose(), C, {}},
+             {{}, 1e4 * MatrixXd::Identity(6, 6), C, {}},
+             {C.rightCols<2>(), root * root.transpose(), C.rightCols<2>(), {}}}) {
       const Innovation parts = random_innovation(generator, 14, E);
       MatrixXd start = MatrixXd::Identity(9, 9);
       start += 40.0 * parts.PHt * parts.PHt.transpose();

@@ -124,7 +124,7 @@ TEST(Update, ABrokenCovarianceIsReportedAndLeftAsItWas) {
   for (const double variance : {-1e6, std::numeric_limits<double>::quiet_NaN()}) {
     Covariance broken = healthy.P;
     broken.set_diagonal_block(0, variance * Eigen::Matrix3d::Identity());
-    for (const ParameterTreatment& treatment : {ParameterTreatment{}, healthy.constrained()}) {
+    for (const ParameterErrorModel& treatment : {ParameterErrorModel{}, healthy.constrained()}) {
       for (const bool gain_form : {false, true}) {
         Covariance P = broken;
         const UpdateReport report =
@@ -144,7 +144,7 @@ TEST(Update, ShapesThatDisagreeAreRefusedWithBothShapes) {
   Generator generator(6);
   StereoProblem problem = small_problem(generator);  // 24 rows, 39 states
   const MatrixXd before = problem.P.dense();
-  const auto expect_refusal = [&](const StereoProblem& bad, const ParameterTreatment& treatment,
+  const auto expect_refusal = [&](const StereoProblem& bad, const ParameterErrorModel& treatment,
                                   const std::vector<std::string>& parts) {
     for (const bool gain_form : {false, true}) {
       Covariance P = bad.P;

@@ -10,7 +10,7 @@
 #include "limber/core/covariance.hpp"
 #include "limber/core/linear_measurement.hpp"
 #include "limber/measure/point_rows.hpp"
-#include "limber/method.hpp"
+#include "limber/navigate/method.hpp"
 #include "limber/update/update.hpp"
 #include "random_geometry.hpp"
 
@@ -42,7 +42,7 @@ struct StereoProblem {
 
   [[nodiscard]] Eigen::MatrixXd H() const { return z.H.dense(z.rows(), P.size()); }
   [[nodiscard]] Eigen::MatrixXd R() const { return z.sigma.cwiseAbs2().asDiagonal(); }
-  [[nodiscard]] ParameterTreatment constrained() const { return {C, {}}; }
+  [[nodiscard]] ParameterErrorModel constrained() const { return {C, {}}; }
 };
 
 /// Symmetric positive definite, correlated, with the standard deviations `sigma`.
@@ -194,7 +194,7 @@ inline double relative_difference(const Eigen::MatrixXd& A, const Eigen::MatrixX
 }
 
 /// The gain of `update`, column by column: dx is linear in the residual.
-inline Eigen::MatrixXd gain(const StereoProblem& problem, const ParameterTreatment& treatment) {
+inline Eigen::MatrixXd gain(const StereoProblem& problem, const ParameterErrorModel& treatment) {
   Eigen::MatrixXd L(problem.P.size(), problem.z.rows());
   LinearMeasurement z = problem.z;
   for (Eigen::Index k = 0; k < z.rows(); ++k) {
@@ -211,7 +211,7 @@ struct Updated {
   Eigen::MatrixXd P;
 };
 
-inline Updated updated(const StereoProblem& problem, const ParameterTreatment& treatment) {
+inline Updated updated(const StereoProblem& problem, const ParameterErrorModel& treatment) {
   Covariance P = problem.P;
   Updated out;
   out.report = update(P, problem.z, treatment);

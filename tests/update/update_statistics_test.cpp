@@ -31,7 +31,7 @@ struct Sums {
 };
 
 /// x ~ N(0, P), r = H x + noise + D C d with d ~ N(0, spread²).
-Sums draw(Generator& generator, StereoProblem problem, const ParameterTreatment& treatment, double spread) {
+Sums draw(Generator& generator, StereoProblem problem, const ParameterErrorModel& treatment, double spread) {
   const MatrixXd root = problem.P.dense().llt().matrixL();
   const MatrixXd H = problem.H();
   Sums sums;

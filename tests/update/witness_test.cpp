@@ -37,8 +37,8 @@ WitnessProblem make_problem(Generator& generator, int points) {
   return out;
 }
 
-ParameterTreatment treatment(const WitnessProblem& problem) {
-  ParameterTreatment how;
+ParameterErrorModel treatment(const WitnessProblem& problem) {
+  ParameterErrorModel how;
   how.constrained = how.watched = problem.stereo.C;
   how.witness = problem.witness;
   return how;
@@ -91,7 +91,7 @@ TEST(Witness, IsTheOptimalGainBesideTheConstrainedOne) {
 TEST(Witness, NoOtherStateHearsOfIt) {
   Generator generator(2);
   const WitnessProblem problem = make_problem(generator, 12);
-  ParameterTreatment without = treatment(problem);
+  ParameterErrorModel without = treatment(problem);
   without.watched.resize(6, 0);
   without.witness.reset();
   Covariance P_with = problem.stereo.P, P_without = problem.stereo.P;
@@ -116,7 +116,7 @@ TEST(ParameterEvidence, IsThatOfTheInnovation) {
     const MatrixXd DC = problem.z.D * problem.C;
     const MatrixXd information = DC.transpose() * S.llt().solve(DC);
     const VectorXd vector = DC.transpose() * S.llt().solve(problem.z.residual);
-    ParameterTreatment how;
+    ParameterErrorModel how;
     how.watched = problem.C;
     if (constrained) {
       how.constrained = problem.C;
@@ -135,9 +135,9 @@ TEST(ParameterEvidence, AWhiteShareCanBeTakenOutAgain) {
   Generator generator(4);
   const StereoProblem problem = testing::make_problem(generator, "white", testing::stereo_rig(0.12),
                                                       testing::random_points(generator, 15, 2.0, 20.0));
-  ParameterTreatment plain;
+  ParameterErrorModel plain;
   plain.watched = problem.C;
-  ParameterTreatment soft = plain;
+  ParameterErrorModel soft = plain;
   soft.white_covariance = problem.C * problem.C.transpose();
   Covariance P_plain = problem.P, P_soft = problem.P;
   const ParameterEvidence expected = update(P_plain, problem.z, plain).evidence;

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "limber/core/state.hpp"
 #include "limber/measure/rig.hpp"
+#include "limber/state/state.hpp"
 
 namespace limber {
 

@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 
 #include "limber/core/linear_measurement.hpp"
-#include "limber/core/state.hpp"
 #include "limber/measure/stereo_model.hpp"
+#include "limber/state/state.hpp"
 
 namespace limber {
 

@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "limber/core/state.hpp"
 #include "limber/measure/rig.hpp"
 #include "limber/sensors/parameters.hpp"
+#include "limber/state/state.hpp"
 
 namespace limber {
 

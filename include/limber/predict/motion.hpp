@@ -3,9 +3,9 @@
 
 #include <Eigen/Core>
 
-#include "limber/core/state.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/sensors/samples.hpp"
+#include "limber/state/state.hpp"
 
 namespace limber {
 

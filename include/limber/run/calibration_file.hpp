@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "limber/navigator.hpp"
+#include "limber/navigate/navigator.hpp"
 
 namespace limber {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "limber/navigator.hpp"
+#include "limber/navigate/navigator.hpp"
 
 namespace limber {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "limber/navigator.hpp"
+#include "limber/navigate/navigator.hpp"
 
 /// @file
 /// What a whole run says of its calibration: the reduction of the monitor's reports.

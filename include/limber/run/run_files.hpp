@@ -11,7 +11,7 @@ namespace limber {
 /// One line of a run's frames.csv.
 struct FrameRow {
   std::int64_t t_ns = 0;
-  std::size_t observed = 0, used = 0, born = 0, removed = 0, refused = 0;  ///< points
+  std::size_t observed = 0, used = 0, initialized = 0, removed = 0, refused = 0;  ///< points
   bool gate_overruled = false;
   double nis = 0.0;                         ///< of the rows that entered [-]
   std::size_t dof = 0;                      ///< of nis

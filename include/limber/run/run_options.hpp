@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "limber/datasets/recording.hpp"
-#include "limber/initialize/initial_state.hpp"
-#include "limber/navigator.hpp"
+#include "limber/initialize/initialize.hpp"
+#include "limber/navigate/navigator.hpp"
 
 namespace limber {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "limber/core/pose.hpp"
-#include "limber/initialize/initial_sigma.hpp"
-#include "limber/method.hpp"
+#include "limber/navigate/method.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/simulate/decalibration.hpp"
+#include "limber/state/initial_sigma.hpp"
 
 /// What is simulated. The defaults are the paper's case (i): its numbers where it gives them
 /// (paper, 4.1-4.2), else those of the shipped scenario files. SI units; angles in radians (files: degrees,

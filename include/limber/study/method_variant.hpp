@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "limber/core/state.hpp"
-#include "limber/method.hpp"
+#include "limber/navigate/method.hpp"
+#include "limber/state/state.hpp"
 
 namespace limber {
 

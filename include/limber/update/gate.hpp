@@ -28,6 +28,6 @@ struct GateReport {
 /// @param groups       partition of the rows of the innovation
 /// @param probability  chance that a good point passes, in (0, 1)
 [[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                              const ParameterTreatment& treatment, double probability);
+                              const ParameterErrorModel& treatment, double probability);
 
 }  // namespace limber

@@ -20,7 +20,7 @@ enum class UpdateStatus : std::uint8_t {
 };
 
 /// How a wrong parameter theta may act on the measurement r = H dx + D dtheta + noise.
-struct ParameterTreatment {
+struct ParameterErrorModel {
   /// C: c×k. The gain obeys L D C = 0. Columns are scaled to one plausible error each (0.1 deg, 5 % of the
   /// baseline); k = 0: no constraint. Any rank.
   Eigen::MatrixXd constrained;
@@ -58,16 +58,16 @@ struct UpdateReport {
 /// @note [Vivet2022], Eqs. (16)-(19) as corrected; derivation in docs/derivations/constrained-update.md. O(n²
 /// m).
 [[nodiscard]] UpdateReport update(Covariance& P, const LinearMeasurement& measurement,
-                                  const ParameterTreatment& treatment);
+                                  const ParameterErrorModel& treatment);
 
 /// The same, from an innovation that was already formed; consumes it. Row for row, as it comes.
 [[nodiscard]] UpdateReport update(Covariance& P, Innovation&& innovation,
-                                  const ParameterTreatment& treatment);
+                                  const ParameterErrorModel& treatment);
 
 /// @brief The same update in the gain form of the paper: L = K − K D (DᵀS⁻¹D)⁻¹ DᵀS⁻¹, Eq. (17) and (19)
 /// corrected. Dense and slow; singular where D C is rank-deficient (status kSingularInnovation). The
 /// reference of the tests.
 [[nodiscard]] UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measurement,
-                                            const ParameterTreatment& treatment);
+                                            const ParameterErrorModel& treatment);
 
 }  // namespace limber

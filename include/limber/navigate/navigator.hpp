@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "limber/health/health_monitor.hpp"
+#include "limber/navigate/stereo_filter.hpp"
+
+namespace limber {
+
+/// @brief Stereo navigation for a rig that bends, by any method: inputs in, frames in, state out.
+///
+/// Feed inputs up to (or beyond) a frame's time, then the frame. One navigator, one thread.
+///
+/// `adaptive` is more than one filter. It trusts the rig as `ekf` does as long as two alarms are silent: one
+/// looks at its own innovations, which are sharp where the rig moves under a known map; the other belongs to
+/// a parallel constrained filter (lcekf), which sees the same inputs and which no calibration can lead
+/// astray. When the first rejects, the filter goes back to a checkpoint from before the window in which it
+/// happened and comes again with theta in doubt; when the second does, it takes over the parallel filter's
+/// state. From then on the filter learns how much theta stays wrong and how much of it is fresh in every
+/// frame. Where nothing but a young map fixes the scale, neither could be learned: there it goes on trusting
+/// the rig, and the health report says so.
+/// @note docs/derivations/adaptive.md
+class Navigator {
+ public:
+  /// @param calibration  what the filter assumes; never the truth (but see oracle)
+  /// @throws std::invalid_argument if options contradict each other or shapes disagree
+  Navigator(const NavigatorOptions& options, const StereoCalibration& calibration,
+            const InitialState& initial);
+
+  /// @throws std::invalid_argument if time does not increase or a value is not finite
+  void add_imu(const ImuSample& sample);
+  void add_odometry(const OdometrySample& sample);
+
+  /// @brief Advances the state to the frame and corrects it.
+  /// @throws std::invalid_argument if the frame is older than the state, a pixel is not finite or an id comes
+  /// twice
+  FrameReport process(const StereoFrame& frame);
+
+  /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
+  void assume_theta(const RigParameters& theta) { filter_.assume_theta(theta); }
+
+  /// Mean and covariance of body, parameters and map. Invalidated by the next call.
+  [[nodiscard]] const Estimate& estimate() const { return filter_.estimate(); }
+  /// The calibration that the filter takes for true: what was given, with what has been estimated.
+  [[nodiscard]] const StereoCalibration& calibration() const { return filter_.calibration(); }
+  [[nodiscard]] CalibrationEstimate calibration_estimate() const { return filter_.calibration_estimate(); }
+  [[nodiscard]] const NavigatorOptions& options() const { return filter_.options(); }
+  /// What the monitor made of the last frame; nothing before it, or if the calibration is not watched.
+  [[nodiscard]] const std::optional<HealthReport>& health() const { return health_; }
+
+ private:
+  using Event = std::variant<ImuSample, OdometrySample, StereoFrame>;
+  struct Checkpoint {
+    StereoFilter filter;
+    std::vector<Event> events;  // since
+  };
+  struct Supervision {
+    StereoFilter parallel;  // constrained
+    HealthMonitor own_alarm, parallel_alarm;
+    Checkpoint older, recent;
+    std::int64_t began_ns = 0;
+    std::int64_t doubted_ns = 0;  // last
+    int doubts = 0;               // in a row
+    bool trusts = true;
+    bool resigned = false;  // nobody can know how long a metre is: what is assumed stays as good as any
+  };
+
+  void log(const Event& event);
+  FrameReport go_back(const HealthReport& why);
+  [[nodiscard]] CalibrationPrior prior_after(const HealthReport& why) const;
+  [[nodiscard]] bool knows_scale(std::int64_t t_ns) const;
+  void supervise(FrameReport& report, const FrameReport& parallel);
+
+  double baseline_;      // of the assumed calibration [m]
+  StereoFilter filter_;  // the one whose state counts
+  std::optional<HealthReport> health_;
+  std::optional<Supervision> supervision_;  // adaptive
+};
+
+}  // namespace limber

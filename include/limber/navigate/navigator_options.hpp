@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "limber/health/health_monitor.hpp"
+#include "limber/landmarks/landmark_initialization.hpp"
+#include "limber/landmarks/map_management.hpp"
+#include "limber/navigate/method.hpp"
+#include "limber/predict/motion.hpp"
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/samples.hpp"
+#include "limber/state/state.hpp"
+
+namespace limber {
+
+/// Everything a navigator is told before it starts. Defaults are those of a small visual-inertial rig.
+struct NavigatorOptions {
+  Method method = Method::kLcekf;
+  ConstraintSet constraints;  ///< lcekf only
+  /// Standard deviations of parameters that are estimated beside what the method does with theta; zero: not.
+  /// Each walks by 1 % of it per sqrt(s). Not with theta for ekf-full, consider and adaptive: those have it.
+  ParameterVector estimated = ParameterVector::Zero();
+  /// Standard deviations of errors that are fresh in every frame (time-white), beside theta of soft; zero:
+  /// none.
+  ParameterVector softened = ParameterVector::Zero();
+  MotionModel motion = MotionModel::kImu;
+
+  ImuNoise imu_noise;
+  OdometryNoise odometry_noise;  ///< per sample
+  ConstantVelocityNoise constant_velocity_noise;
+  PixelNoise sigma_px = PixelNoise::Constant(0.5);
+  double gravity = 9.81;  ///< [m/s^2]
+
+  /// ekf-full, consider, soft: standard deviation of theta [rad, m]. Zero: one plausible error (0.1 deg, 5
+  /// %).
+  RigParameters theta_sigma = RigParameters::Zero();
+  /// ekf-full: random walk of theta, variance per second [rad^2/s, m^2/s]; Table 1, 'well estimated', at 100
+  /// Hz.
+  RigParameters theta_walk = (RigParameters() << 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4).finished();
+
+  LandmarkKind landmarks = LandmarkKind::kInverseDepth;
+  LandmarkInitOptions landmark_init;  ///< mode and kind are set from method and landmarks
+  MapManagementOptions map;
+  bool gate = true;
+  double gate_probability = 0.999;  ///< chance that a good point passes
+  /// Watches the calibration; nothing: off. mono-left has nothing to watch.
+  std::optional<HealthOptions> health = HealthOptions{};
+};
+
+}  // namespace limber

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "limber/health/health_monitor.hpp"
+#include "limber/health/white_size.hpp"
+#include "limber/navigate/frame_report.hpp"
+#include "limber/navigate/navigator_options.hpp"
+#include "limber/predict/input_buffer.hpp"
+#include "limber/stack/stack_frame.hpp"
+#include "limber/state/estimate.hpp"
+#include "limber/state/initial_state.hpp"
+#include "limber/update/update.hpp"
+
+namespace limber {
+
+/// How wrong the rig that `adaptive` takes for true may be from now on; both are learned from there.
+struct CalibrationPrior {
+  Eigen::Matrix<double, 6, 6> jump;  ///< covariance of what has changed and stays [plausible errors squared]
+  WhiteSize::Vector6 fresh;  ///< at least that large is what changes in every frame [plausible errors]
+};
+
+/// @brief One filter of any method, without what `adaptive` needs beside it: Navigator is what users want.
+///
+/// Feed inputs up to (or beyond) a frame's time, then the frame. One filter, one thread.
+class StereoFilter {
+ public:
+  /// @param calibration  what the filter assumes; never the truth (but see oracle)
+  /// @throws std::invalid_argument if options contradict each other or shapes disagree
+  StereoFilter(const NavigatorOptions& options, const StereoCalibration& calibration,
+               const InitialState& initial);
+
+  /// @throws std::invalid_argument if time does not increase or a value is not finite
+  void add_imu(const ImuSample& sample);
+  void add_odometry(const OdometrySample& sample);
+
+  /// Advances the state to t_ns with the inputs so far; nothing happens if t_ns is not later.
+  void predict_to(std::int64_t t_ns);
+
+  /// @brief One stereo frame.
+  /// @throws std::invalid_argument if the frame is older than the state, a pixel is not finite or an id comes
+  /// twice
+  FrameReport process(const StereoFrame& frame);
+
+  /// adaptive: begins to estimate theta, as a constant that walks and a part that is fresh in every frame,
+  /// instead of trusting it. Told by whoever found out (Navigator).
+  void distrust(const CalibrationPrior& prior);
+
+  /// adaptive: takes over the state of a constrained filter (lcekf with a witness, all six directions or
+  /// fewer), which was led astray by nothing; what its witness has learned becomes theta.
+  void take_over(const StereoFilter& constrained, const CalibrationPrior& prior);
+
+  /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
+  void assume_theta(const RigParameters& theta);
+
+  /// The calibration that the filter takes for true: what was given, with what has been estimated.
+  [[nodiscard]] const StereoCalibration& calibration() const { return calibration_; }
+  [[nodiscard]] CalibrationEstimate calibration_estimate() const;
+
+  [[nodiscard]] const Estimate& estimate() const { return estimate_; }
+  [[nodiscard]] const NavigatorOptions& options() const { return options_; }
+
+ private:
+  /// Landmarks that are new in this frame, with those of its rows that the update may still use.
+  using NewLandmarks = std::unordered_map<std::int64_t, RemainingRows>;
+  /// The rig at which a frame is linearised, and how far that is from the assumed one.
+  struct LinearizationPoint {
+    MountedRig rig;
+    ParameterVector shift = ParameterVector::Zero();
+  };
+
+  [[nodiscard]] Transition predict_step(const InputStep& step);
+  [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns);
+  [[nodiscard]] bool initializes_before_update() const;
+  [[nodiscard]] LinearizationPoint choose_linearization_point(const StereoFrame& frame) const;
+  [[nodiscard]] NewLandmarks initialize_landmarks(const StereoFrame& frame, const MountedRig& rig);
+  [[nodiscard]] StackedFrame stack(const StereoFrame& frame, const LinearizationPoint& at,
+                                   const NewLandmarks& fresh, FrameReport& report) const;
+  /// @return one flag per stacked point
+  [[nodiscard]] std::vector<bool> gate_points(const StackedFrame& stacked, const ParameterErrorModel& model,
+                                              FrameReport& report) const;
+  void constrained_update(const StackedFrame& stacked, const std::vector<bool>& accepted,
+                          const ParameterErrorModel& model, double dt, FrameReport& report);
+  void record(const StackedFrame& stacked, const std::vector<bool>& accepted, const NewLandmarks& fresh,
+              FrameReport& report);
+
+  [[nodiscard]] Eigen::MatrixXd linearization_prior() const;
+  [[nodiscard]] MountedRig mounted(const StereoCalibration& calibration) const;
+  void use_estimated_calibration();
+  [[nodiscard]] ParameterErrorModel error_model() const;
+  void walk_parameters(double dt);
+  void learn_from(const ParameterErrorModel& model, const UpdateReport& update, double dt,
+                  FrameReport& report);
+  [[nodiscard]] std::optional<ParameterEvidence> gathered(const ParameterErrorModel& model) const;
+
+  NavigatorOptions options_;
+  StereoCalibration given_;        // as assumed at the start
+  StereoCalibration calibration_;  // the one in use
+  RigParameters scale_;            // one plausible error of theta of the calibration that was given
+  Estimate estimate_;
+  InputBuffer inputs_;
+  Eigen::Vector3d omega_input_ = Eigen::Vector3d::Zero();  // [rad/s], of the last step: gyro or odometry
+  std::optional<HealthMonitor> monitor_;
+  WhiteSize fresh_;  // adaptive: zero as long as theta is trusted
+  std::int64_t last_frame_ns_ = std::numeric_limits<std::int64_t>::min();
+};
+
+}  // namespace limber

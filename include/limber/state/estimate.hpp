@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "limber/core/covariance.hpp"
+#include "limber/measure/camera_pose.hpp"
+#include "limber/measure/stereo_model.hpp"
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/parameters.hpp"
+#include "limber/state/passive_block.hpp"
+#include "limber/state/state.hpp"
+
+namespace limber {
+
+/// @brief Mean and covariance of everything the filter knows: body, parameters (if in the state), anchors,
+/// landmarks. Keeps mean and covariance in step while the map grows and shrinks.
+///
+/// Landmarks out of view can be made passive: they leave P and cost nothing until they are recalled, and the
+/// result is the same (PassiveBlock). While any are passive, P also holds a clone of the body, and landmarks
+/// of the current epoch are frozen: they are corrected, but not redefined or taken out of P before it ends.
+class Estimate {
+ public:
+  /// @param body_covariance   layout.body_size() wide
+  /// @param theta_covariance  6×6 [rad, m]; read only if layout.has_theta
+  /// @throws std::invalid_argument if shapes disagree
+  Estimate(StateLayout layout, const NavigationState& nav, const Eigen::MatrixXd& body_covariance,
+           const RigParameters& theta, const Eigen::Matrix<double, 6, 6>& theta_covariance);
+
+  [[nodiscard]] const StateLayout& layout() const { return layout_; }
+  [[nodiscard]] Eigen::Index size() const { return P.size(); }
+  [[nodiscard]] const std::vector<Landmark>& landmarks() const { return landmarks_; }
+  [[nodiscard]] std::vector<Landmark>& landmarks() { return landmarks_; }
+
+  [[nodiscard]] const Landmark* find(std::int64_t track_id) const;
+  [[nodiscard]] Landmark* find(std::int64_t track_id);
+  /// The landmark's anchor; null for Cartesian landmarks.
+  [[nodiscard]] const Anchor* anchor_of(const Landmark& landmark) const;
+
+  /// @brief x := x ⊕ dx, dx: size(). Parameters move only if they are in the state.
+  ///
+  /// The covariance is carried along: it keeps its meaning as that of the right-invariant error (Exp(phi)
+  /// acting on all world vectors), so that what nobody can observe, position and heading of the world, stays
+  /// unobserved though the Jacobians are taken at a new point every time. Without, the filter learns a
+  /// heading from nothing. [Barrau2015], [Hao2022]. Frozen and passive landmarks are carried along when their
+  /// epoch ends.
+  void retract(const Eigen::VectorXd& dx);
+
+  /// The witness forgets what it has learned: mean zero, standard deviation `sigma` [plausible errors] each,
+  /// correlated with nothing. For layouts that have one.
+  void restart_witness(double sigma);
+
+  /// The witness becomes theta: theta gains `directions` times its mean, 6×k, k <= 6, and the layout says so.
+  void promote_witness(const Eigen::MatrixXd& directions);
+
+  /// Clones the body's pose into the state as a new anchor; returns its index. Jitter (1 µm, 0.1
+  /// µrad) keeps P positive definite while clone and pose are otherwise the same.
+  int add_anchor(const Pose& T_body_cam0);
+
+  /// The same with the pose of the left camera instead of the body's, whose errors include those of mount and
+  /// time offset: what is seen from it does not depend on them, however its depth is corrected later on.
+  int add_camera_anchor(const CameraPose& pose);
+
+  /// Removes an anchor that no landmark came to stand on; -1 is nobody.
+  void drop_unused_anchor(int anchor);
+
+  /// @brief Ends the epoch and begins the next: the landmarks `retired` go passive, and with them the anchors
+  /// that only they stand on.
+  void change_epoch(const std::vector<std::int64_t>& retired);
+
+  /// The passive landmarks `recalled` and their anchors come back, frozen for the rest of the epoch.
+  void recall(const std::vector<std::int64_t>& recalled);
+
+  /// Something is or was passive in this epoch.
+  [[nodiscard]] bool has_frozen() const { return frozen_end_ > layout_.map_begin(); }
+  /// Time of the last change of epoch.
+  [[nodiscard]] std::int64_t epoch_began_ns() const { return epoch_began_ns_; }
+  /// A frozen landmark must not be redefined (convert_to_cartesian) now; it may be right after change_epoch.
+  [[nodiscard]] bool is_frozen(const Landmark& landmark) const {
+    return landmark.at < frozen_end_ && !drift_.isZero(0.0);
+  }
+
+  /// Appends a landmark with covariance P_ll (3×3) and cross-covariance P_xl (n×3, n the size before; zero
+  /// rows: none).
+  Landmark& add_landmark(Landmark landmark, const Eigen::Matrix3d& P_ll, const Eigen::MatrixXd& P_xl = {});
+
+  /// Removes a landmark and its anchor if nobody else stands on it. Nothing else changes.
+  void remove_landmark(std::int64_t track_id);
+
+  /// Rewrites an inverse-depth landmark as a Cartesian one: same point, covariance by its Jacobian.
+  void convert_to_cartesian(Landmark& landmark);
+
+  /// Position of a landmark and its covariance [m²]. @param[out] covariance may be null
+  [[nodiscard]] Eigen::Vector3d landmark_position(const Landmark& landmark,
+                                                  Eigen::Matrix3d* covariance = nullptr) const;
+
+  /// Positions of all landmarks [m], in the order of landmarks(); cheaper than one by one.
+  [[nodiscard]] std::vector<Eigen::Vector3d> landmark_positions() const;
+
+  NavigationState nav;
+  RigParameters theta;  ///< what the filter takes for the rig: an estimate if in the state, else assumed
+  /// Parameters beyond theta, true minus assumed, as far as they are in the state.
+  Eigen::Matrix<double, kMoreParameters, 1> more = Eigen::Matrix<double, kMoreParameters, 1>::Zero();
+  Eigen::Matrix<double, 6, 1> witness = Eigen::Matrix<double, 6, 1>::Zero();  ///< [plausible errors]
+  Covariance P;
+
+ private:
+  enum class Owner : std::uint8_t { kLandmark, kAnchorPosition, kAnchorAttitude, kBodyClone, kBuried };
+  struct StateBlock {
+    Owner owner;
+    std::size_t index;
+  };
+
+  /// Carries the covariance along with the correction dx: see retract.
+  void transport(const Eigen::VectorXd& dx);
+  void add_attitude_coupling(const Eigen::MatrixXd& U);
+  int append_anchor(const Pose& T_world_frame, const Pose& T_frame_cam0);
+  void add_jitter(const Anchor& anchor, Eigen::MatrixXd& columns) const;
+  Eigen::Index append_triplet(StateBlock block);
+  void remove_triplet(Eigen::Index at, bool passive);
+  void move_in(StateBlock block, Eigen::Index at, bool passive);
+  void remove_anchor(int anchor);
+  void release_anchor(int anchor);
+  [[nodiscard]] std::size_t slot(Eigen::Index at) const {
+    return static_cast<std::size_t>((at - layout_.map_begin()) / kTriplet);
+  }
+
+  // Epochs: src/state/epoch.cpp.
+  struct Move {
+    StateBlock block;
+    Eigen::Vector3d displacement;  // since the covariance was last carried along
+  };
+  void retract_parameters(const Eigen::VectorXd& dx);
+  void retract_triplet(StateBlock block, const Eigen::Vector3d& dx);
+  [[nodiscard]] bool is_world_vector(StateBlock block) const;
+  [[nodiscard]] std::vector<bool> anchors_in_use(const std::vector<bool>& resting) const;
+  void carry_active(const std::vector<Move>& kept);
+  void carry_dormant(const std::vector<Move>& passive);
+  [[nodiscard]] std::vector<Eigen::Index> rows_of(const std::vector<std::int64_t>& passive) const;
+  [[nodiscard]] Eigen::Matrix3d joint_block(Eigen::Index row, bool row_dormant, Eigen::Index col,
+                                            bool col_dormant) const;
+  [[nodiscard]] Landmark current(const Landmark& landmark) const;
+  [[nodiscard]] Anchor current(const Anchor& anchor) const;
+  [[nodiscard]] static Landmark corrected(Landmark landmark, const Eigen::Vector3d& correction);
+  [[nodiscard]] static Anchor corrected(Anchor anchor, const Eigen::Vector3d& dp,
+                                        const Eigen::Vector3d& dtheta);
+
+  StateLayout layout_;
+  std::vector<Anchor> anchors_;
+  std::vector<int> free_anchors_;
+  std::vector<Landmark> landmarks_;
+  std::unordered_map<std::int64_t, std::size_t> index_of_;
+  std::vector<StateBlock> active_blocks_;   // who lives in each triplet of the map, in state order
+  std::vector<StateBlock> passive_blocks_;  // who lives in each triplet of the passive block
+  PassiveBlock passive_;
+  Eigen::Index frozen_end_ = 0;  // P is [body | frozen | initialised since]; map_begin if nothing is frozen
+  Eigen::VectorXd drift_;        // sum of the corrections of the frozen part since the epoch began
+  std::int64_t epoch_began_ns_ = 0;
+};
+
+/// Derivative of an inverse-depth landmark's world position: with respect to anchor position, anchor attitude
+/// and the landmark's triplet, side by side (3×9).
+[[nodiscard]] Eigen::Matrix<double, 3, 9> world_position_jacobian(const Landmark& landmark,
+                                                                  const Anchor& anchor);
+
+}  // namespace limber

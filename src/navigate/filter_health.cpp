@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// StereoFilter's monitor: what an update tells it of the rig, and what theta and the witness make of its
+// answer.
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <optional>
+
+#include "limber/navigate/stereo_filter.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// What the witness has gathered against the assumed rig; nothing without one.
+std::optional<ParameterEvidence> StereoFilter::gathered(const ParameterErrorModel& model) const {
+  if (!model.witness) {
+    return std::nullopt;
+  }
+  const Index k = model.watched.cols();
+  const MatrixXd P = estimate_.P.diagonal_block<kWitnessSize>(model.witness->at);
+  const MatrixXd information = P.llt().solve(MatrixXd::Identity(kWitnessSize, kWitnessSize));
+  ParameterEvidence out{information.topLeftCorner(k, k), (information * estimate_.witness).head(k)};
+  out.information.diagonal().array() -= 1.0 / (kWidestErrors * kWidestErrors);
+  return out;
+}
+
+void StereoFilter::learn_from(const ParameterErrorModel& model, const UpdateReport& update, double dt,
+                              FrameReport& report) {
+  const MatrixXd watched = model.watched.topRows<kBlockSize>();
+  HealthInput input{report.t_ns,     watched,    update.evidence,
+                    gathered(model), update.nis, static_cast<double>(update.dof)};
+  if (!model.witness && !update.evidence.empty()) {
+    // Of a filter that trusts theta, NIS also counts what theta would explain.
+    const EvidenceStatistic explained = statistic(update.evidence, 1.0 / (kWidestErrors * kWidestErrors));
+    input.nis -= explained.value;
+    input.dof -= static_cast<double>(explained.dof);
+  }
+  report.evidence = input;
+  if (model.white_covariance.size() > 0 && !model.witness && !input.frame.empty()) {
+    const MatrixXd inverse = watched.inverse();
+    const MatrixXd white = model.white_covariance.topLeftCorner<kBlockSize, kBlockSize>();
+    input.frame = without_white(input.frame, inverse * white * inverse.transpose());
+  }
+  if (!fresh_.is_zero() && !input.frame.empty()) {
+    fresh_.learn(input.frame, dt);
+  }
+  report.health = monitor_->judge(input);
+  if (model.witness && monitor_->restarts()) {
+    estimate_.restart_witness(kWidestErrors);
+  }
+}
+
+}  // namespace limber

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+// StereoFilter's calibration: which part of it is in the state, how it walks, and what an update makes of the
+// rest.
+#include "limber/navigate/stereo_filter.hpp"
+#include "parameter_roles.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using namespace detail;
+
+namespace {
+
+/// Variance that theta gains per second of walk, in variances of what is fresh in every frame: what shakes
+/// may also shift, by as much from one frame to the next at 20 Hz.
+constexpr double kWalkPerSecond = 20.0;
+
+constexpr double kEstimatedWalk = 0.01;  // of the standard deviation at the start, per sqrt(s)
+
+}  // namespace
+
+/// The cameras of a calibration on the body as it moves now.
+MountedRig StereoFilter::mounted(const StereoCalibration& calibration) const {
+  MountedRig out = mount(calibration);
+  BodyMotion motion{estimate_.nav.v_world_body, omega_input_};
+  if (options_.motion == MotionModel::kImu) {
+    motion.omega_body -= estimate_.nav.bias_gyro;
+  } else if (options_.motion == MotionModel::kConstantVelocity) {
+    motion.omega_body = estimate_.nav.omega_body;
+  }
+  for (MountedCamera& camera : out) {
+    camera.motion = motion;
+    camera.with_parameters = has_more(options_);
+  }
+  return out;
+}
+
+void StereoFilter::use_estimated_calibration() {
+  ParameterVector error;
+  error << RigParameters::Zero(), estimate_.more;
+  calibration_ = corrected(given_, error);
+  calibration_.theta = estimate_.theta;
+}
+
+CalibrationEstimate StereoFilter::calibration_estimate() const {
+  CalibrationEstimate out;
+  out.parameters = estimated(options_);
+  if (estimates_theta(options_) && always_has_theta(options_.method)) {
+    out.parameters |= theta_parameters();
+  }
+  const StateLayout& layout = estimate_.layout();
+  out.error << estimate_.theta - given_.theta, estimate_.more;
+  const auto read_sigma = [&](ParameterBlock block, Index at) {
+    out.sigma.segment<6>(first_of(block)) = estimate_.P.diagonal_block<6>(at).diagonal().cwiseSqrt();
+  };
+  if (layout.has_theta) {
+    read_sigma(ParameterBlock::kTheta, layout.theta());
+  }
+  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
+    if (layout.has_more[k]) {
+      read_sigma(kMoreBlocks[k], layout.more(k));
+    }
+  }
+  for (std::size_t k = 0; k < out.parameters.size(); ++k) {
+    if (!out.parameters[k]) {
+      out.error(static_cast<Index>(k)) = out.sigma(static_cast<Index>(k)) = 0.0;
+    }
+  }
+  return out;
+}
+
+void StereoFilter::walk_parameters(double dt) {
+  const ParameterVector estimated_walk = (kEstimatedWalk * options_.estimated).cwiseAbs2();
+  const StateLayout& layout = estimate_.layout();
+  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
+    if (layout.has_more[k]) {
+      const Eigen::Matrix<double, 6, 6> walk =
+          estimated_walk.segment<6>(first_of(kMoreBlocks[k])).asDiagonal();
+      estimate_.P.set_diagonal_block(layout.more(k),
+                                     estimate_.P.diagonal_block<6>(layout.more(k)) + walk * dt);
+    }
+  }
+  if (!estimates_theta(options_)) {
+    return;
+  }
+  const RigParameters fresh = kWalkPerSecond * fresh_.variance().cwiseProduct(scale_.cwiseAbs2());
+  Eigen::Matrix<double, 6, 6> walk =
+      (options_.method == Method::kEkfFull    ? options_.theta_walk
+       : options_.method == Method::kAdaptive ? fresh
+                                              : RigParameters(estimated_walk.head<6>()))
+          .asDiagonal();
+  if (options_.method == Method::kAdaptive && !has_scale(options_.motion)) {
+    walk = without_length(walk, calibration_.theta);
+  }
+  const Index at = estimate_.layout().theta();
+  estimate_.P.set_diagonal_block(at, estimate_.P.diagonal_block<6>(at) + walk * dt);
+}
+
+void StereoFilter::distrust(const CalibrationPrior& prior) {
+  const Index at = estimate_.layout().theta();
+  Eigen::Matrix<double, 6, 6> jump = scale_.asDiagonal() * prior.jump * scale_.asDiagonal();
+  jump.diagonal() += kTrustedSigma * kTrustedSigma * scale_.cwiseAbs2();  // keeps P positive definite
+  estimate_.P.set_diagonal_block(at, estimate_.P.diagonal_block<6>(at) + jump);
+  fresh_.begin(prior.fresh);
+}
+
+void StereoFilter::take_over(const StereoFilter& constrained, const CalibrationPrior& prior) {
+  estimate_ = constrained.estimate_;
+  estimate_.promote_witness(constrained.error_model().watched.topRows<kBlockSize>());
+  inputs_ = constrained.inputs_;
+  omega_input_ = constrained.omega_input_;
+  last_frame_ns_ = constrained.last_frame_ns_;
+  use_estimated_calibration();
+  distrust(prior);
+}
+
+ParameterErrorModel StereoFilter::error_model() const {
+  const Index c = has_more(options_) ? kParameters : kBlockSize;
+  const auto of_theta = [&](const MatrixXd& directions) {
+    MatrixXd out = MatrixXd::Zero(c, directions.cols());
+    out.topRows<kBlockSize>() = directions;
+    return out;
+  };
+  ParameterErrorModel out;
+  MatrixXd C_theta(kBlockSize, 0);
+  if (options_.method == Method::kLcekf) {
+    C_theta = constraint_directions(options_.constraints, estimate_.theta);
+    const MatrixXd C_more = unit_directions(options_.constraints.more(), plausible_errors(given_));
+    out.nuisance = C_more.cols();
+    out.constrained.resize(c, C_theta.cols() + C_more.cols());
+    out.constrained << of_theta(C_theta), C_more.topRows(c);
+  }
+  ParameterVector white = options_.softened.cwiseAbs2();
+  if (options_.method == Method::kSoft) {
+    white.head<6>() = theta_sigma(options_, calibration_).cwiseAbs2();
+  } else if (!fresh_.is_zero()) {
+    white.head<6>() = fresh_.variance().cwiseProduct(scale_.cwiseAbs2());
+  }
+  if (!white.isZero(0.0)) {
+    out.white_covariance = white.head(c).asDiagonal();
+  }
+  if (has_witness(options_)) {
+    out.watched = of_theta(C_theta);
+    out.witness = Witness{estimate_.layout().witness(), estimate_.witness};
+  } else if (watches(options_)) {
+    out.watched = of_theta(scale_.asDiagonal());
+  }
+  return out;
+}
+
+/// What may be wrong where a frame is linearised: F of linearization_point. Of theta and what is the right
+/// camera's own; the left one's pixels place the points.
+MatrixXd StereoFilter::linearization_prior() const {
+  const Index c = has_more(options_) ? kParameters : kBlockSize;
+  MatrixXd F_theta = options_.softened.head<6>().asDiagonal();
+  if (options_.method == Method::kLcekf) {
+    F_theta = kWidestErrors * constraint_directions(options_.constraints, estimate_.theta);
+  } else if (options_.method == Method::kSoft) {
+    F_theta = theta_sigma(options_, calibration_).asDiagonal();
+  } else if (!fresh_.is_zero()) {
+    F_theta = (kWidestErrors * scale_).asDiagonal();
+  }
+  ParameterVector more = options_.softened;
+  if (options_.method == Method::kLcekf) {
+    more += kWidestErrors *
+            unit_directions(options_.constraints.more(), plausible_errors(given_)).rowwise().sum();
+  }
+  const Index own = first_of(ParameterBlock::kCam1);
+  MatrixXd F = MatrixXd::Zero(c, F_theta.cols() + (c > kBlockSize ? kBlockSize : 0));
+  F.topLeftCorner(kBlockSize, F_theta.cols()) = F_theta;
+  if (c > kBlockSize) {
+    F.block<kBlockSize, kBlockSize>(own, F_theta.cols()) = more.segment<kBlockSize>(own).asDiagonal();
+  }
+  return F;
+}
+
+}  // namespace limber

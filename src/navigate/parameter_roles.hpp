@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "limber/navigate/stereo_filter.hpp"
+
+/// What a navigator makes of each parameter of the calibration: read off its options, once and for all.
+namespace limber::detail {
+
+/// The blocks of StateLayout::has_more, in its order.
+inline constexpr std::array kMoreBlocks = {ParameterBlock::kCam0, ParameterBlock::kCam1,
+                                           ParameterBlock::kMount};
+
+inline constexpr double kTrustedSigma =
+    1e-3;  ///< plausible errors: theta of adaptive, as long as it trusts the rig
+inline constexpr double kNotEstimated =
+    1e-6;  ///< plausible errors: keeps P positive definite beside what is estimated
+
+[[nodiscard]] ParameterSet theta_parameters();
+/// theta is in the state whatever else is estimated.
+[[nodiscard]] bool always_has_theta(Method method);
+[[nodiscard]] ParameterSet estimated(const NavigatorOptions& options);
+[[nodiscard]] ParameterSet softened(const NavigatorOptions& options);
+[[nodiscard]] bool has_theta(const NavigatorOptions& options);
+/// theta follows its estimate from frame to frame.
+[[nodiscard]] bool estimates_theta(const NavigatorOptions& options);
+[[nodiscard]] bool constrains(const NavigatorOptions& options);
+[[nodiscard]] bool softens(const NavigatorOptions& options);
+/// Parameters beyond theta that the filter treats as anything but known.
+[[nodiscard]] bool has_more(const NavigatorOptions& options);
+[[nodiscard]] bool watches(const NavigatorOptions& options);
+/// The witness lives on the rows that a constraint on theta leaves.
+[[nodiscard]] bool has_witness(const NavigatorOptions& options);
+
+/// How wrong ekf-full, consider and soft expect theta to be.
+[[nodiscard]] RigParameters theta_sigma(const NavigatorOptions& options,
+                                        const StereoCalibration& calibration);
+/// Of theta in the state, at the start.
+[[nodiscard]] RigParameters theta_prior(const NavigatorOptions& options,
+                                        const StereoCalibration& calibration);
+
+/// A column for each parameter of the set: 24×k, one plausible error each.
+[[nodiscard]] Eigen::MatrixXd unit_directions(const ParameterSet& set, const ParameterVector& scale);
+
+/// @throws std::invalid_argument if options contradict each other, or the calibration
+void check_parameters(const NavigatorOptions& options, const StereoCalibration& calibration);
+
+}  // namespace limber::detail

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+#include "limber/state/passive_block.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <numeric>
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kSingular = 1e-13;  // eigenvalue of a correlation matrix that rounding may have made
+
+std::vector<Index> scalars(std::span<const Index> starts) {
+  std::vector<Index> out;
+  out.reserve(static_cast<std::size_t>(kTriplet) * starts.size());
+  for (const Index start : starts) {
+    for (Index k = 0; k < kTriplet; ++k) {
+      out.push_back(start + k);
+    }
+  }
+  return out;
+}
+
+std::vector<Index> counted(Index first, Index count) {
+  std::vector<Index> out(static_cast<std::size_t>(count));
+  std::iota(out.begin(), out.end(), first);
+  return out;
+}
+
+std::vector<Index> operator+(std::vector<Index> a, const std::vector<Index>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+/// F with F Fᵀ = A⁺, A symmetric positive semidefinite: directions that only rounding fills are left out.
+MatrixXd root_of_pseudo_inverse(const MatrixXd& A) {
+  const VectorXd scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * A * scale.asDiagonal());
+  const VectorXd& values = eigen.eigenvalues();
+  const VectorXd root = (values.array() > kSingular * values.maxCoeff())
+                            .select(values.cwiseInverse().cwiseSqrt(), VectorXd::Zero(values.size()));
+  return scale.asDiagonal() * eigen.eigenvectors() * root.asDiagonal();
+}
+
+/// Appends triplets with their columns: rows before beside their own.
+void append(Covariance& P, const MatrixXd& columns) {
+  const Index first = P.append(columns.cols());
+  std::vector<Index> starts;
+  for (Index at = first; at < P.size(); at += kTriplet) {
+    starts.push_back(at);
+  }
+  P.scatter(starts, columns);
+}
+
+}  // namespace
+
+/// Rows of Gᵀ of states of P, zero where a state is no part of z.
+MatrixXd PassiveBlock::rows_of(const std::vector<Index>& states, Index body_size) const {
+  MatrixXd out(static_cast<Index>(states.size()), size());
+  for (Index column = 0; column < out.cols(); ++column) {
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      const Index row = states[k] - body_size;
+      out(static_cast<Index>(k), column) = row >= 0 && row < z_size() ? Gt_(row, column) : 0.0;
+    }
+  }
+  return out;
+}
+
+bool PassiveBlock::change_epoch(Covariance& P, Index body_size, const EpochChange& change) {
+  const MatrixXd dense = P.dense();
+  const std::vector<Index> body = counted(0, body_size);
+  const std::vector<Index> z = body + scalars(change.kept);
+  // What leaves: first the retired, then the rest (the old clone of the body among them).
+  const std::vector<Index> retired = scalars(change.retired);
+  const std::vector<Index> left = retired + scalars(change.dropped);
+  const MatrixXd P_zz = dense(z, z);
+  if (empty() && retired.empty()) {
+    Gt_.resize(0, 0);
+    P.assign(P_zz);
+    return true;
+  }
+  const Eigen::LLT<MatrixXd> llt(P_zz);
+  if (llt.info() != Eigen::Success) {
+    return false;
+  }
+  // left = A z + u, u independent of z.
+  const MatrixXd P_zl = dense(z, left);
+  const MatrixXd At = llt.solve(P_zl);
+  MatrixXd U = dense(left, left) - P_zl.transpose() * At;
+  U = (0.5 * (U + U.transpose())).eval();
+
+  const Index old_size = size(), added = static_cast<Index>(retired.size());
+  const MatrixXd Gt_left = rows_of(left, body_size);
+  MatrixXd Gt(At.rows(), old_size + added);
+  Gt.leftCols(old_size) = rows_of(z, body_size);
+  Gt.leftCols(old_size).noalias() += At * Gt_left;
+  Gt.rightCols(added) = At.leftCols(added);
+  Gt_ = std::move(Gt);
+
+  E_.add_congruence(Gt_left.transpose(), U);
+  MatrixXd columns(old_size + added, added);
+  columns.topRows(old_size).noalias() = Gt_left.transpose() * U.leftCols(added);
+  columns.bottomRows(added) = U.topLeftCorner(added, added);
+  append(E_, columns);
+
+  const std::vector<Index> active = body + z;  // the clone is the body once more
+  P.assign(dense(active, active));
+  return true;
+}
+
+void PassiveBlock::recall(Covariance& P, Index body_size, std::span<const Index> rows) {
+  const std::vector<Index> back = scalars(rows);
+  const Index before = P.size(), count = static_cast<Index>(back.size());
+  const MatrixXd Gt_back = Gt_(Eigen::all, back);
+  MatrixXd E_back;
+  E_.gather(rows, E_back);
+
+  MatrixXd from_z = MatrixXd::Zero(before, count);
+  from_z.middleRows(body_size, z_size()) = Gt_back;
+  MatrixXd columns(before + count, count);
+  columns.topRows(before) = P.times(from_z);
+  columns.bottomRows(count).noalias() = Gt_back.transpose() * columns.middleRows(body_size, z_size());
+  columns.bottomRows(count) += E_back(back, Eigen::all);
+  append(P, columns);
+  for (Index k = 0; k < count; k += kTriplet) {
+    P.swap_triplets(body_size + z_size() + k, before + k);
+  }
+
+  // The others' remainders e = B e_back + e', and e_back = x_back − G_back z.
+  const MatrixXd F = root_of_pseudo_inverse(E_back(back, Eigen::all));
+  const MatrixXd W = E_back * F;
+  const MatrixXd Bt = F * W.transpose();
+  MatrixXd Gt(z_size() + count, size());
+  Gt << Gt_, Bt;
+  Gt.topRows(z_size()).noalias() -= Gt_back * Bt;
+  Gt_ = std::move(Gt);
+  E_.subtract_outer(W);
+  std::vector<Index> leaving(rows.begin(), rows.end());
+  std::sort(leaving.rbegin(), leaving.rend());
+  for (const Index row : leaving) {
+    remove(row);
+  }
+}
+
+Index PassiveBlock::remove(Index row) {
+  const Index last = E_.remove_triplet(row);
+  if (row != last) {
+    Gt_.middleCols<kTriplet>(row) = Gt_.rightCols<kTriplet>().eval();
+  }
+  Gt_.conservativeResize(Eigen::NoChange, last);
+  return last;
+}
+
+MatrixXd PassiveBlock::cross(const Covariance& P, Index body_size, Index row) const {
+  MatrixXd from_z = MatrixXd::Zero(P.size(), kTriplet);
+  from_z.middleRows(body_size, z_size()) = Gt_.middleCols<kTriplet>(row);
+  return P.times(from_z).transpose();
+}
+
+Eigen::Matrix3d PassiveBlock::triplet_block(const Covariance& P, Index body_size, Index row,
+                                            Index other) const {
+  return E_.triplet_block(row, other) +
+         cross(P, body_size, row).middleCols(body_size, z_size()) * Gt_.middleCols<kTriplet>(other);
+}
+
+void PassiveBlock::transform_row(Index row, const Eigen::Matrix3d& M) {
+  Gt_.middleCols<kTriplet>(row) = (Gt_.middleCols<kTriplet>(row) * M.transpose()).eval();
+  E_.transform_triplet(row, M);
+}
+
+void PassiveBlock::transform_column(Index column, const Eigen::Matrix3d& M) {
+  Gt_.middleRows<kTriplet>(column) = (M.inverse().transpose() * Gt_.middleRows<kTriplet>(column)).eval();
+}
+
+}  // namespace limber

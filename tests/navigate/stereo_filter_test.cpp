@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: MIT
+#include "limber/navigate/stereo_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "message_of.hpp"
+#include "scene.hpp"
+#include "state/small_map.hpp"
+
+/// What a caller of the navigator may rely on, frame by frame.
+namespace limber {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using testing::Feeder;
+using testing::kMs;
+using testing::make_scene;
+using testing::message_of;
+using testing::Scene;
+using testing::SceneOptions;
+using testing::Snapshot;
+using testing::snapshot;
+using testing::with_method;
+
+Scene small_scene() {
+  SceneOptions options;
+  options.duration_s = 1.0;
+  options.points = 40;
+  return make_scene(options);
+}
+
+/// The state as it can be compared bit by bit.
+struct State {
+  std::int64_t t_ns;
+  Snapshot all;
+  bool operator==(const State&) const = default;
+};
+
+State state(const StereoFilter& navigator) {
+  return {navigator.estimate().nav.t_ns, snapshot(navigator.estimate())};
+}
+
+TEST(StereoFilter, BadFramesAreRefusedAndLeaveTheStateAsItWas) {
+  const Scene scene = small_scene();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  struct Bad {
+    std::string says;
+    std::function<void(StereoFrame&)> spoil;
+  };
+  const std::vector<Bad> bad = {
+      {"older", [](StereoFrame& f) { f.t_ns -= 60 * kMs; }},
+      {"not finite", [&](StereoFrame& f) { f.observations[3].uv_cam0.x() = nan; }},
+      {"not finite", [&](StereoFrame& f) { f.observations[4].uv_cam1.y() = inf; }},
+      {"twice", [](StereoFrame& f) { f.observations[5].track_id = f.observations[2].track_id; }},
+  };
+  for (const Method method : kAllMethods) {
+    Feeder feeder(scene, with_method(scene, method));
+    Feeder clean(scene, with_method(scene, method));
+    for (std::size_t k = 0; k < 6; ++k) {
+      (void)feeder.process(scene.frames[k]);
+      (void)clean.process(scene.frames[k]);
+    }
+    const State before = state(feeder.navigator);
+    for (const Bad& b : bad) {
+      StereoFrame frame = scene.frames[6];
+      b.spoil(frame);
+      feeder.feed_inputs(scene.frames[6].t_ns);
+      const std::string message = message_of([&] { (void)feeder.navigator.process(frame); });
+      EXPECT_NE(message.find(b.says), std::string::npos) << message;
+      EXPECT_NE(message.find(std::to_string(frame.t_ns)), std::string::npos) << message;
+      EXPECT_TRUE(state(feeder.navigator) == before) << b.says << ", " << to_string(method);
+    }
+    // And the run goes on as if nothing had happened.
+    (void)feeder.process(scene.frames[6]);
+    (void)clean.process(scene.frames[6]);
+    EXPECT_TRUE(state(feeder.navigator) == state(clean.navigator)) << to_string(method);
+  }
+}
+
+TEST(StereoFilter, APixelThatNobodySawMayBeAnything) {
+  const Scene scene = small_scene();
+  Feeder feeder(scene, scene.options);
+  StereoFrame frame = scene.frames[0];
+  frame.observations[0].in_cam1 = false;
+  frame.observations[0].uv_cam1.setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_NO_THROW((void)feeder.process(frame));
+  EXPECT_TRUE(feeder.navigator.estimate().P.dense().allFinite());
+}
+
+TEST(StereoFilter, AnEmptyFrameOnlyPredicts) {
+  const Scene scene = small_scene();
+  for (const Method method : kAllMethods) {
+    Feeder feeder(scene, with_method(scene, method));
+    (void)feeder.process(scene.frames[0]);
+    Feeder twin = feeder;
+    StereoFrame empty;
+    empty.t_ns = scene.frames[1].t_ns;
+    const FrameReport report = feeder.process(empty);
+    EXPECT_EQ(report.status, UpdateStatus::kEmpty);
+    EXPECT_EQ(report.t_ns, empty.t_ns);
+    EXPECT_EQ(report.observed, 0U);
+    EXPECT_EQ(report.used, 0U);
+    EXPECT_EQ(report.initialized, 0U);
+    twin.feed_inputs(empty.t_ns);
+    twin.navigator.predict_to(empty.t_ns);
+    EXPECT_TRUE(state(feeder.navigator) == state(twin.navigator)) << to_string(method);
+  }
+}
+
+TEST(StereoFilter, ARunOfEmptyFramesFollowsTheInputs) {
+  SceneOptions options;
+  options.noise = false;
+  const Scene scene = make_scene(options);
+  Feeder feeder(scene, scene.options);
+  for (StereoFrame frame : scene.frames) {
+    frame.observations.clear();
+    (void)feeder.process(frame);
+  }
+  EXPECT_LE(testing::position_error(feeder.navigator, scene.truth.back()), 1e-9);
+}
+
+TEST(StereoFilter, PredictingBackwardsDoesNothing) {
+  const Scene scene = small_scene();
+  Feeder feeder(scene, scene.options);
+  (void)feeder.process(scene.frames[0]);
+  (void)feeder.process(scene.frames[1]);
+  const State before = state(feeder.navigator);
+  feeder.navigator.predict_to(scene.frames[0].t_ns);
+  feeder.navigator.predict_to(scene.frames[1].t_ns);
+  EXPECT_TRUE(state(feeder.navigator) == before);
+}
+
+TEST(StereoFilter, PointsThatLeaveAndComeBackAreStillKnown) {
+  const Scene scene = small_scene();
+  for (const Method method : kAllMethods) {
+    Feeder feeder(scene, with_method(scene, method));
+    std::size_t missing_used = 0;
+    for (std::size_t k = 0; k < scene.frames.size(); ++k) {
+      StereoFrame frame = scene.frames[k];
+      if (k >= 8 && k < 12) {
+        std::erase_if(frame.observations, [](const StereoObservation& o) { return o.track_id % 2 == 0; });
+      }
+      const std::size_t known = feeder.navigator.estimate().landmarks().size();
+      const FrameReport report = feeder.process(frame);
+      if (k >= 8 && k < 12) {
+        EXPECT_GE(feeder.navigator.estimate().landmarks().size(), known);
+      }
+      if (k == 12) {
+        for (const StereoObservation& o : frame.observations) {
+          missing_used +=
+              o.track_id % 2 == 0 && feeder.navigator.estimate().find(o.track_id) != nullptr ? 1 : 0;
+        }
+        EXPECT_LE(report.initialized, 3U) << to_string(method);
+        EXPECT_GE(report.used + 5, report.observed) << to_string(method);
+      }
+    }
+    EXPECT_GE(missing_used, 8U) << to_string(method);
+  }
+}
+
+TEST(StereoFilter, APointOfTheRightCameraAloneIsNotBornButUsedOnceKnown) {
+  const Scene scene = small_scene();
+  Feeder feeder(scene, with_method(scene, Method::kLcekf));
+  StereoFrame frame = scene.frames[0];
+  const std::int64_t id = frame.observations[0].track_id;
+  frame.observations[0].in_cam0 = false;
+  const FrameReport first = feeder.process(frame);
+  EXPECT_EQ(feeder.navigator.estimate().find(id), nullptr);
+  const auto right_only = std::count_if(frame.observations.begin(), frame.observations.end(),
+                                        [](const StereoObservation& o) { return !o.in_cam0; });
+  EXPECT_EQ(first.initialized + static_cast<std::size_t>(right_only), first.observed);
+
+  (void)feeder.process(scene.frames[1]);
+  ASSERT_NE(feeder.navigator.estimate().find(id), nullptr);
+  frame = scene.frames[2];
+  frame.observations[0].in_cam0 = false;
+  ASSERT_EQ(frame.observations[0].track_id, id);
+  (void)feeder.process(frame);
+  EXPECT_EQ(feeder.navigator.estimate().find(id)->last_seen_ns, frame.t_ns);
+}
+
+TEST(StereoFilter, APointOfTheLeftCameraAloneIsBornAndItsDepthFoundFromMotion) {
+  SceneOptions options;
+  options.duration_s = 3.0;
+  options.points = 40;
+  const Scene scene = make_scene(options);
+  for (const Method method : {Method::kEkf, Method::kLcekf, Method::kMonoLeft}) {
+    Feeder feeder(scene, with_method(scene, method));
+    for (StereoFrame frame : scene.frames) {
+      for (StereoObservation& o : frame.observations) {
+        o.in_cam1 = o.in_cam1 && o.track_id >= 20;
+      }
+      (void)feeder.process(frame);
+    }
+    const Estimate& estimate = feeder.navigator.estimate();
+    int judged = 0;
+    for (const Landmark& landmark : estimate.landmarks()) {
+      if (landmark.track_id < 20 && landmark.last_seen_ns == scene.frames.back().t_ns) {
+        Eigen::Matrix3d P;
+        const Vector3d p = estimate.landmark_position(landmark, &P);
+        const Vector3d e = p - scene.landmarks[static_cast<std::size_t>(landmark.track_id)];
+        EXPECT_LE(e.dot(P.llt().solve(e)), 40.0) << to_string(method);
+        judged += std::sqrt(P.trace()) < 0.2 * p.norm() ? 1 : 0;
+      }
+    }
+    EXPECT_GE(judged, 5) << to_string(method);
+  }
+}
+
+TEST(StereoFilter, TheMapKeepsToItsSize) {
+  SceneOptions options;
+  options.duration_s = 1.0;
+  options.points = 40;
+  const Scene scene = make_scene(options);
+  NavigatorOptions few = scene.options;
+  few.map.max_landmarks = 25;
+  Feeder feeder(scene, few);
+  std::size_t removed = 0;
+  for (std::size_t k = 0; k < scene.frames.size(); ++k) {
+    StereoFrame frame = scene.frames[k];
+    // 12 points in view at a time, all of them in turn.
+    std::erase_if(frame.observations, [&](const StereoObservation& o) {
+      return (static_cast<std::size_t>(o.track_id) + 40 - 2 * k % 40) % 40 >= 12;
+    });
+    removed += feeder.process(frame).removed;
+    EXPECT_LE(feeder.navigator.estimate().landmarks().size(), 25U);
+  }
+  EXPECT_GT(removed, 0U);
+}
+
+TEST(StereoFilter, NewbornsThatContradictTheirFrameLeaveNoTrace) {
+  const Scene scene = small_scene();
+  for (const LandmarkKind kind : {LandmarkKind::kInverseDepth, LandmarkKind::kCartesian}) {
+    Feeder with(scene, with_method(scene, Method::kLcekf, kind));
+    Feeder without(scene, with_method(scene, Method::kLcekf, kind));
+    for (std::size_t k = 0; k < 10; ++k) {
+      StereoFrame frame = scene.frames[k];
+      const FrameReport clean = without.process(frame);
+      std::vector<std::int64_t> wrong;
+      if (k > 3) {
+        // Four that agree with each other hide well behind the huge covariance of Cartesian new landmarks.
+        for (std::int64_t id = 1000; id < (kind == LandmarkKind::kCartesian ? 1001 : 1004); ++id) {
+          StereoObservation o = frame.observations[static_cast<std::size_t>(id - 1000)];
+          o.track_id = id + 10 * static_cast<std::int64_t>(k);
+          o.uv_cam1.y() += 150.0;  // no depth explains that
+          frame.observations.push_back(o);
+          wrong.push_back(o.track_id);
+        }
+      }
+      const FrameReport report = with.process(frame);
+      EXPECT_EQ(report.used, clean.used);
+      EXPECT_EQ(report.refused.size(), clean.refused.size() + wrong.size());
+      for (const std::int64_t id : wrong) {
+        EXPECT_EQ(with.navigator.estimate().find(id), nullptr);
+      }
+      const Snapshot a = snapshot(with.navigator.estimate());
+      const Snapshot b = snapshot(without.navigator.estimate());
+      ASSERT_EQ(a.track_ids, b.track_ids);
+      EXPECT_LE((a.mean - b.mean).cwiseAbs().maxCoeff(), 1e-8) << k;
+      EXPECT_EQ(with.navigator.estimate().size(), without.navigator.estimate().size());
+    }
+  }
+}
+
+TEST(StereoFilter, OutliersAreRefusedAndNamed) {
+  const Scene scene = small_scene();
+  for (const Method method : kAllMethods) {
+    Feeder feeder(scene, with_method(scene, method));
+    for (std::size_t k = 0; k < 10; ++k) {
+      (void)feeder.process(scene.frames[k]);
+    }
+    StereoFrame frame = scene.frames[10];
+    std::int64_t id = -1;
+    for (StereoObservation& o : frame.observations) {
+      const Landmark* landmark = feeder.navigator.estimate().find(o.track_id);
+      if (o.in_cam0 && landmark != nullptr) {
+        o.uv_cam0 += Vector2d(30.0, -25.0);
+        id = o.track_id;
+        break;
+      }
+    }
+    const FrameReport report = feeder.process(frame);
+    bool named = false;
+    for (const Refusal& r : report.refused) {
+      named |= r.track_id == id && r.reason == RefusalReason::kGate && r.distance > r.threshold;
+    }
+    EXPECT_TRUE(named) << to_string(method);
+    ASSERT_NE(feeder.navigator.estimate().find(id), nullptr);
+    EXPECT_EQ(feeder.navigator.estimate().find(id)->refusals, 1);
+    // Seen well again, it is forgiven.
+    (void)feeder.process(scene.frames[11]);
+    EXPECT_EQ(feeder.navigator.estimate().find(id)->refusals, 0) << to_string(method);
+  }
+}
+
+TEST(StereoFilter, WithTheGateOffNothingIsRefused) {
+  const Scene scene = small_scene();
+  NavigatorOptions options = scene.options;
+  options.gate = false;
+  Feeder feeder(scene, options);
+  for (const StereoFrame& frame : scene.frames) {
+    EXPECT_TRUE(feeder.process(frame).refused.empty());
+  }
+}
+
+TEST(StereoFilter, OptionsThatMakeNoSenseAreRefused) {
+  const Scene scene = small_scene();
+  const auto expect_refusal = [&](const std::string& says, const std::function<void(NavigatorOptions&)>& o,
+                                  const std::function<void(StereoCalibration&)>& c = {},
+                                  const std::function<void(InitialState&)>& i = {}) {
+    NavigatorOptions options = scene.options;
+    StereoCalibration calibration = scene.calibration;
+    InitialState initial = scene.initial;
+    if (o) o(options);
+    if (c) c(calibration);
+    if (i) i(initial);
+    const std::string message =
+        message_of([&] { const StereoFilter navigator(options, calibration, initial); });
+    EXPECT_NE(message.find(says), std::string::npos) << says << ": " << message;
+  };
+  expect_refusal("sigma_px", [](NavigatorOptions& o) { o.sigma_px(2) = 0.0; });
+  expect_refusal("sigma_px", [](NavigatorOptions& o) { o.sigma_px(1) = std::nan(""); });
+  expect_refusal("gate_probability", [](NavigatorOptions& o) { o.gate_probability = 1.0; });
+  expect_refusal("gate_probability", [](NavigatorOptions& o) { o.gate_probability = 0.0; });
+  expect_refusal("12x12", {}, {}, [](InitialState& i) { i.body_covariance = MatrixXd::Identity(12, 12); });
+  expect_refusal("baseline", {}, [](StereoCalibration& c) { c.theta.tail<3>().setZero(); });
+}
+
+TEST(StereoFilter, InputsOfAnotherMotionModelAreRefused) {
+  const Scene scene = small_scene();
+  StereoFilter imu(scene.options, scene.calibration, scene.initial);
+  EXPECT_THROW(imu.add_odometry({}), std::invalid_argument);
+  imu.add_imu({10, {}, {}});
+  EXPECT_THROW(imu.add_imu({10, {}, {}}), std::invalid_argument);
+  EXPECT_THROW(imu.add_imu({11, Vector3d::Constant(std::nan("")), {}}), std::invalid_argument);
+}
+
+TEST(StereoFilter, ThetaCanBeAssumedUnlessItIsInTheState) {
+  const Scene scene = small_scene();
+  for (const Method method : kAllMethods) {
+    StereoFilter navigator(with_method(scene, method), scene.calibration, scene.initial);
+    RigParameters theta = scene.calibration.theta;
+    theta(3) *= 1.1;
+    if (method == Method::kEkfFull || method == Method::kConsider || method == Method::kAdaptive) {
+      EXPECT_THROW(navigator.assume_theta(theta), std::invalid_argument);
+    } else {
+      navigator.assume_theta(theta);
+      EXPECT_EQ(navigator.estimate().theta, theta);
+    }
+  }
+}
+
+TEST(StereoFilter, ParametersThatContradictEachOtherAreRefused) {
+  const Scene scene = small_scene();
+  const auto refusal = [&](Method method, const std::string& constraints, const std::string& estimated,
+                           const std::string& softened, BodyFrame body = BodyFrame::kImu) {
+    NavigatorOptions options = with_method(scene, method);
+    options.constraints = constraint_set_from_string(constraints);
+    const auto set = [](const std::string& name, ParameterVector& sigma) {
+      const std::optional<ParameterSet> named = parameters_named(name);
+      for (std::size_t k = 0; named && k < named->size(); ++k) {
+        sigma(static_cast<Eigen::Index>(k)) = (*named)[k] ? 1e-3 : 0.0;
+      }
+    };
+    set(estimated, options.estimated);
+    set(softened, options.softened);
+    StereoCalibration calibration = scene.calibration;
+    calibration.body = body;
+    try {
+      const StereoFilter navigator(options, calibration, scene.initial);
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(refusal(Method::kLcekf, "full,dt1", "dt0", "cu1"), "none");
+  EXPECT_EQ(refusal(Method::kLcekf, "rotation", "tx", ""), "none");
+  EXPECT_EQ(refusal(Method::kEkf, "full", "tx", "ax"), "none");
+  EXPECT_NE(refusal(Method::kLcekf, "full,dt1", "dt1", "").find("dt1 cannot be constrained and estimated"),
+            std::string::npos);
+  EXPECT_NE(refusal(Method::kLcekf, "tx", "", "tx").find("tx cannot be constrained and softened"),
+            std::string::npos);
+  EXPECT_NE(refusal(Method::kEkfFull, "full", "ay", "").find("ay of ekf-full is in the state already"),
+            std::string::npos);
+  EXPECT_NE(refusal(Method::kSoft, "full", "", "ay").find("ay is softened by soft already"),
+            std::string::npos);
+  EXPECT_NE(refusal(Method::kMonoLeft, "full", "fu1", "").find("fu1 cannot be seen without the right camera"),
+            std::string::npos);
+  EXPECT_NE(refusal(Method::kEkf, "full", "imu-tx", "", BodyFrame::kCam0).find("body is not an IMU"),
+            std::string::npos);
+  NavigatorOptions negative = with_method(scene, Method::kEkf);
+  negative.estimated(7) = -1.0;
+  EXPECT_THROW(StereoFilter(negative, scene.calibration, scene.initial), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace limber
