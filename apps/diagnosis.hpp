@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "limber/run/depth_effect.hpp"
-#include "limber/run/health_summary.hpp"
-#include "limber/run/time_offset.hpp"
+#include "limber/diagnose/depth_effect.hpp"
+#include "limber/diagnose/health_summary.hpp"
+#include "limber/diagnose/time_offset.hpp"
 
 /// What `limber health` says: as an exit code, in plain words, and as JSON.
 namespace limber::app {

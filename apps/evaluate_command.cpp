@@ -7,7 +7,7 @@
 
 #include "commands.hpp"
 #include "evaluation_report.hpp"
-#include "limber/datasets/atomic_file.hpp"
+#include "limber/io/atomic_file.hpp"
 #include "trajectory_input.hpp"
 #include "validators.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "limber/core/errors.hpp"
-#include "limber/datasets/atomic_file.hpp"
+#include "limber/io/atomic_file.hpp"
 
 namespace limber::app {
 

@@ -8,10 +8,10 @@
 
 #include "commands.hpp"
 #include "limber/study/exact_sum.hpp"
-#include "limber/study/paper.hpp"
 #include "limber/study/study_table.hpp"
 #include "output_folder.hpp"
 #include "report_files.hpp"
+#include "reproduce/paper_plan.hpp"
 #include "study_runner.hpp"
 
 namespace limber::app {

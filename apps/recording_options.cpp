@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "recording_options.hpp"
 
-#include "limber/run/parameter_text.hpp"
+#include "limber/io/parameter_text.hpp"
 #include "parsed_by.hpp"
 #include "validators.hpp"
 

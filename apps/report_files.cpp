@@ -7,6 +7,7 @@
 #include "limber/report/study_report.hpp"
 #include "limber/report/write_report.hpp"
 #include "messages.hpp"
+#include "reproduce/paper_comments.hpp"
 
 namespace limber::app {
 
@@ -16,8 +17,17 @@ fs::path default_report_path(const fs::path& results) {
   return fs::is_directory(results) ? results / "report.html" : fs::path(results).replace_extension(".html");
 }
 
+namespace {
+
+ReportDocument report_of_study(const fs::path& database) {
+  const StudyResults results = load_study(database);
+  return study_report(results, paper_comments(results));
+}
+
+}  // namespace
+
 void make_report(const fs::path& results, const fs::path& page) {
-  write_report(fs::is_directory(results) ? run_report(results) : study_report(load_study(results)), page);
+  write_report(fs::is_directory(results) ? run_report(results) : report_of_study(results), page);
 }
 
 void make_report_beside(const fs::path& results) {

@@ -11,7 +11,7 @@
 #include "commands.hpp"
 #include "frame_source.hpp"
 #include "limber/datasets/read_recording.hpp"
-#include "limber/run/run_output.hpp"
+#include "limber/run_files/run_output.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
 #include "parsed_by.hpp"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "limber/core/chi_square.hpp"
-#include "limber/run/health_summary.hpp"
+#include "limber/diagnose/health_summary.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"

@@ -8,10 +8,10 @@
 
 #include "formats.hpp"
 #include "image_size.hpp"
+#include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/trajectory_files.hpp"
 #include "sensor_yaml.hpp"
-#include "text_file.hpp"
 
 namespace limber::detail {
 namespace {

@@ -7,11 +7,11 @@
 
 #include "formats.hpp"
 #include "image_size.hpp"
+#include "io/numbers.hpp"
+#include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/datasets/trajectory_files.hpp"
-#include "numbers.hpp"
-#include "text_file.hpp"
 
 namespace limber::detail {
 namespace {

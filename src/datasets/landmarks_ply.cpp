@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
+#include "io/numbers.hpp"
+#include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
-#include "limber/datasets/atomic_file.hpp"
-#include "numbers.hpp"
-#include "text_file.hpp"
+#include "limber/io/atomic_file.hpp"
 
 namespace limber {
 namespace {

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/numbers.hpp"
+#include "io/text_file.hpp"
+#include "io/yaml_words.hpp"
 #include "limber/core/errors.hpp"
-#include "numbers.hpp"
-#include "text_file.hpp"
-#include "yaml_words.hpp"
 
 namespace limber::detail {
 namespace {

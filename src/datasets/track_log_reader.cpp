@@ -5,11 +5,11 @@
 #include <unordered_map>
 
 #include "formats.hpp"
+#include "io/text_file.hpp"
 #include "leaping_matches.hpp"
 #include "limber/core/errors.hpp"
 #include "sensor_yaml.hpp"
 #include "stale_tracks.hpp"
-#include "text_file.hpp"
 
 namespace limber::detail {
 namespace {

@@ -11,11 +11,11 @@
 #include <set>
 #include <stdexcept>
 
+#include "io/numbers.hpp"
+#include "io/table_text.hpp"
 #include "limber/core/errors.hpp"
-#include "limber/datasets/atomic_file.hpp"
 #include "limber/datasets/track_log.hpp"
-#include "numbers.hpp"
-#include "table_text.hpp"
+#include "limber/io/atomic_file.hpp"
 
 namespace limber {
 namespace {

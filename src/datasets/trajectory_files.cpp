@@ -7,11 +7,11 @@
 #include <array>
 
 #include "formats.hpp"
+#include "io/numbers.hpp"
+#include "io/table_text.hpp"
+#include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
-#include "limber/datasets/atomic_file.hpp"
-#include "numbers.hpp"
-#include "table_text.hpp"
-#include "text_file.hpp"
+#include "limber/io/atomic_file.hpp"
 
 namespace limber {
 namespace {

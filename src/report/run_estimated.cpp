@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "limber/run/parameter_text.hpp"
+#include "limber/io/parameter_text.hpp"
 #include "run_sections.hpp"
 
 namespace limber::detail {

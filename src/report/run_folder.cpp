@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "../datasets/text_file.hpp"
+#include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/landmarks_ply.hpp"
 

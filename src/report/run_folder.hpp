@@ -10,9 +10,9 @@
 #include "limber/datasets/trajectory_files.hpp"
 #include "limber/evaluate/association.hpp"
 #include "limber/evaluate/consistency.hpp"
-#include "limber/run/calibration_file.hpp"
-#include "limber/run/health_file.hpp"
-#include "limber/run/run_files.hpp"
+#include "limber/run_files/calibration_file.hpp"
+#include "limber/run_files/frames_file.hpp"
+#include "limber/run_files/health_file.hpp"
 
 namespace limber::detail {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "limber/run/health_summary.hpp"
+#include "limber/diagnose/health_summary.hpp"
 #include "run_sections.hpp"
 
 namespace limber::detail {

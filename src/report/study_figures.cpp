@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "limber/simulate/decalibration.hpp"
-#include "paper_measures.hpp"
+#include "report/main_methods.hpp"
 #include "study_sections.hpp"
 
 namespace limber::detail {
@@ -212,17 +212,18 @@ std::vector<FigureVariant> method_variants(const StudyCaseResults& results) {
     return variant;
   };
   const FigureVariant all{"all", {}};
-  const auto ekf = find_method(results, PaperMethod::kEkf);
-  const auto ekf_full = find_method(results, PaperMethod::kEkfFull);
-  const auto lcekf = find_method(results, PaperMethod::kLcekf);
-  if (!ekf || !ekf_full || !lcekf) {
+  const auto* const ekf = find_main_method(results, MainMethod::kEkf);
+  const auto* const ekf_full = find_main_method(results, MainMethod::kEkfFull);
+  const auto* const lcekf = find_main_method(results, MainMethod::kLcekf);
+  if (ekf == nullptr || ekf_full == nullptr || lcekf == nullptr) {
     return {all};
   }
   // The paper's (a) and (b), of Figures 6 to 9 and of Figure 10.
-  std::vector<FigureVariant> variants = {show("paper", {ekf->label(), ekf_full->label(), lcekf->label()}),
-                                         show("without ekf", {ekf_full->label(), lcekf->label()}),
-                                         show("lcekf alone", {lcekf->label()})};
-  std::vector<std::string> walks = {lcekf->label()};
+  std::vector<FigureVariant> variants = {
+      show("paper", {ekf->summary.label, ekf_full->summary.label, lcekf->summary.label}),
+      show("without ekf", {ekf_full->summary.label, lcekf->summary.label}),
+      show("lcekf alone", {lcekf->summary.label})};
+  std::vector<std::string> walks = {lcekf->summary.label};
   for (const StudyMethodResults& method : results.methods) {
     if (method.variant.method == Method::kEkfFull) {
       walks.push_back(method.summary.label);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "limber/report/paper_claims.hpp"
+#include "limber/report/document.hpp"
 #include "limber/report/study_results.hpp"
 
 /// The parts of a study's report.

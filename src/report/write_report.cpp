@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "limber/datasets/atomic_file.hpp"
+#include "limber/io/atomic_file.hpp"
 #include "page_template.hpp"
 
 namespace limber {

@@ -11,7 +11,7 @@
 
 #include "limber/datasets/interpolate.hpp"
 #include "limber/navigate/navigator.hpp"
-#include "limber/simulate/simulator.hpp"
+#include "limber/run/draw_initial_state.hpp"
 #include "remarks.hpp"
 
 namespace limber {

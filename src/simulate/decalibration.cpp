@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "limber/simulate/random.hpp"
+#include "limber/core/random.hpp"
 
 namespace limber {
 namespace {

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "../datasets/numbers.hpp"
-#include "../datasets/yaml_words.hpp"
+#include "io/numbers.hpp"
+#include "io/yaml_words.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/simulate/decalibration.hpp"
 

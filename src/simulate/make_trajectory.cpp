@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "limber/core/errors.hpp"
+#include "limber/core/random.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/datasets/trajectory_files.hpp"
 #include "limber/measure/rig.hpp"
-#include "limber/simulate/random.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
 

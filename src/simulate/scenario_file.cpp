@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "../datasets/text_file.hpp"
 #include "field_visitor.hpp"
+#include "io/text_file.hpp"
 
 namespace limber {
 namespace {

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "figures_table.hpp"
-#include "limber/datasets/atomic_file.hpp"
+#include "limber/io/atomic_file.hpp"
 #include "limber/study/curve.hpp"
 
 namespace limber {

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "limber/core/errors.hpp"
-#include "limber/datasets/atomic_file.hpp"
+#include "limber/io/atomic_file.hpp"
 #include "schema.hpp"
 #include "study_store.hpp"
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "limber/core/split.hpp"
-#include "limber/run/parameter_text.hpp"
+#include "limber/io/parameter_text.hpp"
 
 namespace limber {
 namespace {

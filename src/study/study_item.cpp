@@ -7,7 +7,7 @@
 
 #include "bytes.hpp"
 #include "figures_table.hpp"
-#include "limber/run/run_output.hpp"
+#include "limber/diagnose/run_summary.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "run_observer.hpp"
 

@@ -7,9 +7,9 @@
 #include <set>
 #include <stdexcept>
 
-#include "../datasets/text_file.hpp"
-#include "limber/run/parameter_text.hpp"
-#include "limber/simulate/random.hpp"
+#include "io/text_file.hpp"
+#include "limber/core/random.hpp"
+#include "limber/io/parameter_text.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "limber/study/exact_sum.hpp"

@@ -17,7 +17,7 @@
 #include "bytes.hpp"
 #include "figures_table.hpp"
 #include "limber/core/errors.hpp"
-#include "limber/simulate/random.hpp"
+#include "limber/core/random.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "schema.hpp"
 

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/small_log.hpp"
-#include "limber/run/health_file.hpp"
+#include "limber/run_files/health_file.hpp"
 
 namespace limber {
 namespace {

@@ -5,10 +5,10 @@
 #include <iterator>
 
 #include "files.hpp"
-#include "limber/datasets/atomic_file.hpp"
 #include "limber/datasets/landmarks_ply.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/datasets/trajectory_files.hpp"
+#include "limber/io/atomic_file.hpp"
 #include "small_recording.hpp"
 
 namespace limber {

@@ -10,7 +10,7 @@
 #include "datasets/files.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/report/write_report.hpp"
-#include "limber/run/run_output.hpp"
+#include "limber/run_files/run_output.hpp"
 #include "run/short_recording.hpp"
 
 namespace limber {

@@ -5,37 +5,17 @@
 #include <string>
 #include <vector>
 
-#include "limber/report/paper_claims.hpp"
 #include "limber/report/study_results.hpp"
 #include "limber/simulate/scenario_file.hpp"
 
 /// Results of studies that never ran, with numbers of the test's own.
 namespace limber::testing {
 
-inline Scenario paper_scenario(const PaperCase& paper_case) {
+/// The rig is bent as in case (ii) of the paper.
+inline Scenario bent_scenario() {
   Scenario scenario;
-  scenario.name = to_string(paper_case);
-  scenario.use_imu = paper_case.with_imu;
-  RigParameters delta = paper_decalibration();
-  switch (paper_case.noise) {
-    case PaperNoise::kNone:
-      break;
-    case PaperNoise::kConstant:
-      scenario.decalibration = {{delta, ConstantShape{}}};
-      break;
-    case PaperNoise::kSinus:
-      scenario.decalibration = {{delta, SinusShape{}}};
-      break;
-    case PaperNoise::kSteps:
-      scenario.decalibration = {{delta, StepsShape{}}};
-      break;
-    case PaperNoise::kSquareStrong:
-      delta(3) = 0.5;
-      [[fallthrough]];
-    case PaperNoise::kSquare:
-      scenario.decalibration = {{delta, SquareWaveShape{}}};
-      break;
-  }
+  scenario.name = "bent";
+  scenario.decalibration = {{paper_decalibration(), ConstantShape{}}};
   return scenario;
 }
 

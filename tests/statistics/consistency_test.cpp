@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "limber/run/run_output.hpp"
+#include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"

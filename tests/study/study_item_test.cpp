@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "limber/run/run_output.hpp"
+#include "limber/diagnose/run_summary.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "study/tiny_study.hpp"
 

@@ -10,7 +10,6 @@
 
 #include "limber/datasets/recording.hpp"
 #include "limber/datasets/trajectory_files.hpp"
-#include "limber/run/calibration_file.hpp"
 #include "limber/run/run_options.hpp"
 
 namespace limber {
@@ -26,6 +25,12 @@ using FrameSource = std::function<StereoFrame(std::size_t)>;
 
 /// Told of every frame once it is processed; what it throws ends the run and passes through.
 using FrameObserver = std::function<void(const Navigator&, const FrameReport&)>;
+
+/// What a filter took for the calibration after a frame.
+struct CalibrationRow {
+  std::int64_t t_ns = 0;
+  CalibrationEstimate estimate;
+};
 
 /// What a run leaves behind.
 struct RunRecord {

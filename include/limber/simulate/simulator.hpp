@@ -39,9 +39,4 @@ namespace limber {
                                                       const SplineTrajectory& trajectory, std::uint64_t seed,
                                                       std::uint64_t run = 0);
 
-/// @brief A state that an estimator may start from: the truth plus an error drawn from `sigmas`,
-/// R = R_true Exp(dtheta) and sums otherwise.
-[[nodiscard]] GroundTruthState draw_initial_state(const GroundTruthState& truth, const InitialSigma& sigmas,
-                                                  std::uint64_t seed, std::uint64_t run = 0);
-
 }  // namespace limber

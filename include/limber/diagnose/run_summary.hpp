@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "limber/core/pose.hpp"
+#include "limber/datasets/recording.hpp"
+#include "limber/diagnose/health_summary.hpp"
+#include "limber/run/run_recording.hpp"
+
+namespace limber {
+
+/// Figures of merit of a run; what is not known is empty. Definitions: docs/formats.md.
+struct RunSummary {
+  std::string method, dataset;
+  std::size_t frames = 0;
+  double duration_s = 0.0;
+  double path_length_m = 0.0;  ///< of the truth if known, else of the estimate
+  std::optional<double> ate_none_m, ate_se3_m, ate_sim3_m, scale;
+  std::optional<double> position_rmse_m, attitude_rmse_deg;
+  std::optional<double> position_final_m, attitude_final_deg;  ///< after the last frame, aligned as the RMSE
+  std::optional<double> position_max_m, attitude_max_deg;      ///< of any frame
+  std::optional<double> anees, anees_position, anees_attitude;
+  std::optional<double> share_within_95;  ///< of the frames of anees, see Consistency
+  std::size_t frames_refused = 0;         ///< of those frames: pose covariance not positive definite
+  double nis = 0.0, nis_dof = 0.0;        ///< sums over all updates
+  std::optional<double> nis_per_dof;
+  double ms_per_frame_mean = 0.0, ms_per_frame_p50 = 0.0, ms_per_frame_p99 = 0.0;  ///< filter alone
+  double realtime_factor = 0.0;  ///< duration over time spent, front end included
+  double peak_rss_mb = 0.0;
+  std::size_t points_refused = 0;
+  double points_per_frame = 0.0;
+  std::optional<HealthSummary> health;  ///< nothing where nothing was watched (mono-left)
+  /// What was taken out before position_rmse_m, attitude_rmse_deg and anees: "nothing", "position and yaw of
+  /// the first pose" or "whole first pose"; empty without truth.
+  std::string alignment;
+  /// The truth at the times of the frames that have one, in the world of the estimate (so aligned).
+  std::vector<StampedPose> truth;
+};
+
+/// @brief Judges a run against the recording's ground truth, where it has one.
+/// position_rmse, attitude_rmse and anees are unaligned for a ground truth start; else the estimate is first
+/// aligned at the first pose: by position and yaw where an IMU shows what is down, by the whole pose where
+/// nothing does.
+[[nodiscard]] RunSummary summarize(const Recording& recording, const RunOptions& options,
+                                   const RunRecord& record);
+
+}  // namespace limber

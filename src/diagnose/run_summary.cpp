@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "limber/diagnose/run_summary.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "limber/evaluate/consistency.hpp"
+#include "limber/evaluate/evaluation.hpp"
+
+namespace limber {
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) {
+    return 0.0;
+  }
+  const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + k, values.end());
+  return values[static_cast<std::size_t>(k)];
+}
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;  // Linux: KiB
+}
+
+/// Takes the whole first pose out: the world of a run without gravity is its first camera.
+Alignment first_whole_pose(const std::vector<MatchedPose>& poses) {
+  Alignment out;
+  out.T_true_est = poses.front().truth * poses.front().estimate.inverse();
+  return out;
+}
+
+struct StartAlignment {
+  Alignment alignment;
+  std::string in_words;
+};
+
+StartAlignment start_alignment(const std::vector<MatchedPose>& poses, const RunOptions& options,
+                               MotionModel motion) {
+  if (options.start == StartMode::kGroundTruth) {
+    return {{}, "nothing"};
+  }
+  return motion == MotionModel::kImu
+             ? StartAlignment{align(poses, AlignmentKind::kFirstPose), "position and yaw of the first pose"}
+             : StartAlignment{first_whole_pose(poses), "whole first pose"};
+}
+
+/// The truth in the world of the estimate; `alignment` is rigid.
+std::vector<StampedPose> truth_seen_from(const std::vector<MatchedPose>& poses, const Alignment& alignment) {
+  const Pose T_est_true = alignment.T_true_est.inverse();
+  std::vector<StampedPose> out;
+  for (const MatchedPose& pose : poses) {
+    out.push_back({pose.t_ns, T_est_true * pose.truth});
+  }
+  return out;
+}
+
+void judge(const Recording& recording, const RunOptions& options, const RunRecord& record, RunSummary& out) {
+  std::vector<StampedPose> estimate, truth;
+  std::vector<PoseCovariance> covariances;
+  for (const TrajectoryRow& row : record.trajectory) {
+    estimate.push_back({row.t_ns, row.T_world_body});
+    covariances.push_back(*row.covariance);
+  }
+  for (const GroundTruthState& state : recording.groundtruth) {
+    truth.push_back({state.t_ns, {state.R_world_body, state.p_world_body}});
+  }
+  const std::vector<MatchedPose> poses = match_by_time(estimate, truth);
+  if (poses.empty()) {
+    return;
+  }
+  const TrajectoryEvaluation evaluation = evaluate_trajectory(poses);
+  const auto rmse = [](const AlignedErrors& errors) {
+    return errors.errors ? std::optional(errors.errors->position_m.rmse) : std::nullopt;
+  };
+  out.path_length_m = evaluation.path_length;
+  out.ate_none_m = rmse(evaluation.none);
+  out.ate_se3_m = rmse(evaluation.se3);
+  out.ate_sim3_m = rmse(evaluation.sim3);
+  if (evaluation.sim3.errors) {
+    out.scale = evaluation.sim3.alignment.scale;
+  }
+  const auto [start, in_words] = start_alignment(poses, options, record.motion);
+  out.alignment = in_words;
+  out.truth = truth_seen_from(poses, start);
+  const PoseErrorStatistics errors = absolute_errors(poses, start);
+  out.position_rmse_m = errors.position_m.rmse;
+  out.attitude_rmse_deg = errors.attitude_deg.rmse;
+  out.position_max_m = errors.position_m.max;
+  out.attitude_max_deg = errors.attitude_deg.max;
+  const PoseErrorVector last = pose_error(start * poses.back().estimate, poses.back().truth);
+  out.position_final_m = last.head<3>().norm();
+  out.attitude_final_deg = last.tail<3>().norm() * kDegreesPerRadian;
+  const Consistency consistency = average_nees(poses, covariances, start, estimate.front().t_ns);
+  out.frames_refused = consistency.frames_refused;
+  if (consistency.anees) {
+    out.anees = consistency.anees->pose;
+    out.anees_position = consistency.anees->position;
+    out.anees_attitude = consistency.anees->attitude;
+    out.share_within_95 = consistency.share_within_95;
+  }
+}
+
+double estimated_length(const RunRecord& record) {
+  double length = 0.0;
+  for (std::size_t k = 1; k < record.trajectory.size(); ++k) {
+    length += (record.trajectory[k].T_world_body.p - record.trajectory[k - 1].T_world_body.p).norm();
+  }
+  return length;
+}
+
+}  // namespace
+
+RunSummary summarize(const Recording& recording, const RunOptions& options, const RunRecord& record) {
+  RunSummary out;
+  out.method = to_string(options.method);
+  out.dataset = recording.name;
+  out.frames = record.trajectory.size();
+  out.duration_s = 1e-9 * static_cast<double>(record.trajectory.back().t_ns - record.trajectory.front().t_ns);
+  out.path_length_m = estimated_length(record);
+  if (!recording.groundtruth.empty()) {
+    judge(recording, options, record, out);
+  }
+  double used = 0.0;
+  for (const FrameReport& frame : record.frames) {
+    out.nis += frame.nis;
+    out.nis_dof += static_cast<double>(frame.dof);
+    used += static_cast<double>(frame.used);
+    out.points_refused += frame.refused.size();
+  }
+  if (out.nis_dof > 0.0) {
+    out.nis_per_dof = out.nis / out.nis_dof;
+  }
+  out.points_per_frame = used / static_cast<double>(out.frames);
+  out.ms_per_frame_p50 = quantile(record.frame_ms, 0.5);
+  out.ms_per_frame_p99 = quantile(record.frame_ms, 0.99);
+  const double filter_ms = std::accumulate(record.frame_ms.begin(), record.frame_ms.end(), 0.0);
+  out.ms_per_frame_mean = filter_ms / static_cast<double>(out.frames);
+  const double spent_ms = filter_ms + std::accumulate(record.source_ms.begin(), record.source_ms.end(), 0.0);
+  out.realtime_factor = spent_ms > 0.0 ? 1e3 * out.duration_s / spent_ms : 0.0;
+  out.peak_rss_mb = peak_rss_mb();
+  out.health = summarize_health(record.frames);
+  return out;
+}
+
+}  // namespace limber

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "limber/run_files/run_output.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "limber/core/errors.hpp"
+#include "limber/datasets/landmarks_ply.hpp"
+#include "limber/io/atomic_file.hpp"
+#include "limber/io/parameter_text.hpp"
+#include "limber/run_files/calibration_file.hpp"
+#include "limber/run_files/health_file.hpp"
+
+namespace limber {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+
+template <typename T>
+Json or_null(const std::optional<T>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+std::vector<double> in_degrees_and_metres(RigParameters theta) {
+  theta.head<3>() *= kDegreesPerRadian;
+  return {theta.data(), theta.data() + theta.size()};
+}
+
+Json text_or_null(const ParameterVector& parameters) {
+  return parameters.isZero(0.0) ? Json(nullptr) : Json(format_parameters(parameters));
+}
+
+/// True minus assumed after the last frame, by name; null where nothing was estimated.
+Json estimated_parameters(const RunRecord& record) {
+  if (record.calibration.empty()) {
+    return nullptr;
+  }
+  const CalibrationEstimate& last = record.calibration.back().estimate;
+  Json out;
+  for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
+    if (last.parameters[k]) {
+      const auto at = static_cast<Eigen::Index>(k);
+      out[std::string(kParameterNames[k])] = {{"error", in_user_units(k, last.error(at))},
+                                              {"sigma", in_user_units(k, last.sigma(at))},
+                                              {"unit", user_unit_of(k)}};
+    }
+  }
+  return out;
+}
+
+/// What the user chose; null where limber chose (`notes` say what).
+Json to_json(const RunOptions& options) {
+  return {{"method", to_string(options.method)},
+          {"constraints", options.constraints ? Json(to_string(*options.constraints)) : Json(nullptr)},
+          {"assume_error_deg_m", in_degrees_and_metres(options.assume_error.head<6>())},
+          {"assume_error", text_or_null(options.assume_error)},
+          {"estimate", text_or_null(options.estimated)},
+          {"soften", text_or_null(options.softened)},
+          {"sigma_px", or_null(options.sigma_px)},
+          {"init", options.start == StartMode::kGroundTruth ? "groundtruth" : "auto"},
+          {"landmarks", options.landmarks == LandmarkKind::kCartesian ? "cartesian" : "inverse-depth"},
+          {"gate", options.gate},
+          {"max_landmarks", options.max_landmarks},
+          {"false_alarms_per_hour", options.false_alarms_per_hour},
+          {"seed", options.seed},
+          {"run", options.run}};
+}
+
+Json to_json(const RunOptions& options, const RunRecord& record, const RunSummary& s) {
+  Json json;
+  json["method"] = s.method;
+  json["dataset"] = s.dataset;
+  json["frames"] = s.frames;
+  json["duration_s"] = s.duration_s;
+  json["path_length_m"] = s.path_length_m;
+  json["ate_m"] = {{"none", or_null(s.ate_none_m)},
+                   {"se3", or_null(s.ate_se3_m)},
+                   {"sim3", or_null(s.ate_sim3_m)},
+                   {"scale", or_null(s.scale)}};
+  json["position_rmse_m"] = or_null(s.position_rmse_m);
+  json["attitude_rmse_deg"] = or_null(s.attitude_rmse_deg);
+  json["anees"] = or_null(s.anees);
+  json["anees_position"] = or_null(s.anees_position);
+  json["anees_attitude"] = or_null(s.anees_attitude);
+  json["nis_per_dof"] = or_null(s.nis_per_dof);
+  json["ms_per_frame"] = {{"p50", s.ms_per_frame_p50}, {"p99", s.ms_per_frame_p99}};
+  json["realtime_factor"] = s.realtime_factor;
+  json["peak_rss_mb"] = s.peak_rss_mb;
+  json["points_per_frame"] = s.points_per_frame;
+  json["points_refused"] = s.points_refused;
+  json["health"] = s.health ? Json::parse(to_json(*s.health, options.false_alarms_per_hour)) : Json(nullptr);
+  json["seed"] = options.seed;
+  json["options"] = to_json(options);
+  json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
+  json["theta"] = std::vector<double>(record.theta.data(), record.theta.data() + 6);
+  json["estimated"] = estimated_parameters(record);
+  json["notes"] = record.notes;
+  return json;
+}
+
+std::string frames_csv(const RunRecord& record) {
+  std::string text =
+      "#t_ns,observed,used,initialized,removed,refused,gate_overruled,nis "
+      "[-],dof,constrained_rank,filter_ms,source_ms\n";
+  auto out = std::back_inserter(text);
+  for (std::size_t k = 0; k < record.frames.size(); ++k) {
+    const FrameReport& f = record.frames[k];
+    fmt::format_to(out, "{},{},{},{},{},{},{:d},{},{},{},{:.3f},{:.3f}\n", f.t_ns, f.observed, f.used,
+                   f.initialized, f.removed, f.refused.size(), f.gate_overruled, f.nis, f.dof, f.rank,
+                   record.frame_ms[k], record.source_ms[k]);
+  }
+  return text;
+}
+
+std::string refusals_csv(const RunRecord& record) {
+  std::string text = "#t_ns,track_id,reason,squared_distance [-],threshold [-]\n";
+  auto out = std::back_inserter(text);
+  for (const FrameReport& f : record.frames) {
+    for (const Refusal& r : f.refused) {
+      fmt::format_to(out, "{},{},{},{},{}\n", f.t_ns, r.track_id,
+                     r.reason == RefusalReason::kGate ? "gate" : "not-projectable", r.distance, r.threshold);
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
+                      const RunSummary& summary) {
+  std::vector<StampedPose> poses;
+  for (const TrajectoryRow& row : record.trajectory) {
+    poses.push_back({row.t_ns, row.T_world_body});
+  }
+  try {
+    const FolderUnlessEmpty outer(folder);
+    StagedFolder staged(folder / "results");
+    std::vector<std::string> names = {"trajectory.tum", "trajectory.csv", "landmarks.ply", "frames.csv",
+                                      "refusals.csv"};
+    write_tum(staged.path() / "trajectory.tum", poses);
+    write_trajectory_csv(staged.path() / "trajectory.csv", record.trajectory);
+    write_landmarks_ply(staged.path() / "landmarks.ply", record.landmarks);
+    write_file_atomically(staged.path() / "frames.csv", frames_csv(record));
+    write_file_atomically(staged.path() / "refusals.csv", refusals_csv(record));
+    if (summary.health) {
+      write_health_csv(staged.path() / "health.csv", record.frames);
+      names.emplace_back("health.csv");
+    }
+    if (!record.calibration.empty()) {
+      write_calibration_csv(staged.path() / "calibration.csv", record.calibration);
+      names.emplace_back("calibration.csv");
+    }
+    if (!summary.truth.empty()) {
+      write_tum(staged.path() / "truth.tum", summary.truth);
+      names.emplace_back("truth.tum");
+    }
+    write_file_atomically(staged.path() / "summary.json", to_json(options, record, summary).dump(2) + "\n");
+    names.emplace_back("summary.json");
+    // An older run's must not stand beside new files.
+    std::filesystem::remove(folder / "summary.json");
+    std::filesystem::remove(folder / "truth.tum");
+    std::filesystem::remove(folder / "health.csv");
+    std::filesystem::remove(folder / "calibration.csv");
+    staged.move_files(names, folder);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw DataError(folder.string(), 0, "a folder that can be made and written", error.code().message());
+  }
+}
+
+}  // namespace limber

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// What can be said of a calibration without a filter: depth, mistakes, clocks.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "limber/diagnose/calibration_mistakes.hpp"
+#include "limber/diagnose/depth_effect.hpp"
+#include "limber/diagnose/time_offset.hpp"
+#include "run/short_recording.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+RigParameters side_by_side(double baseline) { return -baseline * RigParameters::Unit(3); }
+
+TEST(DepthError, OfAParallelRigIsThatOfDisparityOverFocalLength) {
+  // Z = B / d with d = B / z, in units of the focal length; a true baseline 1 % longer makes d 1 % larger.
+  const RigParameters assumed = side_by_side(0.2);
+  EXPECT_NEAR(depth_error(assumed, -0.002 * RigParameters::Unit(3), 10.0).value(), 10.0 / 1.01 - 10.0, 1e-9);
+  // A turn by phi about y moves the right point by tan(phi (1 + ...)): to first order z²/B phi.
+  const double phi = 1e-5;
+  EXPECT_NEAR(std::abs(depth_error(assumed, phi * RigParameters::Unit(1), 10.0).value()), 500.0 * phi, 5e-5);
+  EXPECT_NEAR(depth_error(assumed, RigParameters::Zero(), 10.0).value(), 0.0, 1e-9);
+}
+
+TEST(DepthError, IsUnknownWhereTheRaysNoLongerMeetInFront) {
+  const RigParameters assumed = side_by_side(0.2);
+  const auto error = [&](double angle) { return depth_error(assumed, angle * RigParameters::Unit(1), 20.0); };
+  EXPECT_NE(error(2.0 * kDegree).has_value(), error(-2.0 * kDegree).has_value());
+}
+
+TEST(DepthEffects, GiveSigmaFromThatOfTheOffset) {
+  RigOffset offset;
+  offset.sigma(3) = 0.002;  // 1 % of the baseline: 1 % of the depth
+  const std::vector<DepthEffect> effects = depth_effects(side_by_side(0.2), offset);
+  ASSERT_EQ(effects.size(), 3u);
+  EXPECT_EQ(effects[1].depth, 10.0);
+  EXPECT_NEAR(effects[1].error.value(), 0.0, 1e-9);
+  EXPECT_NEAR(effects[1].sigma, 0.1, 1e-6);
+}
+
+/// A short simulated recording with a sound rig.
+Recording sound_recording() {
+  Scenario scenario = testing::short_scenario();
+  scenario.decalibration.clear();
+  return simulate(scenario, 1);
+}
+
+std::vector<StereoFrame> swapped(std::vector<StereoFrame> frames) {
+  for (StereoFrame& frame : frames) {
+    for (StereoObservation& o : frame.observations) {
+      std::swap(o.uv_cam0, o.uv_cam1);
+      std::swap(o.in_cam0, o.in_cam1);
+    }
+  }
+  return frames;
+}
+
+TEST(CalibrationMistakes, AreNoneInASoundRigOrOneThatIsOffByTheUsual) {
+  const Recording sound = sound_recording();
+  EXPECT_THAT(calibration_mistakes(sound.calibration, sound.frames), IsEmpty());
+  const Recording off = testing::short_recording();
+  EXPECT_THAT(calibration_mistakes(off.calibration, off.frames), IsEmpty());
+}
+
+TEST(CalibrationMistakes, NameSwappedCameras) {
+  const Recording recording = sound_recording();
+  EXPECT_THAT(calibration_mistakes(recording.calibration, swapped(recording.frames)),
+              ElementsAre(HasSubstr("the two cameras are swapped")));
+}
+
+TEST(CalibrationMistakes, NameATransformThatIsInverted) {
+  const Recording recording = sound_recording();
+  // A camera that looks along the IMU's x axis, as on many rigs; then T_BS of cam1 is written the wrong way
+  // round.
+  StereoCalibration calibration = recording.calibration;
+  calibration.body = BodyFrame::kImu;
+  calibration.T_body_cam0.R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  calibration.T_body_cam0.p = {0.1, 0.05, -0.02};
+  const Pose T_imu_cam1 = calibration.T_body_cam0 * pose_from_rig(calibration.theta).inverse();
+  StereoCalibration wrong = calibration;
+  wrong.theta = rig_from_pose(T_imu_cam1 * calibration.T_body_cam0);
+  EXPECT_THAT(calibration_mistakes(calibration, recording.frames), IsEmpty());
+  EXPECT_THAT(calibration_mistakes(wrong, recording.frames),
+              ElementsAre(HasSubstr("T_BS of cam1 is inverted")));
+}
+
+TEST(CalibrationMistakes, NameAWrongResolution) {
+  const Recording recording = sound_recording();
+  StereoCalibration half = recording.calibration;
+  for (Camera* const camera : {&half.cam0, &half.cam1}) {
+    camera->width /= 2;
+    camera->height /= 2;
+  }
+  const auto mistakes = calibration_mistakes(half, recording.frames);
+  EXPECT_THAT(mistakes, ::testing::Contains(HasSubstr("principal point of cam0")));
+  EXPECT_THAT(mistakes, ::testing::Contains(HasSubstr("of the points of cam0 lie outside its")));
+  StereoCalibration twice = recording.calibration;
+  twice.cam1.width *= 2;
+  twice.cam1.height *= 2;
+  EXPECT_THAT(calibration_mistakes(twice, recording.frames),
+              ::testing::Contains(HasSubstr("no point of cam1 lies beyond")));
+}
+
+/// Right pixels as they will be `tau` seconds later, along the line to the next frame.
+std::vector<StereoFrame> with_late_cam1(const Recording& recording, double tau) {
+  std::vector<StereoFrame> out = recording.frames;
+  for (std::size_t n = 0; n + 1 < out.size(); ++n) {
+    const double share = tau / (1e-9 * static_cast<double>(out[n + 1].t_ns - out[n].t_ns));
+    for (StereoObservation& o : out[n].observations) {
+      for (const StereoObservation& next : recording.frames[n + 1].observations) {
+        if (next.track_id == o.track_id && next.in_cam1 && o.in_cam1) {
+          o.uv_cam1 += share * (next.uv_cam1 - o.uv_cam1);
+        }
+      }
+    }
+  }
+  return out;
+}
+
+TEST(TimeOffset, OfCam1IsFoundBesideAWrongCalibration) {
+  Scenario scenario = testing::short_scenario();  // decalibrated
+  scenario.duration = 8.0;
+  const Recording recording = simulate(scenario, 1);
+  const TimeOffset none = cam1_time_offset(recording.calibration, recording.frames).value();
+  EXPECT_LT(std::abs(none.seconds), 4.0 * none.sigma);
+  const TimeOffset late = cam1_time_offset(recording.calibration, with_late_cam1(recording, 0.01)).value();
+  EXPECT_NEAR(late.seconds, 0.01, 4.0 * late.sigma);
+  EXPECT_LT(late.sigma, 0.003);
+}
+
+TEST(TimeOffset, OfTheCamerasIsFoundAgainstTheGyro) {
+  Scenario scenario = testing::short_scenario();
+  scenario.duration = 8.0;
+  scenario.decalibration.clear();
+  Recording recording = simulate(scenario, 1);
+  recording.calibration.body = BodyFrame::kImu;  // the simulated body is cam0
+  const TimeOffset none = camera_time_offset(recording.calibration, recording.frames, recording.imu).value();
+  EXPECT_LT(std::abs(none.seconds), 4.0 * none.sigma);
+  for (ImuSample& sample : recording.imu) {
+    sample.t_ns +=
+        20'000'000;  // so the cameras seem early by nothing, the IMU late: motion is at stamp + 20 ms
+  }
+  const TimeOffset late = camera_time_offset(recording.calibration, recording.frames, recording.imu).value();
+  EXPECT_NEAR(late.seconds - none.seconds, 0.02, 4.0 * late.sigma);
+}
+
+TEST(TimeOffset, IsUnknownWithoutMotionOrPoints) {
+  const Recording recording = sound_recording();
+  EXPECT_FALSE(cam1_time_offset(recording.calibration, std::vector<StereoFrame>(2)));
+  EXPECT_FALSE(camera_time_offset(recording.calibration, recording.frames, {}));
+}
+
+}  // namespace
+}  // namespace limber
