@@ -12,6 +12,7 @@
 #include "limber/initialize/stereo_motion.hpp"
 #include "limber/measure/rig.hpp"
 #include "limber/predict/input_buffer.hpp"
+#include "limber/predict/motion.hpp"
 
 namespace limber {
 
