@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Puts the tables of a `limber paper` run into docs/paper.md: every case and method, and every claim with its verdict.
+"""Puts the tables of a `limber paper` run into docs/evidence/paper.md: every case and method, and every claim with its verdict.
 
-  scripts/paper_page.py FOLDER [PAGE]       FOLDER: what --out of limber paper named; PAGE: docs/paper.md
+  scripts/paper_page.py FOLDER [PAGE]       FOLDER: what --out of limber paper named; PAGE: docs/evidence/paper.md
 
 What stands between the lines <!-- NAME --> and <!-- end --> of the page is replaced, for NAME in provenance, overview, cases,
 claims. The numbers are those of FOLDER/paper.html, so that page and report cannot differ; program and processor are those of
@@ -88,7 +88,7 @@ def replaced(page, name, content):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("page", type=pathlib.Path, nargs="?", default=ROOT / "docs/paper.md")
+    parser.add_argument("page", type=pathlib.Path, nargs="?", default=ROOT / "docs/evidence/paper.md")
     arguments = parser.parse_args()
     document = document_of(arguments.folder / "paper.html")
     page = arguments.page.read_text()

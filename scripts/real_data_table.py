@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Runs limber on every real recording, sound and decalibrated, and prints the table of docs/real-data.md.
+"""Runs limber on every real recording, sound and decalibrated, and prints the table of docs/evidence/real-data.md.
 
   scripts/real_data_table.py [--data DIR] [--limber PROGRAM] [--out DIR] [--sigma-px S] [--jobs N]
 

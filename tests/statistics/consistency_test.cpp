@@ -9,7 +9,7 @@
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
 
-/// A small version of docs/results.md: three runs of ten seconds of each case.
+/// A small version of docs/evidence/results.md: three runs of ten seconds of each case.
 namespace limber {
 namespace {
 
