@@ -11,6 +11,7 @@
 #include "limber/simulate/simulator.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
+#include "scenario_options.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
 
@@ -21,10 +22,11 @@ struct SimulateArguments {
   std::filesystem::path scenario, out;
   std::uint64_t seed = 0, run = 0;
   bool without_imu = false, print = false;
+  ScenarioArguments changes;
 };
 
 void simulate(const SimulateArguments& arguments) {
-  Scenario scenario = read_scenario(arguments.scenario);
+  Scenario scenario = read_scenario(arguments.scenario, arguments.changes);
   if (arguments.without_imu) {
     scenario.use_imu = false;
   }
@@ -72,6 +74,7 @@ void add_simulate_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--without-imu", arguments->without_imu, "Leave the IMU out, whatever the scenario says");
   command->add_flag("--print", arguments->print, "Print the scenario with every default filled in, and stop");
+  add_scenario_options(*command, arguments->changes);
   command->footer("\nExample:\n  limber simulate scenarios/paper_ii.yaml --seed 1 --out data/paper_ii");
   command->callback([arguments] { simulate(*arguments); });
 }

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/study/exact_sum.hpp"
 #include "limber/study/merge_studies.hpp"
 #include "limber/study/study_table.hpp"
 #include "messages.hpp"
 #include "parsed_by.hpp"
 #include "report_files.hpp"
+#include "scenario_options.hpp"
 #include "study_runner.hpp"
 
 namespace limber::app {
@@ -26,6 +26,7 @@ struct StudyArguments {
   std::string methods = "ekf,ekf-full,lcekf";
   std::uint64_t runs = 100, seed = 1;
   fs::path out;
+  ScenarioArguments changes;
   RunnerArguments runner;
 };
 
@@ -33,8 +34,8 @@ StudyPlan plan_of(const StudyArguments& arguments) {
   StudyPlan plan;
   plan.seed = arguments.seed;
   for (const fs::path& path : arguments.scenarios) {
-    plan.cases.push_back(
-        {read_scenario(path), method_variants_from_string(arguments.methods), arguments.runs});
+    plan.cases.push_back({read_scenario(path, arguments.changes),
+                          method_variants_from_string(arguments.methods), arguments.runs});
   }
   return plan;
 }
@@ -110,6 +111,7 @@ void add_study_command(CLI::App& app) {
       ->check(CLI::Range(std::uint64_t{1}, kMaxTerms))
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "Of everything random")->capture_default_str();
+  add_scenario_options(*command, arguments->changes);
   add_runner_options(*command, arguments->runner);
   add_merge_command(*command);
   add_show_command(*command);

@@ -129,6 +129,11 @@ class Reader final : public FieldVisitor {
 
   [[nodiscard]] bool has(const std::string& key, bool) override { return static_cast<bool>(find(key)); }
 
+  [[nodiscard]] bool is_word(const std::string& key) override {
+    const YAML::Node node = find(key);
+    return node && node.IsScalar();
+  }
+
   void require(const std::string& key) override {
     if (!find(key)) {
       fail(mapping_, "the key " + name_of(key), "no such key");
@@ -303,6 +308,7 @@ class Writer final : public FieldVisitor {
   }
 
   [[nodiscard]] bool has(const std::string&, bool present) override { return present; }
+  [[nodiscard]] bool is_word(const std::string&) override { return false; }
   void require(const std::string&) override {}
 
   void check(const std::string& key, bool condition, const std::string& expected,

@@ -61,6 +61,8 @@ class FieldVisitor {
 
   /// For what is optional: whether the file has the key (reader), or `present` (writer).
   [[nodiscard]] virtual bool has(const std::string& key, bool present) = 0;
+  /// For what may be a word instead of a mapping: whether it is one in the file; false for a writer.
+  [[nodiscard]] virtual bool is_word(const std::string& key) = 0;
   /// For what has no default: a reader fails if the key is absent.
   virtual void require(const std::string& key) = 0;
   /// Fails at `key` unless `condition` holds.

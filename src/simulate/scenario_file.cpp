@@ -9,13 +9,17 @@
 #include <stdexcept>
 #include <utility>
 
+#include "fault_fields.hpp"
 #include "field_visitor.hpp"
+#include "hold_alternative.hpp"
 #include "io/text_file.hpp"
+#include "limber/simulate/scenario_presets.hpp"
 
 namespace limber {
 namespace {
 
 using detail::FieldVisitor;
+using detail::hold_alternative;
 using detail::kDegree;
 using detail::Range;
 using detail::Unit;
@@ -38,19 +42,21 @@ const Unit kHertz{"Hz", 1.0};
 const Unit kPixels{"px", 1.0};
 const Unit kSeconds{"s", 1.0};
 
-/// Makes `variant` hold its alternative number `index`, default-constructed unless it does already.
-template <typename... Alternatives>
-void hold_alternative(std::variant<Alternatives...>& variant, std::size_t index) {
-  std::size_t i = 0;
-  (void)((i++ == index &&
-          (std::holds_alternative<Alternatives>(variant) || (variant = Alternatives{}, true))) ||
-         ...);
-}
-
 void check_order(FieldVisitor& io, const std::string& larger_key, double smaller, double larger,
                  const std::string& smaller_key) {
   io.check(larger_key, larger >= smaller, "not below " + smaller_key,
            fmt::format("{:.6g} < {:.6g}", larger, smaller));
+}
+
+/// A mapping that switches something on by being there.
+template <typename T>
+void visit_optional(FieldVisitor& io, const std::string& key, std::optional<T>& value,
+                    void (*visit)(FieldVisitor&, T&)) {
+  if (io.has(key, value.has_value())) {
+    T present = value.value_or(T{});
+    io.mapping(key, [&](FieldVisitor& child) { visit(child, present); });
+    value = present;
+  }
 }
 
 // ---- trajectory
@@ -90,6 +96,13 @@ void visit_fields(FieldVisitor& io, TrajectoryScenario& trajectory) {
 
 // ---- world and rig
 
+void visit_fields(FieldVisitor& io, MovingBodyScenario& m) {
+  io.number("share", m.share, kProbability, kNone);
+  io.number("speed", m.speed, kNotNegative, kMetresPerSecond);
+  io.number("radius", m.radius, kPositive, kMetres);
+  io.number("start", m.start, kNotNegative, kSeconds);
+}
+
 void visit_fields(FieldVisitor& io, WorldScenario& w) {
   io.integer("points", w.points, {.min = 0.0, .max = 1e6}, kNone);
   w.placement = static_cast<PointPlacement>(
@@ -102,6 +115,7 @@ void visit_fields(FieldVisitor& io, WorldScenario& w) {
   io.number("max_range", w.max_range, kPositive, kMetres);
   check_order(io, "max_range", w.min_range, w.max_range, "min_range");
   io.boolean("left_only", w.left_only);
+  visit_optional(io, "moving_body", w.moving_body, visit_fields);
 }
 
 template <typename Model>
@@ -191,6 +205,36 @@ void visit_fields(FieldVisitor& io, NoiseScenario& n) {
   io.number("gyro", n.gyro, kNotNegative, {"deg/s per sample", kDegree});
   io.number("accel_walk", n.accel_walk, kNotNegative, {"m/s^3/sqrt(Hz)"});
   io.number("gyro_walk", n.gyro_walk, kNotNegative, {"rad/s^2/sqrt(Hz)"});
+  if (io.has("stated", !n.stated)) {
+    io.boolean("stated", n.stated);
+  }
+}
+
+void visit_fields(FieldVisitor& io, PixelScenario& p) {
+  const Range sigma{.min = 0.0, .max = 1000.0};
+  io.number("per_track", p.per_track, sigma, kPixels);
+  io.number("correlated", p.correlated, sigma, kPixels);
+  io.number("correlated_coefficient", p.correlated_coefficient, {.min = 0.0, .max = 0.9999}, kNone);
+  io.number("field", p.field, sigma, {"px rms"});
+  io.number("mismatches", p.mismatches, kProbability, kNone);
+}
+
+/// A word for all of them, which the noise's own keys may still change, or each on its own.
+void visit_pixels(FieldVisitor& io, Scenario& s) {
+  if (io.is_word("pixels")) {
+    const auto preset = io.choice("pixels", 0, {"white", "realistic"});
+    set_pixels(s, static_cast<PixelPreset>(preset));
+  } else if (io.has("pixels", !are_white(s.pixels))) {
+    io.mapping("pixels", [&](FieldVisitor& child) { visit_fields(child, s.pixels); });
+  }
+}
+
+void visit_faults(FieldVisitor& io, std::vector<Fault>& faults) {
+  if (io.has("faults", !faults.empty())) {
+    io.list(
+        "faults", faults.size(), [&](std::size_t size) { faults.assign(size, {}); },
+        [&](std::size_t i, FieldVisitor& entry) { detail::visit_fault(entry, faults[i]); });
+  }
 }
 
 void visit_fields(FieldVisitor& io, OdometryScenario& o) {
@@ -313,15 +357,13 @@ void visit_fields(FieldVisitor& io, Scenario& s) {
   io.mapping("trajectory", [&](FieldVisitor& child) { visit_fields(child, s.trajectory); });
   io.mapping("world", [&](FieldVisitor& child) { visit_fields(child, s.world); });
   io.mapping("rig", [&](FieldVisitor& child) { visit_fields(child, s.rig); });
+  visit_pixels(io, s);
   io.mapping("noise", [&](FieldVisitor& child) { visit_fields(child, s.noise); });
-  if (io.has("odometry", s.odometry.has_value())) {
-    OdometryScenario odometry = s.odometry.value_or(OdometryScenario{});
-    io.mapping("odometry", [&](FieldVisitor& child) { visit_fields(child, odometry); });
-    s.odometry = odometry;
-  }
+  visit_optional(io, "odometry", s.odometry, visit_fields);
   check_sample_counts(io, s);
   io.mapping("initial", [&](FieldVisitor& child) { visit_fields(child, s.initial); });
   io.mapping("dropout", [&](FieldVisitor& child) { visit_fields(child, s.dropout); });
+  visit_faults(io, s.faults);
   const double baseline = s.rig.theta.tail<3>().norm();
   io.list(
       "decalibration", s.decalibration.size(), [&](std::size_t size) { s.decalibration.assign(size, {}); },
@@ -343,6 +385,7 @@ Scenario parse_scenario(std::string_view text, const std::filesystem::path& file
   detail::read_fields(std::string(text), file.string(), [&](FieldVisitor& io) {
     visit_fields(io, scenario);
     const double baseline = scenario.rig.theta.tail<3>().norm();
+    scenario.filter.gate = has_wrong_points(scenario);
     scenario.filter.initial = scenario.initial;
     scenario.filter.theta_sigma = plausible_error(baseline);
     io.mapping("filter", [&](FieldVisitor& child) { visit_fields(child, scenario.filter, baseline); });

@@ -6,10 +6,13 @@
 #include <numbers>
 #include <optional>
 
+#include "faults.hpp"
 #include "limber/core/random.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/measure/rig.hpp"
 #include "limber/simulate/scenario_file.hpp"
+#include "limber/simulate/scenario_presets.hpp"
+#include "pixel_errors.hpp"
 
 namespace limber {
 namespace {
@@ -27,6 +30,21 @@ struct Run {
   [[nodiscard]] RandomStream stream(std::string_view name) const { return {seed, run, name}; }
   [[nodiscard]] Kinematics at(std::int64_t t_ns) const {
     return trajectory.at(static_cast<double>(t_ns) / 1e9);
+  }
+  [[nodiscard]] bool moves(std::size_t id) const {
+    const auto& body = scenario.world.moving_body;
+    return body && stream("moving_body").uniform(id) < body->share;
+  }
+  /// p_world_landmark at `t_ns`.
+  [[nodiscard]] Vector3d point_at(std::size_t id, std::int64_t t_ns) const {
+    return moves(id) ? Vector3d(world[id] + moved(*scenario.world.moving_body, t_ns)) : world[id];
+  }
+  /// How far the moving body has come.
+  [[nodiscard]] Vector3d moved(const MovingBodyScenario& body, std::int64_t t_ns) const {
+    const double t = std::max(0.0, static_cast<double>(t_ns) / 1e9 - body.start);
+    const double begin = 2.0 * std::numbers::pi * stream("moving_body_phase").uniform(0);
+    const double angle = begin + body.speed * t / body.radius;
+    return body.radius * Vector3d(std::cos(angle) - std::cos(begin), std::sin(angle) - std::sin(begin), 0.0);
   }
 };
 
@@ -50,6 +68,9 @@ void fill_groundtruth(const Run& run, Recording& recording) {
     }
     recording.groundtruth.push_back(state);
   }
+  if (s.use_imu) {
+    detail::step_biases(s.faults, run.seed, run.run, recording.groundtruth);
+  }
   recording.groundtruth_has_velocity = true;
   recording.groundtruth_has_biases = s.use_imu;
 }
@@ -69,6 +90,7 @@ void fill_imu(const Run& run, Recording& recording) {
         {state.t_ns, truth.omega_body + state.bias_gyro + s.noise.gyro * noise_gyro.normal3(k),
          specific_force(truth, s.gravity) + state.bias_accel + s.noise.accel * noise_accel.normal3(k)});
   }
+  detail::spoil_imu(s.faults, run.seed, run.run, recording.imu);
   if (s.noise.gyro > 0.0 && s.noise.accel > 0.0) {
     const double to_density = std::sqrt(1.0 / s.imu_rate);
     recording.imu_noise = ImuNoise{s.noise.gyro * to_density, s.noise.gyro_walk, s.noise.accel * to_density,
@@ -88,7 +110,9 @@ void fill_odometry(const Run& run, const OdometryScenario& odometry, Recording& 
          truth.T_world_body.R.transpose() * truth.v_world_body + odometry.velocity * noise.normal3(k, 0),
          truth.omega_body + odometry.angular_rate * noise.normal3(k, 1)});
   }
-  if (odometry.velocity > 0.0 && odometry.angular_rate > 0.0) {
+  if (!run.scenario.noise.stated) {
+    recording.notes.emplace_back("the noise of odometry is not stated: estimators use their defaults");
+  } else if (odometry.velocity > 0.0 && odometry.angular_rate > 0.0) {
     recording.odometry_noise =
         OdometryNoise{Vector3d::Constant(odometry.velocity), Vector3d::Constant(odometry.angular_rate)};
   } else {
@@ -108,36 +132,51 @@ std::optional<Eigen::Vector2d> seen(const Camera& camera, const WorldScenario& w
   return projection->uv;
 }
 
-/// What the cameras see, the rig being `calibration_true` at that instant. `j` is the index of the frame.
+/// What the cameras see, frame by frame. `j` is the index of the frame.
 class FrameMaker {
  public:
   explicit FrameMaker(const Run& run)
       : run_(run),
+        nominal_(nominal_calibration(run.scenario)),
+        white_(are_white(run.scenario.pixels)),
+        errors_(run.scenario, white_ ? 0 : run.world.size(), run.seed, run.run),
         noise_cam0_(run.stream("pixel_cam0")),
         noise_cam1_(run.stream("pixel_cam1")),
         dropout_(run.stream("dropout_right")) {}
 
-  [[nodiscard]] StereoFrame make(std::int64_t t_ns, std::uint32_t j,
-                                 const StereoCalibration& calibration_true) const {
-    const Pose T_body_cam0 = body_from_cam0(calibration_true);
-    const Pose T_cam0_world = (run_.at(t_ns).T_world_body * T_body_cam0).inverse();
-    const Pose T_cam1_cam0 = pose_from_rig(calibration_true.theta);
+  [[nodiscard]] StereoFrame make(std::int64_t t_ns, std::uint32_t j) {
+    const WorldScenario& world = run_.scenario.world;
+    const std::int64_t right_ns = t_ns - detail::right_delay(run_.scenario.faults, t_ns);
+    const Cameras left = cameras_at(t_ns), right = right_ns == t_ns ? left : cameras_at(right_ns);
+    errors_.advance_to(j);
     StereoFrame frame{t_ns, {}};
     for (std::size_t id = 0; id < run_.world.size(); ++id) {
-      const Vector3d X_cam0 = T_cam0_world * run_.world[id];
-      const auto uv_cam0 = seen(calibration_true.cam0, run_.scenario.world, X_cam0);
+      const auto uv_cam0 = seen(nominal_.cam0, world, left.T_cam0_world * run_.point_at(id, t_ns));
       if (!uv_cam0) {
         continue;
       }
-      const auto uv_cam1 = seen(calibration_true.cam1, run_.scenario.world, T_cam1_cam0 * X_cam0);
-      if (uv_cam1 || run_.scenario.world.left_only) {
+      const Vector3d X_cam1 = right.T_cam1_cam0 * (right.T_cam0_world * run_.point_at(id, right_ns));
+      const auto uv_cam1 = seen(nominal_.cam1, world, X_cam1);
+      if (uv_cam1 || world.left_only) {
         frame.observations.push_back(observe(id, j, *uv_cam0, uv_cam1));
       }
     }
+    errors_.mismatch(frame);
     return frame;
   }
 
  private:
+  struct Cameras {
+    Pose T_cam0_world, T_cam1_cam0;
+  };
+
+  [[nodiscard]] Cameras cameras_at(std::int64_t t_ns) const {
+    StereoCalibration calibration_true = nominal_;
+    calibration_true.theta = run_.scenario.rig.theta + run_.decalibration.at(t_ns);
+    const Pose T_body_cam0 = body_from_cam0(calibration_true);
+    return {(run_.at(t_ns).T_world_body * T_body_cam0).inverse(), pose_from_rig(calibration_true.theta)};
+  }
+
   [[nodiscard]] StereoObservation observe(std::size_t id, std::uint32_t j, const Eigen::Vector2d& uv_cam0,
                                           const std::optional<Eigen::Vector2d>& uv_cam1) const {
     const double sigma = run_.scenario.noise.pixel;
@@ -147,34 +186,52 @@ class FrameMaker {
     if (o.in_cam1) {
       o.uv_cam1 = *uv_cam1 + sigma * noise_cam1_.normal2(id, j);
     }
+    if (!white_) {
+      o.uv_cam0 += errors_.at(0, id, uv_cam0);
+      o.uv_cam1 += o.in_cam1 ? errors_.at(1, id, *uv_cam1) : Eigen::Vector2d::Zero().eval();
+    }
     return o;
   }
 
   const Run& run_;
+  StereoCalibration nominal_;
+  bool white_;
+  detail::PixelErrors errors_;
   RandomStream noise_cam0_, noise_cam1_, dropout_;
 };
 
+/// What estimators may know of the pixels' noise.
+void state_pixel_noise(const NoiseScenario& noise, Recording& recording) {
+  if (!noise.stated) {
+    recording.notes.emplace_back("the noise of pixels is not stated: estimators use their default");
+  } else if (noise.pixel > 0.0) {
+    recording.pixel_noise = PixelNoise::Constant(noise.pixel);
+  } else {
+    recording.notes.emplace_back("pixels are simulated without noise: estimators use their default");
+  }
+}
+
 void fill_frames(const Run& run, Recording& recording) {
   const Scenario& s = run.scenario;
-  const FrameMaker maker(run);
+  FrameMaker maker(run);
   const RandomStream dropout = run.stream("dropout_frame");
   const std::vector<std::int64_t> times = sample_times(s.stereo_rate, s.duration);
-  StereoCalibration calibration_true = recording.calibration;
   for (std::size_t j = 0; j < times.size(); ++j) {
     if (j > 0 && dropout.uniform(j) < s.dropout.frames) {
       continue;
     }
-    calibration_true.theta = s.rig.theta + run.decalibration.at(times[j]);
-    recording.frames.push_back(maker.make(times[j], static_cast<std::uint32_t>(j), calibration_true));
-    for (const StereoObservation& o : recording.frames.back().observations) {
-      recording.landmarks_true[o.track_id] = run.world[static_cast<std::size_t>(o.track_id)];
+    recording.frames.push_back(maker.make(times[j], static_cast<std::uint32_t>(j)));
+  }
+  detail::spoil_frames(s.faults, recording.frames);
+  for (const StereoFrame& frame : recording.frames) {
+    for (const StereoObservation& o : frame.observations) {
+      const auto id = static_cast<std::size_t>(o.track_id);
+      if (!run.moves(id)) {
+        recording.landmarks_true[o.track_id] = run.world[id];
+      }
     }
   }
-  if (s.noise.pixel > 0.0) {
-    recording.pixel_noise = PixelNoise::Constant(s.noise.pixel);
-  } else {
-    recording.notes.emplace_back("pixels are simulated without noise: estimators use their default");
-  }
+  state_pixel_noise(s.noise, recording);
 }
 
 void fill_calibration_truth(const Run& run, Recording& recording) {

@@ -120,6 +120,35 @@ TEST(ParseScenario, KnowsEveryShape) {
   EXPECT_NEAR(std::get<SinusShape>(s.decalibration[7].shape).angular_frequency, 20.0 * M_PI, 1e-12);
 }
 
+TEST(ParseScenario, TakesRealisticPixelsByOneWordOrEachOnItsOwn) {
+  const Scenario by_word = parse("pixels: realistic");
+  EXPECT_EQ(by_word.pixels.per_track, 0.3);
+  EXPECT_EQ(by_word.noise.pixel, 0.1);
+  EXPECT_FALSE(by_word.noise.stated);
+  EXPECT_TRUE(by_word.filter.gate);
+  EXPECT_EQ(parse("{pixels: realistic, noise: {pixel: 0.5}}").noise.pixel, 0.5);
+
+  const Scenario each = parse("pixels: {mismatches: 0.02}");
+  EXPECT_EQ(each.pixels.mismatches, 0.02);
+  EXPECT_EQ(each.pixels.per_track, 0.0);
+  EXPECT_EQ(each.noise.pixel, 0.5);
+  EXPECT_TRUE(each.filter.gate);
+  EXPECT_FALSE(parse("{pixels: {mismatches: 0.02}, filter: {gate: false}}").filter.gate);
+  EXPECT_TRUE(parse("world: {moving_body: {}}").filter.gate);
+  EXPECT_FALSE(parse("pixels: white").filter.gate);
+  for (const Scenario& s : {by_word, each, parse("world: {moving_body: {share: 0.3}}")}) {
+    EXPECT_EQ(format_scenario(parse(format_scenario(s))), format_scenario(s));
+  }
+}
+
+// What studies made before are known by stays as it was.
+TEST(FormatScenario, LeavesOutWhatIsNotThere) {
+  const std::string text = format_scenario(Scenario{});
+  for (const char* key : {"pixels:", "faults:", "moving_body:", "stated:"}) {
+    EXPECT_EQ(text.find(key), std::string::npos) << key;
+  }
+}
+
 TEST(ParseScenario, SeeksTrajectoriesBesideTheScenarioFile) {
   const Scenario s = parse_scenario("trajectory: {kind: file, path: ../a.tum}", "/data/scenarios/case.yaml");
   EXPECT_EQ(std::get<FileTrajectory>(s.trajectory).path, "/data/a.tum");
@@ -241,8 +270,28 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         BadScenario{"UnknownKey", "duration: 10\ndurration: 35\n", 2, "the unknown key 'durration'"},
         BadScenario{"UnknownKeyListsThoseThatExist", "noise:\n  pixels: 1\n", 2,
-                    "one of the keys pixel, accel, gyro, accel_walk, gyro_walk in noise"},
+                    "one of the keys pixel, accel, gyro, accel_walk, gyro_walk, stated in noise"},
         BadScenario{"RepeatedKey", "duration: 10\nnoise: {}\nduration: 35\n", 3, "'duration' again"},
+        BadScenario{"UnknownPixels", "duration: 10\npixels: pink\n", 2,
+                    "pixels as one of white, realistic, found 'pink'"},
+        BadScenario{
+            "UnknownKeyOfPixels", "pixels:\n  per_track: 0.3\n  lens: 0.2\n", 3,
+            "one of the keys per_track, correlated, correlated_coefficient, field, mismatches in pixels"},
+        BadScenario{"CorrelationOfOne", "pixels: {correlated_coefficient: 1}\n", 1,
+                    "pixels.correlated_coefficient as a number in [0, 0.9999]"},
+        BadScenario{"MoreMismatchesThanPoints", "pixels:\n  mismatches: 2\n", 2,
+                    "pixels.mismatches as a number in [0, 1]"},
+        BadScenario{"UnknownKeyOfAMovingBody", "world:\n  moving_body: {sharing: 0.4}\n", 2,
+                    "one of the keys share, speed, radius, start in world.moving_body"},
+        BadScenario{"UnknownFault", "faults:\n  - {kind: imu_hole, at: 5}\n", 2,
+                    "faults[0].kind as one of gyro_bias_step, accel_bias_step, imu_spike"},
+        BadScenario{"FaultWithoutDuration", "faults:\n  - {kind: imu_gap, at: 5}\n", 2,
+                    "the key faults[0].duration"},
+        BadScenario{"KeyOfAnotherFault",
+                    "faults:\n  - kind: imu_spike\n    at: 5\n    size: 10\n    duration: 1\n", 5,
+                    "the unknown key 'duration'"},
+        BadScenario{"FaultBeforeTheStart", "faults:\n  - {kind: imu_gap, at: -1, duration: 2}\n", 2,
+                    "faults[0].at as a number in [0, 1000000] s"},
         BadScenario{"TextForANumber", "duration: long\n", 1,
                     "expected duration as a number in (0, 10000] s, found 'long'"},
         BadScenario{"ListForANumber", "duration: [1, 2]\n", 1, "found a list of 2"},

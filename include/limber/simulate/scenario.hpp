@@ -12,6 +12,7 @@
 #include "limber/navigate/method.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/simulate/decalibration.hpp"
+#include "limber/simulate/fault.hpp"
 #include "limber/state/initial_sigma.hpp"
 
 /// What is simulated. The defaults are the paper's case (i): its numbers where it gives them
@@ -58,6 +59,14 @@ enum class PointPlacement {
   kInView   ///< at a pixel of the left image and a depth, drawn uniformly: as many points ahead at any time
 };
 
+/// A rigid body that moves on a horizontal circle, with some of the points on it: p(t) = p(0) + r (cos, sin).
+struct MovingBodyScenario {
+  double share = 0.4;   ///< each point belongs to it with this probability
+  double speed = 1.0;   ///< [m/s]
+  double radius = 2.0;  ///< of the circle [m]
+  double start = 0.0;   ///< it stands still that long [s]
+};
+
 struct WorldScenario {
   int points = 380;
   PointPlacement placement = PointPlacement::kAround;
@@ -67,6 +76,7 @@ struct WorldScenario {
   double min_range = 0.5;                         ///< a camera sees points at depths (z) between the two [m]
   double max_range = 100.0;                       ///< [m]
   bool left_only = false;  ///< also report points that the left camera alone sees; else both must see a point
+  std::optional<MovingBodyScenario> moving_body;
 };
 
 /// The nominal rig, which estimators may assume.
@@ -86,6 +96,21 @@ struct NoiseScenario {
   double gyro = 0.5 * detail::kDegree;  ///< sigma of each gyro sample [rad/s]
   double accel_walk = 0.0;              ///< of the accelerometer bias [m/s^3/sqrt(Hz)]
   double gyro_walk = 0.0;               ///< of the gyro bias [rad/s^2/sqrt(Hz)]
+  bool stated = true;  ///< false: the recording does not say the noise of its pixels and its odometry
+};
+
+/// What the errors of real pixels have beyond white noise (NoiseScenario::pixel). Sigmas are those of each of
+/// u0, v0, u1, v1 [px]. Every part is drawn on its own.
+struct PixelScenario {
+  double per_track = 0.0;               ///< constant along a track
+  double correlated = 0.0;              ///< AR(1) along a track, stationary
+  double correlated_coefficient = 0.9;  ///< of that, from one frame to the next, in [0, 1)
+  /// Rms over the image of a smooth field that each lens has for the whole recording: what the model of the
+  /// lens leaves.
+  double field = 0.0;
+  /// Probability that a point is mismatched in a frame: one of its pixels, of either camera, is at a random
+  /// place of the image or on another point.
+  double mismatches = 0.0;
 };
 
 /// Wheels, or any odometer: velocity and rate in the body frame.
@@ -131,6 +156,8 @@ struct Scenario {
   std::optional<OdometryScenario> odometry;
   InitialSigma initial;  ///< true biases at the start and errors of the initial state are drawn from these
   DropoutScenario dropout;
+  PixelScenario pixels;
+  std::vector<Fault> faults;
   std::vector<DecalibrationSignal> decalibration;  ///< theta_true(t) - rig.theta
   FilterScenario filter;
 };
