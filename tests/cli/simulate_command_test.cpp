@@ -112,9 +112,27 @@ TEST_F(SimulateCommand, PrintsAScenarioThatGivesTheSameRecording) {
   EXPECT_EQ(content, content_of(folder() / "again"));
 }
 
+TEST_F(SimulateCommand, MakesPixelsRealisticAndSensorsFaultyWhenAsked) {
+  ASSERT_EQ(simulate_into(folder() / "sound").exit_code, 0);
+  const ProgramResult result = simulate({"--pixels", "realistic", "--fault", "imu-gap=0.2:0.3", "--fault",
+                                         "frame-gap=0.5:0.2"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("case_realistic_imu-gap=0.2:0.3_frame-gap=0.5:0.2: 17 frames"));
+  EXPECT_FALSE(fs::exists(out() / "mav0/tracks0/sensor.yaml"));
+  EXPECT_FALSE(fs::exists(out() / "mav0/odometry0/sensor.yaml"));
+  const Recording sound = read_recording(folder() / "sound"), faulty = read_recording(out());
+  EXPECT_EQ(faulty.imu.size(), 71u);
+  EXPECT_EQ(faulty.frames.size(), 17u);
+  EXPECT_EQ(faulty.groundtruth.back().p_world_body, sound.groundtruth.back().p_world_body);
+  EXPECT_NE(faulty.frames[0].observations[0].uv_cam0, sound.frames[0].observations[0].uv_cam0);
+}
+
 TEST_F(SimulateCommand, RefusesOptionsThatMakeNoSenseAsWrongUsage) {
   expect_refused(simulate({"--seed", "-1"}), 2, "--seed: expected a whole number");
   expect_refused(simulate({"--run", "x"}), 2, "--run: expected a whole number");
+  expect_refused(simulate({"--pixels", "pink"}), 2, "--pixels");
+  expect_refused(simulate({"--fault", "imu-gap=5"}), 2, "imu-gap=at:duration");
+  expect_refused(simulate({"--fault", "imu-gap=5:0"}), 2, "expected duration as a number in (0, 1000000] s");
   expect_refused(simulate({"--sed", "1"}), 2, "unknown option --sed");
   expect_refused(run_limber({"simulate", scenario().string()}), 2, "--out is required");
   expect_refused(run_limber({"simulate", scenario().string(), "--out", ""}), 2, "--out: expected a name");
