@@ -24,8 +24,7 @@ void add_scenario_options(CLI::App& command, ScenarioArguments& arguments) {
 Scenario read_scenario(const std::filesystem::path& path, const ScenarioArguments& arguments) {
   Scenario scenario = limber::read_scenario(path);
   if (!arguments.pixels.empty()) {
-    set_pixels(scenario,
-               arguments.pixels == "realistic" ? PixelPreset::kRealistic : PixelPreset::kWhite);
+    set_pixels(scenario, arguments.pixels == "realistic" ? PixelPreset::kRealistic : PixelPreset::kWhite);
     scenario.name += "_" + arguments.pixels;
   }
   for (const std::string& fault : arguments.faults) {

@@ -88,11 +88,11 @@ struct Words {
 /// In the order of Fault's alternatives.
 const std::vector<Words>& kinds() {
   static const std::vector<Words> all = {
-      {"gyro_bias_step", {"at", "size"}},       {"accel_bias_step", {"at", "size"}},
-      {"imu_spike", {"at", "size"}},            {"imu_saturation", {"accel", "gyro"}},
-      {"imu_stuck", {"at", "duration"}},        {"imu_gap", {"at", "duration"}},
-      {"clock_step", {"at", "size"}},           {"right_late", {"at", "duration", "delay"}},
-      {"frames_repeated", {"at", "duration"}},  {"frame_gap", {"at", "duration"}},
+      {"gyro_bias_step", {"at", "size"}},      {"accel_bias_step", {"at", "size"}},
+      {"imu_spike", {"at", "size"}},           {"imu_saturation", {"accel", "gyro"}},
+      {"imu_stuck", {"at", "duration"}},       {"imu_gap", {"at", "duration"}},
+      {"clock_step", {"at", "size"}},          {"right_late", {"at", "duration", "delay"}},
+      {"frames_repeated", {"at", "duration"}}, {"frame_gap", {"at", "duration"}},
   };
   return all;
 }
@@ -108,8 +108,8 @@ std::string with_hyphens(std::string_view kind) {
   for (const Words& words : kinds()) {
     forms.push_back(fmt::format("{}={}", with_hyphens(words.kind), fmt::join(words.keys, ":")));
   }
-  throw std::invalid_argument(
-      fmt::format("fault '{}': expected one of {} (s, g, deg/s, rad/s, m/s^2)", text, fmt::join(forms, ", ")));
+  throw std::invalid_argument(fmt::format("fault '{}': expected one of {} (s, g, deg/s, rad/s, m/s^2)", text,
+                                          fmt::join(forms, ", ")));
 }
 
 }  // namespace

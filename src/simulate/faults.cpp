@@ -43,9 +43,8 @@ struct SpoilImu {
   Vector3d direction;
 
   void operator()(const ImuSpike& f) const {
-    const auto hit = std::find_if(samples.begin(), samples.end(), [&](const ImuSample& sample) {
-      return sample.t_ns >= nanoseconds(f.at);
-    });
+    const auto hit = std::find_if(samples.begin(), samples.end(),
+                                  [&](const ImuSample& sample) { return sample.t_ns >= nanoseconds(f.at); });
     if (hit != samples.end()) {
       hit->accel_imu += f.size * direction;
     }

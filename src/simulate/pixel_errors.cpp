@@ -67,7 +67,8 @@ void PixelErrors::advance_to(std::uint32_t j) {
   for (; frame_ < j; ++frame_) {
     for (Lens& lens : lenses_) {
       for (std::size_t id = 0; id < lens.state.size(); ++id) {
-        lens.state[id] = a * lens.state[id] + std::sqrt(1.0 - a * a) * lens.correlated.normal2(id, frame_ + 1);
+        lens.state[id] =
+            a * lens.state[id] + std::sqrt(1.0 - a * a) * lens.correlated.normal2(id, frame_ + 1);
       }
     }
   }
@@ -76,7 +77,8 @@ void PixelErrors::advance_to(std::uint32_t j) {
 Vector2d PixelErrors::at(std::size_t camera, std::size_t id, const Vector2d& uv) const {
   const Lens& lens = lenses_[camera];
   const PixelScenario& pixels = scenario_.pixels;
-  return pixels.per_track * lens.per_track.normal2(id) + pixels.correlated * lens.state[id] + lens.field.at(uv);
+  return pixels.per_track * lens.per_track.normal2(id) + pixels.correlated * lens.state[id] +
+         lens.field.at(uv);
 }
 
 void PixelErrors::mismatch(StereoFrame& frame) const {

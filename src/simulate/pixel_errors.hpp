@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "limber/sensors/samples.hpp"
 #include "limber/core/random.hpp"
+#include "limber/sensors/samples.hpp"
 #include "limber/simulate/scenario.hpp"
 
 /// What pixels have beyond white noise (PixelScenario).
 namespace limber::detail {
 
-/// @brief Smooth residual of a lens model: u and v each a sum of cos(pi m x) cos(pi n y) with 2 <= m + n <= 4, x
-/// and y from 0 to 1 over the image. Offset and slopes are left out, which a calibration takes along.
+/// @brief Smooth residual of a lens model: u and v each a sum of cos(pi m x) cos(pi n y) with 2 <= m + n <=
+/// 4, x and y from 0 to 1 over the image. Offset and slopes are left out, which a calibration takes along.
 class LensField {
  public:
   /// @param rms of each of u and v over the image [px]
@@ -53,8 +53,8 @@ class PixelErrors {
     std::vector<Eigen::Vector2d> state;  // of AR(1), by point; unit variance
   };
 
-  [[nodiscard]] Lens lens(const Camera& camera, const std::string& name, std::size_t points, std::uint64_t seed,
-                          std::uint64_t run) const;
+  [[nodiscard]] Lens lens(const Camera& camera, const std::string& name, std::size_t points,
+                          std::uint64_t seed, std::uint64_t run) const;
 
   const Scenario& scenario_;
   RandomStream mismatch_, place_;

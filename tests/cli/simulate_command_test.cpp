@@ -114,8 +114,8 @@ TEST_F(SimulateCommand, PrintsAScenarioThatGivesTheSameRecording) {
 
 TEST_F(SimulateCommand, MakesPixelsRealisticAndSensorsFaultyWhenAsked) {
   ASSERT_EQ(simulate_into(folder() / "sound").exit_code, 0);
-  const ProgramResult result = simulate({"--pixels", "realistic", "--fault", "imu-gap=0.2:0.3", "--fault",
-                                         "frame-gap=0.5:0.2"});
+  const ProgramResult result =
+      simulate({"--pixels", "realistic", "--fault", "imu-gap=0.2:0.3", "--fault", "frame-gap=0.5:0.2"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("case_realistic_imu-gap=0.2:0.3_frame-gap=0.5:0.2: 17 frames"));
   EXPECT_FALSE(fs::exists(out() / "mav0/tracks0/sensor.yaml"));

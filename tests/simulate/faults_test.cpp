@@ -103,9 +103,11 @@ TEST(ImuFaults, BiasStepsAreInTheSamplesAndInTheTrueBiases) {
     const bool later = gyro.sound.imu[k].t_ns >= kSecond;
     const Vector3d turn = gyro.faulty.imu[k].omega_imu - gyro.sound.imu[k].omega_imu;
     ASSERT_NEAR(turn.norm(), later ? 0.05 : 0.0, 1e-9);
-    ASSERT_LT((turn - (gyro.faulty.groundtruth[k].bias_gyro - gyro.sound.groundtruth[k].bias_gyro)).norm(), 1e-9);
+    ASSERT_LT((turn - (gyro.faulty.groundtruth[k].bias_gyro - gyro.sound.groundtruth[k].bias_gyro)).norm(),
+              1e-9);
     ASSERT_EQ(gyro.faulty.imu[k].accel_imu, gyro.sound.imu[k].accel_imu);
-    ASSERT_NEAR((accel.faulty.imu[k].accel_imu - accel.sound.imu[k].accel_imu).norm(), later ? 0.2 : 0.0, 1e-9);
+    ASSERT_NEAR((accel.faulty.imu[k].accel_imu - accel.sound.imu[k].accel_imu).norm(), later ? 0.2 : 0.0,
+                1e-9);
   }
 }
 

@@ -64,21 +64,23 @@ TEST(PixelErrors, CorrelatedHaveTheGivenVarianceAndLagOneCorrelation) {
   s.pixels.correlated = 0.4;
   s.pixels.correlated_coefficient = 0.8;
   double variance = 0.0, lag = 0.0, steps = 0.0, n = 0.0;
-  testing::visit_residuals(simulate(s, 1), [&](const StereoFrame&, const StereoObservation&, const Vector4d& r) {
-    variance += r.squaredNorm() / 4.0;
-    n += 1.0;
-  });
+  testing::visit_residuals(simulate(s, 1),
+                           [&](const StereoFrame&, const StereoObservation&, const Vector4d& r) {
+                             variance += r.squaredNorm() / 4.0;
+                             n += 1.0;
+                           });
   // Neighbours in a track of which no frame is missing.
   const Recording recording = simulate(s, 1);
   std::map<std::int64_t, std::pair<std::int64_t, Vector4d>> last;
-  testing::visit_residuals(recording, [&](const StereoFrame& f, const StereoObservation& o, const Vector4d& r) {
-    const auto it = last.find(o.track_id);
-    if (it != last.end() && f.t_ns - it->second.first == 50'000'000) {
-      lag += r.dot(it->second.second) / 4.0;
-      steps += 1.0;
-    }
-    last[o.track_id] = {f.t_ns, r};
-  });
+  testing::visit_residuals(recording,
+                           [&](const StereoFrame& f, const StereoObservation& o, const Vector4d& r) {
+                             const auto it = last.find(o.track_id);
+                             if (it != last.end() && f.t_ns - it->second.first == 50'000'000) {
+                               lag += r.dot(it->second.second) / 4.0;
+                               steps += 1.0;
+                             }
+                             last[o.track_id] = {f.t_ns, r};
+                           });
   ASSERT_GT(n, 20000.0);
   // An AR(1) of 0.8 has (1 - 0.64) / (1 + 0.64) as many independent squares.
   const double independent = 4.0 * n * 0.36 / 1.64;
@@ -130,13 +132,14 @@ TEST(PixelErrors, ReplaceTheGivenShareOfPoints) {
   Scenario s = drone(20.0);
   s.pixels.mismatches = 0.1;
   double wrong = 0.0, left = 0.0, n = 0.0;
-  testing::visit_residuals(simulate(s, 1), [&](const StereoFrame&, const StereoObservation& o, const Vector4d& r) {
-    n += 1.0;
-    wrong += r.norm() > 1.0 ? 1.0 : 0.0;
-    left += r.head<2>().norm() > 1.0 ? 1.0 : 0.0;
-    ASSERT_TRUE(r.head<2>().norm() < 1e-9 || r.tail<2>().norm() < 1e-9) << "one camera at most";
-    ASSERT_TRUE(in_image(s.rig.cam0, o.uv_cam0) && in_image(s.rig.cam1, o.uv_cam1));
-  });
+  testing::visit_residuals(
+      simulate(s, 1), [&](const StereoFrame&, const StereoObservation& o, const Vector4d& r) {
+        n += 1.0;
+        wrong += r.norm() > 1.0 ? 1.0 : 0.0;
+        left += r.head<2>().norm() > 1.0 ? 1.0 : 0.0;
+        ASSERT_TRUE(r.head<2>().norm() < 1e-9 || r.tail<2>().norm() < 1e-9) << "one camera at most";
+        ASSERT_TRUE(in_image(s.rig.cam0, o.uv_cam0) && in_image(s.rig.cam1, o.uv_cam1));
+      });
   EXPECT_NEAR(wrong / n, 0.1, 5.0 * std::sqrt(0.09 / n));
   EXPECT_NEAR(left / wrong, 0.5, 5.0 * std::sqrt(0.25 / wrong));
 }
@@ -201,8 +204,8 @@ TEST(MovingBody, TakesItsShareOfThePointsAlongRigidly) {
   s.world.moving_body = MovingBodyScenario{.share = 0.4, .speed = 1.0, .radius = 2.0, .start = 1.0};
   const Recording moving = simulate(s, 1);
   EXPECT_TRUE(same(still.groundtruth, moving.groundtruth));
-  const auto share = static_cast<double>(moving.landmarks_true.size()) /
-                     static_cast<double>(still.landmarks_true.size());
+  const auto share =
+      static_cast<double>(moving.landmarks_true.size()) / static_cast<double>(still.landmarks_true.size());
   EXPECT_NEAR(share, 0.6, 0.2);  // those that move have no true place
   std::size_t moved = 0, seen = 0;
   for (std::size_t j = 0; j < still.frames.size(); ++j) {

@@ -43,8 +43,8 @@ struct ImuGap {
   double duration = 0.0;  ///< [s]
 };
 
-/// The IMU's clock jumps against the cameras': samples from `at` on are stamped `size` later. Those that would
-/// not be stamped later than the one before, or before the start, are lost.
+/// The IMU's clock jumps against the cameras': samples from `at` on are stamped `size` later. Those that
+/// would not be stamped later than the one before, or before the start, are lost.
 struct ClockStep {
   double at = 0.0;    ///< [s]
   double size = 0.0;  ///< [s], may be negative
