@@ -11,9 +11,9 @@ function(limber_add_library component)
     limber_${component} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
                                $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(limber_${component} PUBLIC cxx_std_20)
-  if(LIMBER_NATIVE)
+  if(LIMBER_ARCH)
     # Public: library and caller must agree on how Eigen aligns its types, which depends on the processor.
-    target_compile_options(limber_${component} PUBLIC -march=native)
+    target_compile_options(limber_${component} PUBLIC -march=${LIMBER_ARCH})
   endif()
   limber_set_flags(limber_${component})
   set_property(GLOBAL APPEND PROPERTY LIMBER_COMPONENTS ${component})
@@ -42,6 +42,9 @@ function(limber_use_ccache)
   find_program(LIMBER_CCACHE ccache)
   mark_as_advanced(LIMBER_CCACHE)
   if(LIMBER_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
-    set(CMAKE_CXX_COMPILER_LAUNCHER ${LIMBER_CCACHE} CACHE STRING "Compiler launcher")
+    # The sloppiness lets ccache cache what is compiled with precompiled headers.
+    set(CMAKE_CXX_COMPILER_LAUNCHER
+        ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${LIMBER_CCACHE}
+        CACHE STRING "Compiler launcher")
   endif()
 endfunction()

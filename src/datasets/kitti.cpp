@@ -69,7 +69,7 @@ Camera camera_of(const ProjectionMatrix& projection, const fs::path& first_image
           size.width,         size.height,        NoDistortion{}};
 }
 
-void read_calibration(const fs::path& folder, Recording& recording) {
+void read_kitti_calibration(const fs::path& folder, Recording& recording) {
   const fs::path path = folder / "calib.txt";
   const auto projections = read_projections(path);
   const ProjectionMatrix& left = rectified(projections, "P0:", path);
@@ -136,7 +136,7 @@ std::optional<fs::path> poses_path(const fs::path& folder) {
                                 : std::nullopt;
 }
 
-void read_truth(const fs::path& path, Recording& recording) {
+void read_kitti_truth(const fs::path& path, Recording& recording) {
   const auto poses = read_kitti_poses(path);
   if (poses.size() != recording.images.size()) {
     throw DataError(path.string(), 0,
@@ -163,11 +163,11 @@ Eigen::Matrix3d R_zup_kitti() {
 Recording read_kitti_odometry(const fs::path& folder) {
   Recording recording;
   read_images(folder, recording);
-  read_calibration(folder, recording);
+  read_kitti_calibration(folder, recording);
   note_if_cut_off(folder / "times.txt", recording.notes);
   note_if_cut_off(folder / "calib.txt", recording.notes);
   if (const auto poses = poses_path(folder)) {
-    read_truth(*poses, recording);
+    read_kitti_truth(*poses, recording);
     note_if_cut_off(*poses, recording.notes);
   }
   return recording;

@@ -14,7 +14,7 @@
 namespace limber::detail {
 namespace {
 
-constexpr std::size_t kFewest = 5;     // points that leap together by no chance
+constexpr std::size_t kFewestLeaping = 5;     // points that leap together by no chance
 constexpr double kLargestRatio = 1.5;  // of the parallax in two successive frames
 constexpr double kLongestStep = 0.5;   // [s], after a longer one anything may have come near
 constexpr double kNoise = 5e-3;        // [rad], about 3 px: a smaller change may be noise
@@ -64,7 +64,7 @@ std::vector<std::int64_t> leaping(const Parallaxes& before, const Parallaxes& af
       beyond_noise += std::abs(it->second - angle) > kNoise ? 1 : 0;
     }
   }
-  if (beyond_noise < kFewest || 2 * beyond_noise <= shared) {
+  if (beyond_noise < kFewestLeaping || 2 * beyond_noise <= shared) {
     out.clear();
   }
   return out;

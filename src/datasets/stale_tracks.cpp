@@ -8,7 +8,7 @@
 namespace limber::detail {
 namespace {
 
-constexpr std::size_t kFewest = 5;  // points whose equal digits are no chance
+constexpr std::size_t kFewestEqual = 5;  // points whose equal digits are no chance
 
 using Points = std::unordered_map<std::int64_t, const StereoObservation*>;
 
@@ -36,7 +36,7 @@ bool is_stale(const StereoFrame& frame, const Points& before) {
       ++shared;
     }
   }
-  return shared >= kFewest;
+  return shared >= kFewestEqual;
 }
 
 std::vector<std::size_t> stale_frames(const std::vector<StereoFrame>& frames) {

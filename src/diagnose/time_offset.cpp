@@ -24,11 +24,11 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double kLongestStep = 0.3;  // [s] between frames that follow each other
-constexpr std::size_t kEnoughPoints = 200, kEnoughPairs = 50;
+constexpr std::size_t kEnoughRows = 200, kEnoughPairs = 50;
 constexpr double kHuber = 2.0;  // robust standard deviations
 constexpr double kMadToSigma = 1.4826;
 constexpr int kReweightings = 5, kShifts = 8;
-constexpr double kStep = 1e-6;          // of numerical derivatives [rad, shares of the baseline]
+constexpr double kDerivativeStep = 1e-6;  // of numerical derivatives [rad, shares of the baseline]
 constexpr double kLargestOffset = 1.0;  // [s]
 
 /// Rows of y = A x + noise; rows of one cluster share their noise. Z are the instruments: the same as A, but
@@ -99,9 +99,9 @@ std::array<Pose, 5> moved_rigs(const RigParameters& theta) {
   for (Eigen::Index k = 0; k < 5; ++k) {
     RigParameters step = RigParameters::Zero();
     if (k < 3) {
-      step(k) = kStep;
+      step(k) = kDerivativeStep;
     } else {
-      step.tail<3>() = kStep * t.norm() * basis.col(k - 2);
+      step.tail<3>() = kDerivativeStep * t.norm() * basis.col(k - 2);
     }
     out[static_cast<std::size_t>(k)] = pose_from_rig(theta + step);
   }
@@ -136,7 +136,7 @@ Rows epipolar_rows(const StereoCalibration& calibration, std::span<const StereoF
       const double error = detail::epipolar_error(pair, T_cam1_cam0);
       VectorXd row(6);
       for (std::size_t k = 0; k < 5; ++k) {
-        row(static_cast<Eigen::Index>(k)) = (detail::epipolar_error(pair, moved[k]) - error) / kStep;
+        row(static_cast<Eigen::Index>(k)) = (detail::epipolar_error(pair, moved[k]) - error) / kDerivativeStep;
       }
       const Vector3d line = detail::epipolar_line(pair.cam0, T_cam1_cam0);
       row(5) = line.dot(b->second.cam1 - a->second.cam1) / dt;
@@ -232,7 +232,7 @@ std::optional<TimeOffset> cam1_time_offset(const StereoCalibration& calibration,
     return std::nullopt;
   }
   const Rows rows = epipolar_rows(calibration, frames);
-  if (rows.y.size() < kEnoughPoints) {
+  if (rows.y.size() < kEnoughRows) {
     return std::nullopt;
   }
   const auto solution = solve(rows);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -13,7 +12,6 @@
 namespace limber::detail {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSmallestDrawn = 1e-30;  // p-value; curves are 32-bit floats
 constexpr std::size_t kMostStretches = 25;
 constexpr const char* kOffsetStyle = "series 1";

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <limits>
 #include <utility>
 
 #include "run_sections.hpp"
@@ -9,7 +8,6 @@
 namespace limber::detail {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kBandProbability = 0.95;
 
 /// The two-sided band of chi-square(dof) / dof.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,9 @@
 
 /// The sections of a run's report, in order.
 namespace limber::detail {
+
+/// Where a curve has no value.
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 [[nodiscard]] ReportSection path_section(const RunFolder& run);
 [[nodiscard]] ReportSection error_section(const RunFolder& run);

@@ -22,7 +22,7 @@ constexpr const char* kBeyondMethods = "lcekf:rotation+direction,lcekf:rotation,
 constexpr const char* kTable1 = "ekf-full:walk=0/0,ekf-full:walk=0.5e-6/0.1,ekf-full:walk=2e-5/20";
 constexpr const char* kTable1Case = "paper_iii_vision";
 // So that ekf-full does not lose for want of tuning.
-constexpr const char* kWalks =
+constexpr const char* kWalkVariants =
     "ekf-full:walk=x0.001,ekf-full:walk=x0.01,ekf-full:walk=x0.1,ekf-full:walk=x10,ekf-full:walk=x100,"
     "ekf-full:walk=x1000";
 
@@ -44,7 +44,7 @@ StudyCase case_of(const std::string& name, std::uint64_t runs, bool beyond) {
 }
 
 StudyCase walks_of(const std::string& name, std::uint64_t runs) {
-  StudyCase out{scenario_of(name), method_variants_from_string(kWalks), std::min(runs, kFewRuns)};
+  StudyCase out{scenario_of(name), method_variants_from_string(kWalkVariants), std::min(runs, kFewRuns)};
   out.scenario.name += "_walks";
   return out;
 }

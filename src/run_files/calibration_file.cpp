@@ -12,7 +12,7 @@
 namespace limber {
 namespace {
 
-std::vector<std::string> column_names() {
+std::vector<std::string> calibration_columns() {
   std::vector<std::string> names = {"t_ns"};
   for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
     const std::string name(kParameterNames[k]), unit = " [" + user_unit_of(k) + "]";
@@ -22,7 +22,7 @@ std::vector<std::string> column_names() {
   return names;
 }
 
-CalibrationRow row_of(detail::TableReader& table) {
+CalibrationRow calibration_row(detail::TableReader& table) {
   CalibrationRow out;
   out.t_ns = table.increasing_time();
   for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
@@ -43,7 +43,7 @@ CalibrationRow row_of(detail::TableReader& table) {
 
 void write_calibration_csv(const std::filesystem::path& path, const std::vector<CalibrationRow>& rows) {
   detail::TableText table("calibration.csv", ',');
-  table.header(detail::header_of(column_names()));
+  table.header(detail::header_of(calibration_columns()));
   for (const CalibrationRow& row : rows) {
     table.time(row.t_ns);
     for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
@@ -61,11 +61,11 @@ void write_calibration_csv(const std::filesystem::path& path, const std::vector<
 }
 
 std::vector<CalibrationRow> read_calibration_csv(const std::filesystem::path& path) {
-  const std::vector<std::string> names = column_names();
+  const std::vector<std::string> names = calibration_columns();
   detail::TableReader table(path, {.names = {names.begin(), names.end()}, .counts = {names.size()}});
   std::vector<CalibrationRow> rows;
   while (table.next()) {
-    rows.push_back(row_of(table));
+    rows.push_back(calibration_row(table));
   }
   table.require_a_row("frame");
   return rows;

@@ -26,7 +26,7 @@ void add_six(std::vector<std::string>& names, const std::string& what) {
   }
 }
 
-std::vector<std::string> column_names() {
+std::vector<std::string> health_columns() {
   std::vector<std::string> names = {"t_ns", "verdict", "alarm", "p_value [-]"};
   add_six(names, "delta");
   add_six(names, "sigma");
@@ -78,7 +78,7 @@ RigParameters six(const detail::TableReader& table, std::size_t column) {
   return out.cwiseQuotient(unit);
 }
 
-HealthReport row_of(detail::TableReader& table) {
+HealthReport health_row(detail::TableReader& table) {
   HealthReport out;
   out.t_ns = table.increasing_time();
   out.verdict = verdict(table, kVerdict);
@@ -103,7 +103,7 @@ HealthReport row_of(detail::TableReader& table) {
 
 void write_health_csv(const std::filesystem::path& path, std::span<const FrameReport> frames) {
   detail::TableText table("health.csv", ',');
-  table.header(detail::header_of(column_names()));
+  table.header(detail::header_of(health_columns()));
   for (const FrameReport& frame : frames) {
     if (frame.health) {
       add_row(*frame.health, table);
@@ -113,11 +113,11 @@ void write_health_csv(const std::filesystem::path& path, std::span<const FrameRe
 }
 
 std::vector<HealthReport> read_health_csv(const std::filesystem::path& path) {
-  const std::vector<std::string> names = column_names();
+  const std::vector<std::string> names = health_columns();
   detail::TableReader table(path, {.names = {names.begin(), names.end()}, .counts = {kColumns}});
   std::vector<HealthReport> rows;
   while (table.next()) {
-    rows.push_back(row_of(table));
+    rows.push_back(health_row(table));
   }
   table.require_a_row("frame");
   return rows;

@@ -17,9 +17,6 @@
 namespace limber::detail {
 namespace {
 
-const Unit kDegrees{"deg", kDegree};
-const Unit kMetres{"m", 1.0};
-
 std::string joined_path(const std::string& parent, const std::string& key) {
   return parent.empty() ? key : parent + "." + key;
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "limber/sensors/calibration.hpp"
+#include "limber/simulate/decalibration.hpp"
 
 /// Reading and writing a structure through one description of its fields: a function visits them with a
 /// reader or a writer, so that what is written can be read, and both make the same checks.
@@ -32,6 +33,9 @@ struct Unit {
   std::string name;
   double scale = 1.0;
 };
+
+inline const Unit kDegrees{"deg", kDegree};
+inline const Unit kMetres{"m", 1.0};
 
 /// @brief Visits the fields of one mapping. A reader lets absent keys keep their value and refuses what does
 /// not fit (DataError); a writer writes every key and refuses what a reader would (std::invalid_argument).

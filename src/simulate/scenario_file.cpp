@@ -21,6 +21,8 @@ namespace {
 using detail::FieldVisitor;
 using detail::hold_alternative;
 using detail::kDegree;
+using detail::kDegrees;
+using detail::kMetres;
 using detail::Range;
 using detail::Unit;
 
@@ -35,8 +37,6 @@ const Range kAnyNumber{.min = -1e6, .max = 1e6};
 const Range kRate{.min = 0.1, .max = 10000.0};  // Hz
 
 const Unit kNone{"", 1.0};
-const Unit kDegrees{"deg", kDegree};
-const Unit kMetres{"m", 1.0};
 const Unit kMetresPerSecond{"m/s", 1.0};
 const Unit kHertz{"Hz", 1.0};
 const Unit kPixels{"px", 1.0};

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/constraint.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -11,27 +9,8 @@ namespace limber {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 namespace {
-
-constexpr Index kPanel = 64;        // rows that are reflected at a time: they stay in the cache
-constexpr double kNothing = 1e-12;  // of the largest entry: a row that says nothing
-
-/// Stateless rows join the others, moved by no state.
-void append(Innovation& innovation, const Eigen::Ref<const MatrixXd>& D,
-            const Eigen::Ref<const VectorXd>& r) {
-  const Index m = innovation.r.size(), q = r.size();
-  innovation.r.conservativeResize(m + q);
-  innovation.r.tail(q) = r;
-  innovation.D.conservativeResize(m + q, Eigen::NoChange);
-  innovation.D.bottomRows(q) = D;
-  innovation.PHt.conservativeResize(Eigen::NoChange, m + q);
-  innovation.PHt.rightCols(q).setZero();
-  MatrixXd S = MatrixXd::Identity(m + q, m + q);
-  S.topLeftCorner(m, m) = innovation.S;
-  innovation.S = std::move(S);
-}
 
 /// The smallest singular value of R is at least the inverse of the Frobenius norm of its inverse.
 bool is_surely_strong(const MatrixXd& R) {
@@ -40,12 +19,6 @@ bool is_surely_strong(const MatrixXd& R) {
   }
   const MatrixXd inverse = R.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(R.rows(), R.cols()));
   return inverse.norm() < 1.0 / kWeakDirection;
-}
-
-/// F Fᵀ = Sigma, positive semidefinite.
-MatrixXd square_root(const Eigen::Ref<const MatrixXd>& Sigma) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(Sigma);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 }  // namespace
@@ -65,119 +38,6 @@ MatrixXd strong_directions(const Eigen::Ref<const MatrixXd>& D) {
   const Eigen::JacobiSVD<MatrixXd> svd(R, Eigen::ComputeFullV);
   const auto strong = (svd.singularValues().array() >= kWeakDirection).count();
   return D * svd.matrixV().leftCols(strong);
-}
-
-void absorb_white(Innovation& innovation, const Eigen::Ref<const MatrixXd>& Sigma) {
-  // With E: q×c the stateless D and Sigma = F Fᵀ, what they leave of dtheta is F (B Bᵀ)⁻¹ Fᵀ,
-  // B Bᵀ = I + Fᵀ Eᵀ E F: no difference of large numbers, however large Sigma is.
-  const MatrixXd F = square_root(Sigma);
-  StatelessRows& stateless = innovation.stateless;
-  const MatrixXd EF = stateless.D * F;
-  const Eigen::LLT<MatrixXd> B(MatrixXd::Identity(F.cols(), F.cols()) + EF.transpose() * EF);
-  MatrixXd DF = innovation.D * F;
-  if (stateless.residual.size() > 0) {
-    innovation.r.noalias() -= DF * B.solve(EF.transpose() * stateless.residual);
-    innovation.D.noalias() -= DF * B.solve(EF.transpose() * stateless.D);
-    const Eigen::LLT<MatrixXd> M(MatrixXd::Identity(EF.rows(), EF.rows()) + EF * EF.transpose());
-    M.matrixL().solveInPlace(stateless.residual);
-    M.matrixL().solveInPlace(stateless.D);
-  }
-  B.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(DF);
-  innovation.S.selfadjointView<Eigen::Lower>().rankUpdate(DF);
-}
-
-StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const MatrixXd>& C,
-                                  bool keep_all) {
-  const Index k = C.cols(), q = innovation.stateless.residual.size();
-  const auto nothing_seen = [&] {
-    return StatelessSolution{MatrixXd(k, 0), MatrixXd::Identity(k, k), MatrixXd(0, 0), VectorXd(0),
-                             MatrixXd(innovation.r.size(), 0)};
-  };
-  if (q == 0 || k == 0) {
-    return nothing_seen();
-  }
-  // E C Pi = Q U: rows of U that are strong, then those that are not.
-  StatelessRows rows = std::move(innovation.stateless);
-  innovation.stateless = {VectorXd(0), MatrixXd(0, rows.D.cols())};
-  const Eigen::ColPivHouseholderQR<MatrixXd> qr(rows.D * C);
-  const VectorXd pivots = qr.matrixR().diagonal().cwiseAbs();
-  const Index p =
-      std::count_if(pivots.begin(), pivots.end(), [](double pivot) { return pivot >= kWeakDirection; });
-  rows.residual.applyOnTheLeft(qr.householderQ().adjoint());
-  rows.D.applyOnTheLeft(qr.householderQ().adjoint());
-  const Index rest = q - p;
-  const bool says_something =
-      rest > 0 && (rows.D.bottomRows(rest) * C).cwiseAbs().maxCoeff() > kNothing * qr.maxPivot();
-  if (says_something || (keep_all && rest > 0)) {
-    append(innovation, rows.D.bottomRows(rest), rows.residual.tail(rest));
-  } else {
-    innovation.noise.rows += rest;
-    innovation.noise.squared_norm += rows.residual.tail(rest).squaredNorm();
-  }
-  if (p == 0) {
-    return nothing_seen();
-  }
-  MatrixXd U = MatrixXd::Zero(p, k);
-  U.triangularView<Eigen::Upper>() = qr.matrixR().topRows(p);
-  U *= qr.colsPermutation().transpose();
-  const Eigen::HouseholderQR<MatrixXd> right(U.transpose());  // U = L seenᵀ
-  const MatrixXd basis = right.householderQ();
-  StatelessSolution out;
-  out.seen = basis.leftCols(p);
-  out.unseen = basis.rightCols(k - p);
-  out.L = MatrixXd(right.matrixQR().topRows(p).triangularView<Eigen::Upper>()).transpose();
-  out.y = rows.residual.head(p);
-  out.G = innovation.D * (C * out.seen);
-  out.L.triangularView<Eigen::Lower>().solveInPlace<Eigen::OnTheRight>(out.G);
-  innovation.r.noalias() -= out.G * out.y;
-  innovation.D.noalias() -= out.G * rows.D.topRows(p);
-  innovation.S.selfadjointView<Eigen::Lower>().rankUpdate(out.G);
-  return out;
-}
-
-NullSpaceProjection::NullSpaceProjection(const Eigen::Ref<const MatrixXd>& A) {
-  const Index rank = A.cols();
-  V_ = A;
-  T_.setZero(rank, rank);
-  if (rank == 0) {
-    return;
-  }
-  const Eigen::HouseholderQR<MatrixXd> qr(A);
-  V_ = qr.matrixQR();
-  V_.triangularView<Eigen::StrictlyUpper>().setZero();
-  V_.diagonal().setOnes();
-  // Compact WY: T(k,k) = tau_k, T(0:k,k) = -tau_k T(0:k,0:k) V(:,0:k)ᵀ V(:,k).
-  for (Index k = 0; k < rank; ++k) {
-    const double tau = qr.hCoeffs()(k);
-    T_(k, k) = tau;
-    if (k > 0) {
-      T_.col(k).head(k) = T_.topLeftCorner(k, k) * (V_.leftCols(k).transpose() * V_.col(k)) * -tau;
-    }
-  }
-}
-
-void NullSpaceProjection::apply_left(Eigen::Ref<MatrixXd> x) const {
-  if (rank() > 0) {
-    x.noalias() -= V_ * (T_.transpose() * (V_.transpose() * x)).eval();
-  }
-}
-
-void NullSpaceProjection::apply_right(Eigen::Ref<MatrixXd> x) const {
-  if (rank() == 0) {
-    return;
-  }
-  if (rank() == 1) {  // known to be vectors, Eigen does not pack them for a matrix product
-    const VectorXd y = x * (T_(0, 0) * V_.col(0));
-    x.noalias() -= y * V_.col(0).transpose();
-    return;
-  }
-  const MatrixXd VT = V_ * T_;
-  MatrixXd Y;
-  for (Index row = 0; row < x.rows(); row += kPanel) {
-    auto panel = x.middleRows(row, std::min(kPanel, x.rows() - row));
-    Y.noalias() = panel * VT;
-    panel.noalias() -= Y * V_.transpose();
-  }
 }
 
 }  // namespace limber

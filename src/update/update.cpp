@@ -8,6 +8,7 @@
 
 #include "limber/update/compress.hpp"
 #include "limber/update/constraint.hpp"
+#include "limber/update/null_space_projection.hpp"
 #include "limber/update/whiten.hpp"
 #include "white_covariance.hpp"
 

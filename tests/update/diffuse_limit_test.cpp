@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -58,20 +59,26 @@ double difference(const Updated& a, const Updated& b, const VectorXd& sigma) {
   return std::max(relative_difference(a.report.dx, b.report.dx, sigma), relative_difference(a.P, b.P, sigma));
 }
 
+/// The range in which theory speaks alone. Below a variance of 100 the prior of theta still counts. Rounding grows in
+/// proportion to the variance, about 1e-14 of a sigma times it, while the difference falls: they meet at 1e7, on some
+/// processors at 1e6; at 1e5 rounding is a thousandth of the difference.
+constexpr double kFirstVariance = 1e2;
+constexpr std::array kVariances = {1e3, 1e4, 1e5};
+
 void expect_limit(const std::function<Updated(const StereoProblem&, double)>& update_at) {
   Generator generator(1);
   for (const StereoProblem& problem : problems(generator)) {
     const VectorXd sigma = prior_sigma(problem.P);
     const Updated limit = updated(problem, problem.constrained());
     ASSERT_EQ(limit.report.rank, 6) << problem.name;
-    double last = difference(update_at(problem, 1e3), limit, sigma);
-    EXPECT_GT(last, 1e-6) << problem.name << ": nothing to fall";
-    for (const double variance : {1e4, 1e5, 1e6}) {
+    double last = difference(update_at(problem, kFirstVariance), limit, sigma);
+    EXPECT_GT(last, 1e-4) << problem.name << ": nothing to fall";
+    for (const double variance : kVariances) {
       const double now = difference(update_at(problem, variance), limit, sigma);
-      EXPECT_NEAR(std::log10(now / last), -1.0, 0.05) << problem.name << ", variance " << variance;
+      EXPECT_NEAR(std::log10(now / last), -1.0, 0.02) << problem.name << ", variance " << variance;
       last = now;
     }
-    EXPECT_LE(difference(update_at(problem, 1e7), limit, sigma), 1e-6) << problem.name;
+    EXPECT_LE(difference(update_at(problem, 1e6), limit, sigma), 1e-6) << problem.name;
   }
 }
 

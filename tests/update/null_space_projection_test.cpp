@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 
 #include "limber/update/constraint.hpp"
+#include "limber/update/null_space_projection.hpp"
 #include "limber/update/update.hpp"
 #include "stereo_problem.hpp"
 
