@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Installs what is missing, builds and runs every test: Release, then again under the address and undefined
-# behaviour sanitizers (without the long statistics). Leaves the program at build/release/limber.
+# Installs what is missing, builds and runs every test: Release for this machine's processor, then again under the
+# address and undefined behaviour sanitizers (without the long statistics). The sanitizer build names no processor: it
+# is the portable one (x86-64 without AVX and FMA), so that no numerical test rests on one processor's rounding.
+# Leaves the program at build/release/limber.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 trap 'echo "limber: FAILED, see above" >&2' ERR
