@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "limber/datasets/interpolate.hpp"
+#include "limber/initialize/sensor_start.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/run/draw_initial_state.hpp"
 #include "remarks.hpp"
@@ -22,7 +23,6 @@ using detail::covered_by_frames;
 using detail::covered_seconds;
 using detail::frame_time;
 
-constexpr std::int64_t kWindowNs = 600'000'000;  // what an automatic start looks at
 constexpr double kUnknownBiasGyro = 0.1;         // [rad/s], truth without biases
 constexpr double kUnknownBiasAccel = 0.2;        // [m/s^2]
 constexpr double kLargestPosition = 1e9;         // [m]
@@ -70,17 +70,6 @@ std::size_t first_frame(const Recording& recording, const RunOptions& options, M
                               "; do they have the same clock?");
 }
 
-template <typename Sample>
-std::vector<Sample> between(const std::vector<Sample>& samples, std::int64_t begin_ns, std::int64_t end_ns) {
-  std::vector<Sample> out;
-  for (const Sample& sample : samples) {
-    if (sample.t_ns >= begin_ns && sample.t_ns <= end_ns) {
-      out.push_back(sample);
-    }
-  }
-  return out;
-}
-
 /// Velocity of a truth that does not give it.
 Eigen::Vector3d differenced_velocity(const Recording& recording, std::int64_t t_ns) {
   const auto& truth = recording.groundtruth;
@@ -121,46 +110,20 @@ InitialState start_from_truth(const Recording& recording, const RunOptions& opti
   return make_initial_state(nav, setup.navigator.motion, sigma);
 }
 
-/// Frames of the start window, kept so that the source is asked for each frame once and in order.
-struct Lookahead {
-  std::vector<StereoFrame> frames;
-  std::vector<double> ms;
-};
-
-Lookahead look_ahead(const Recording& recording, const FrameSource& source, std::size_t first,
-                     bool whole_window) {
-  Lookahead out;
-  const std::int64_t end = frame_time(recording, first) + (whole_window ? kWindowNs : 0);
-  for (std::size_t n = first; n < frame_count(recording) && frame_time(recording, n) <= end; ++n) {
-    const auto begin = Clock::now();
-    out.frames.push_back(source(n));
-    out.ms.push_back(milliseconds(begin, Clock::now()));
-  }
-  return out;
-}
-
-InitialState start_from_sensors(const Recording& recording, const RunSetup& setup, const Lookahead& ahead) {
-  const std::int64_t begin = ahead.frames.front().t_ns;
-  const std::int64_t end = ahead.frames.back().t_ns;
-  const auto imu = between(recording.imu, begin - 20'000'000, end + 20'000'000);
-  const auto odometry = between(recording.odometry, begin, end);
-  return initialize({ahead.frames, imu, odometry}, setup.calibration, setup.navigator.motion,
-                    setup.navigator.gravity);
-}
-
 /// Feeds inputs in time.
 class InputFeed {
  public:
   explicit InputFeed(const Recording& recording) : recording_(recording) {}
 
-  /// All samples up to the first one at or after t.
-  void feed(Navigator& navigator, std::int64_t t_ns) {
-    switch (navigator.options().motion) {
+  /// All samples up to the first one at or after t, to a navigator or a start.
+  template <typename Receiver>
+  void feed(Receiver& receiver, MotionModel motion, std::int64_t t_ns) {
+    switch (motion) {
       case MotionModel::kImu:
-        advance(recording_.imu, t_ns, [&](const ImuSample& s) { navigator.add_imu(s); });
+        advance(recording_.imu, t_ns, [&](const ImuSample& s) { receiver.add_imu(s); });
         break;
       case MotionModel::kOdometry:
-        advance(recording_.odometry, t_ns, [&](const OdometrySample& s) { navigator.add_odometry(s); });
+        advance(recording_.odometry, t_ns, [&](const OdometrySample& s) { receiver.add_odometry(s); });
         break;
       case MotionModel::kConstantVelocity:
         break;
@@ -179,18 +142,24 @@ class InputFeed {
   std::size_t next_ = 0;
 };
 
+TrajectoryRow row_of(const NavigationState& nav, MotionModel motion,
+                     const Eigen::Matrix<double, 6, 6>& pose_covariance) {
+  TrajectoryRow row;
+  row.t_ns = nav.t_ns;
+  row.T_world_body = nav.T_world_body;
+  row.v_world_body = nav.v_world_body;
+  if (motion == MotionModel::kImu) {
+    row.bias_gyro = nav.bias_gyro;
+    row.bias_accel = nav.bias_accel;
+  }
+  row.covariance = pose_covariance;
+  return row;
+}
+
 TrajectoryRow row_of(const Navigator& navigator) {
   const Estimate& estimate = navigator.estimate();
-  TrajectoryRow row;
-  row.t_ns = estimate.nav.t_ns;
-  row.T_world_body = estimate.nav.T_world_body;
-  row.v_world_body = estimate.nav.v_world_body;
-  if (estimate.layout().motion == MotionModel::kImu) {
-    row.bias_gyro = estimate.nav.bias_gyro;
-    row.bias_accel = estimate.nav.bias_accel;
-  }
-  row.covariance = estimate.P.diagonal_block<StateLayout::kPoseSize>(0);
-  return row;
+  return row_of(estimate.nav, estimate.layout().motion,
+                estimate.P.diagonal_block<StateLayout::kPoseSize>(0));
 }
 
 void keep_calibration(const Navigator& navigator, RunRecord& record) {
@@ -246,34 +215,106 @@ FrameSource matched_frames(const Recording& recording) {
   return [&recording](std::size_t n) { return recording.frames[n]; };
 }
 
+/// The frames that a start from the sensors has used up, and what it made of them.
+struct SensorWindow {
+  SensorStartResult result;
+  StartReport report;
+  std::vector<FrameReport> frames;
+  std::vector<double> source_ms, frame_ms;
+  std::optional<StereoFrame> unspent;  // read, and still to be processed
+  detail::PointCount points;
+};
+
+SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setup, const FrameSource& source,
+                                std::size_t first) {
+  SensorStart start(setup.navigator, setup.calibration);
+  InputFeed feed(recording);
+  SensorWindow out;
+  for (std::size_t n = first; n < frame_count(recording); ++n) {
+    const auto begin_source = Clock::now();
+    StereoFrame frame = source(n);
+    const auto begin = Clock::now();
+    out.source_ms.push_back(milliseconds(begin_source, begin));
+    count(frame, out.points);
+    feed.feed(start, setup.navigator.motion, frame.t_ns);
+    out.report = start.add_frame(frame);
+    FrameReport report;
+    report.t_ns = frame.t_ns;
+    report.observed = report.used = frame.observations.size();
+    out.frames.push_back(report);
+    out.frame_ms.push_back(milliseconds(begin, Clock::now()));
+    out.unspent = std::move(frame);
+    if (out.report.status != StartStatus::kWaiting) {
+      break;
+    }
+  }
+  out.result = start.result();
+  if (!out.result.trajectory.empty()) {
+    out.unspent.reset();
+  }
+  return out;
+}
+
+/// Writes the window's frames into the record; says how long it took and what was not known by then.
+void keep_window(const SensorWindow& window, const Navigator& navigator, RunRecord& record) {
+  if (window.unspent) {
+    return;
+  }
+  const CalibrationEstimate calibration = navigator.calibration_estimate();
+  for (std::size_t k = 0; k < window.frames.size(); ++k) {
+    const SmoothedState& state = window.result.trajectory[k];
+    record.trajectory.push_back(row_of(state.nav, record.motion, state.pose_covariance));
+    record.frames.push_back(window.frames[k]);
+    record.frame_ms.push_back(window.frame_ms[k]);
+    record.source_ms.push_back(window.source_ms[k]);
+    if (calibration.parameters.any()) {
+      record.calibration.push_back({state.nav.t_ns, calibration});
+    }
+  }
+  const StartReport& report = window.report;
+  record.notes.push_back(fmt::format("started from the first {:.2g} s, which are smoothed: tilt known to {:.2g} deg, scale "
+                                     "to {:.2g} %{}",
+                                     report.waited_s, report.tilt_sigma * 180.0 / 3.14159265358979,
+                                     100.0 * report.scale_sigma,
+                                     report.missing.empty() ? "" : "; not known: " + report.missing));
+}
+
 RunRecord run_recording(const Recording& recording, const RunOptions& options, const FrameSource& frames,
                         const std::function<void(std::size_t)>& progress, const FrameObserver& observe) {
   const RunSetup setup = set_up_run(recording, options);
-  const std::size_t first = first_frame(recording, options, setup.navigator.motion);
+  const MotionModel motion = setup.navigator.motion;
+  const std::size_t first = first_frame(recording, options, motion);
   const bool from_truth = options.start == StartMode::kGroundTruth;
-  Lookahead ahead = look_ahead(recording, frames, first, !from_truth);
-  Navigator navigator(setup.navigator, setup.calibration,
-                      from_truth ? start_from_truth(recording, options, setup, frame_time(recording, first))
-                                 : start_from_sensors(recording, setup, ahead));
+  SensorWindow window;
+  if (!from_truth) {
+    window = start_from_sensors(recording, setup, frames, first);
+  }
+  Navigator navigator(
+      setup.navigator, setup.calibration,
+      from_truth ? start_from_truth(recording, options, setup, frame_time(recording, first))
+                 : window.result.initial);
   RunRecord record;
   record.notes = setup.notes;
-  record.motion = setup.navigator.motion;
+  record.motion = motion;
   const auto remarks = detail::remarks_on_input(recording, record.motion, setup.navigator.gravity);
   append(record.notes, remarks);
   if (first > 0) {
     record.notes.push_back(fmt::format("{} frames skipped: before the first input{}", first,
                                        from_truth ? " or ground truth" : ""));
   }
-  InputFeed feed(recording);
   detail::PointCount points;
-  for (std::size_t n = first; n < frame_count(recording); ++n) {
-    const std::size_t k = n - first;
+  if (!from_truth && !window.unspent) {
+    keep_window(window, navigator, record);
+    points = window.points;
+  }
+  InputFeed feed(recording);
+  for (std::size_t n = first + record.frames.size(); n < frame_count(recording); ++n) {
     const auto begin_source = Clock::now();
-    const StereoFrame frame = k < ahead.frames.size() ? std::move(ahead.frames[k]) : frames(n);
+    const StereoFrame frame = window.unspent && n == first ? std::move(*window.unspent) : frames(n);
     const auto begin_filter = Clock::now();
-    record.source_ms.push_back(k < ahead.ms.size() ? ahead.ms[k] : milliseconds(begin_source, begin_filter));
+    record.source_ms.push_back(milliseconds(begin_source, begin_filter));
     count(frame, points);
-    feed.feed(navigator, frame.t_ns);
+    feed.feed(navigator, motion, frame.t_ns);
     if (options.method == Method::kOracle) {
       navigator.assume_theta(calibration_at(recording.calibration_true, frame.t_ns));
     }
