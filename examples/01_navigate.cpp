@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The smallest complete use of limber::filter: a rig at rest before a wall, its right camera one degree off.
-#include <limber/initialize/initialize.hpp>
+#include <limber/state/initial_state.hpp>
 #include <limber/navigate/navigator.hpp>
 
 #include <iostream>

@@ -28,6 +28,7 @@ using L = StateLayout;
 
 namespace {
 
+constexpr double kSeenParallax = 0.02;     // [rad], of the usual point
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 constexpr double kBetweenSolutions = 0.5;  // [s] of window
 constexpr int kIterations = 25;
@@ -84,6 +85,7 @@ struct SensorStart::Window {
   void solve();
   [[nodiscard]] double tilt_sigma() const;
   [[nodiscard]] double scale_sigma() const;
+  [[nodiscard]] double parallax() const;
 };
 
 void SensorStart::Window::push(const StereoFrame& frame) {
@@ -213,6 +215,21 @@ double SensorStart::Window::scale_sigma() const {
   return x.allFinite() && x.sum() > 0.0 ? 1.0 / std::sqrt(x.sum()) : kUnknown;
 }
 
+/// Angle under which the usual point sees the way that the body went [rad].
+double SensorStart::Window::parallax() const {
+  double way = 0.0;
+  for (const WindowFrame& frame : solution->frames) {
+    way = std::max(way, frame.nav.T_world_body.p.norm());
+  }
+  std::vector<double> rho = {0.0};
+  for (const WindowPoint& point : solution->points) {
+    rho.push_back(point.landmark.value.z());
+  }
+  const auto middle = rho.begin() + static_cast<std::ptrdiff_t>(rho.size() / 2);
+  std::nth_element(rho.begin(), middle, rho.end());
+  return way * std::max(*middle, 0.0);
+}
+
 SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,
                          const StartOptions& start)
     : window_(std::make_unique<Window>()) {
@@ -260,10 +277,12 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
   const bool tilt = out.tilt_sigma <= w.options.tilt_sigma;
   const bool scale = out.scale_sigma <= w.options.scale_sigma;
   if (!scale) {
-    out.missing = "scale";
+    out.missing = w.solution && w.parallax() > kSeenParallax ? "no acceleration yet that shows the scale"
+                                                             : "no parallax yet that shows the scale";
   }
   if (!tilt) {
-    out.missing += out.missing.empty() ? "tilt" : " and tilt";
+    out.missing += std::string(out.missing.empty() ? "" : "; ") +
+                   "no turn or acceleration yet that tells the tilt from a bias";
   }
   out.status = tilt && scale ? StartStatus::kReady : over ? StartStatus::kTimedOut : StartStatus::kWaiting;
   return out;

@@ -44,6 +44,13 @@ VectorXd difference(const NavigationState& x, const NavigationState& y, MotionMo
   return e;
 }
 
+/// Derivative of difference(x, y) with respect to x; with respect to y it is minus difference_jacobian(−e).
+MatrixXd difference_jacobian(const VectorXd& e) {
+  MatrixXd J = MatrixXd::Identity(e.size(), e.size());
+  J.block<3, 3>(L::kAttitude, L::kAttitude) = so3_right_jacobian_inverse(e.segment<3>(L::kAttitude));
+  return J;
+}
+
 void add_prior(const WindowModel& model, const WindowFrame& first, WindowNormal& out) {
   const WindowPrior& prior = model.prior;
   const bool imu = model.options.motion == MotionModel::kImu;
@@ -62,10 +69,11 @@ void add_prior(const WindowModel& model, const WindowFrame& first, WindowNormal&
   MatrixXd information = weight.asDiagonal();
   const double tilt = imu ? prior.tilt : prior.yaw;
   const Vector3d attitude(1.0 / squared(tilt), 1.0 / squared(tilt), 1.0 / squared(prior.yaw));
-  const Matrix3d& R = first.nav.T_world_body.R;
+  const Matrix3d& R = model.R_first;
   information.block<3, 3>(L::kAttitude, L::kAttitude) = R.transpose() * attitude.asDiagonal() * R;
-  out.A.topLeftCorner(n, n) += information;
-  out.g.head(n) -= information * e;
+  const MatrixXd J = difference_jacobian(e);
+  out.A.topLeftCorner(n, n) += J.transpose() * information * J;
+  out.g.head(n) -= J.transpose() * information * e;
   out.cost += 0.5 * e.dot(information * e);
 }
 
@@ -81,12 +89,13 @@ void add_motion(const WindowModel& model, const WindowState& state, WindowNormal
     const Index a = static_cast<Index>(k - 1) * size;
     const Index b = a + size;
     const VectorXd Ie = information * e;
-    const MatrixXd IPhi = information * step.Phi;
-    out.A.block(a, a, n, n) += step.Phi.transpose() * IPhi;
-    out.A.block(b, a, n, n) -= IPhi;
-    out.A.block(b, b, n, n) += information;
-    out.g.segment(a, n) += step.Phi.transpose() * Ie;
-    out.g.segment(b, n) -= Ie;
+    const MatrixXd J = difference_jacobian(e);
+    const MatrixXd F = difference_jacobian(-e) * step.Phi;
+    out.A.block(a, a, n, n) += F.transpose() * information * F;
+    out.A.block(b, a, n, n) -= J.transpose() * information * F;
+    out.A.block(b, b, n, n) += J.transpose() * information * J;
+    out.g.segment(a, n) += F.transpose() * Ie;
+    out.g.segment(b, n) -= J.transpose() * Ie;
     out.cost += 0.5 * e.dot(Ie);
   }
 }

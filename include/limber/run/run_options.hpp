@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "limber/datasets/recording.hpp"
-#include "limber/initialize/initialize.hpp"
+#include "limber/state/initial_state.hpp"
 #include "limber/navigate/navigator.hpp"
 
 namespace limber {
