@@ -28,11 +28,13 @@ using L = StateLayout;
 
 namespace {
 
-constexpr double kSeenParallax = 0.02;     // [rad], of the usual point
+constexpr double kSeenParallax = 0.02;  // [rad], of the usual point
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
-constexpr double kBetweenSolutions = 0.5;  // [s] of window
+constexpr double kGrowth = 1.4;  // of the window, from one solution to the next
 constexpr int kIterations = 25;
-constexpr double kFits = 1.0;  // cost per degree of freedom (expected: 1/2) up to which no other guess is tried
+constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
+constexpr double kFits =
+    1.0;  // cost per degree of freedom (expected: 1/2) up to which no other guess is tried
 
 /// What of theta a method leaves free: nothing if it trusts the rig.
 MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibration& calibration) {
@@ -81,7 +83,13 @@ struct SensorStart::Window {
     return raw.empty() ? 0.0 : seconds_between(raw.front().t_ns, raw.back().t_ns);
   }
   void push(const StereoFrame& frame);
-  [[nodiscard]] std::optional<WindowState> continued() const;
+  struct Frames {
+    std::vector<WindowFrame> frames;
+    std::vector<StereoFrame> raw;
+  };
+  [[nodiscard]] Frames kept() const;
+  [[nodiscard]] std::optional<WindowState> continued(const Frames& now) const;
+  [[nodiscard]] std::vector<SmoothedState> trajectory() const;
   void solve();
   [[nodiscard]] double tilt_sigma() const;
   [[nodiscard]] double scale_sigma() const;
@@ -113,50 +121,60 @@ void SensorStart::Window::push(const StereoFrame& frame) {
   raw.push_back(frame);
 }
 
+/// At most kMostFrames of the window, evenly spaced, the first and the last among them.
+SensorStart::Window::Frames SensorStart::Window::kept() const {
+  const std::size_t stride = (frames.size() + kMostFrames - 1) / kMostFrames;
+  Frames out;
+  std::vector<InputStep> steps;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    steps.insert(steps.end(), frames[k].steps.begin(), frames[k].steps.end());
+    if (k == 0 || (frames.size() - 1 - k) % stride == 0) {
+      out.frames.push_back(frames[k]);
+      out.frames.back().steps = std::exchange(steps, {});
+      out.raw.push_back(raw[k]);
+    }
+  }
+  return out;
+}
+
 /// The last solution carried on to frames and points that came since.
-std::optional<WindowState> SensorStart::Window::continued() const {
+std::optional<WindowState> SensorStart::Window::continued(const Frames& now) const {
   if (!solution) {
     return std::nullopt;
   }
-  WindowState out = *solution;
-  for (std::size_t k = out.frames.size(); k < frames.size(); ++k) {
-    WindowFrame next = frames[k];
-    next.nav = out.frames.back().nav;
-    next.theta = out.frames.back().theta;
-    (void)predict_over(model.options, next.steps, next.nav);
-    out.frames.push_back(std::move(next));
-  }
-  std::vector<WindowPoint> points = points_of(model, raw);
-  std::vector<double> rho;
-  for (WindowPoint& point : points) {
-    const auto it = std::find_if(out.points.begin(), out.points.end(), [&](const WindowPoint& p) {
-      return p.landmark.track_id == point.landmark.track_id;
-    });
-    const bool known = it != out.points.end() && it->anchor() == point.anchor();
-    point.landmark.value = known ? it->landmark.value : Vector3d::Zero().eval();
-    if (known && it->landmark.value.z() > 0.0) {
-      rho.push_back(it->landmark.value.z());
+  WindowState out{now.frames, points_of(model, now.raw)};
+  auto known = solution->frames.begin();
+  for (std::size_t k = 0; k < out.frames.size(); ++k) {
+    WindowFrame& frame = out.frames[k];
+    while (known != solution->frames.end() && known->nav.t_ns < frame.nav.t_ns) {
+      ++known;
+    }
+    if (known != solution->frames.end() && known->nav.t_ns == frame.nav.t_ns) {
+      frame.nav = known->nav;
+      frame.theta = known->theta;
+    } else if (k > 0) {
+      frame.nav = out.frames[k - 1].nav;
+      frame.theta = out.frames[k - 1].theta;
+      (void)predict_over(model.options, frame.steps, frame.nav);
     }
   }
-  std::sort(rho.begin(), rho.end());
-  for (WindowPoint& point : points) {
-    if (point.landmark.value.z() == 0.0) {
-      point.landmark.value.z() = rho.empty() ? kSomeInverseDepth : rho[rho.size() / 2];
-    }
+  for (WindowPoint& point : out.points) {
+    point.landmark.value.setZero();
   }
-  out.points = std::move(points);
+  fill_depths_from_motion(model, out);
   return out;
 }
 
 void SensorStart::Window::solve() {
   std::vector<WindowState> starts;
-  if (std::optional<WindowState> on = continued()) {
+  const Frames now = kept();
+  if (std::optional<WindowState> on = continued(now)) {
     starts.push_back(std::move(*on));
   }
   if (model.options.motion == MotionModel::kConstantVelocity) {
     model.R_first = assumed_attitude(model.options, model.calibration);
   }
-  const std::vector<WindowState> fresh = guesses(model, frames, raw);
+  const std::vector<WindowState> fresh = guesses(model, now.frames, now.raw);
   starts.insert(starts.end(), fresh.begin(), fresh.end());
   solution.reset();
   for (WindowState& start : starts) {
@@ -190,7 +208,7 @@ double SensorStart::Window::tilt_sigma() const {
   if (model.options.motion != MotionModel::kImu) {
     return 0.0;
   }
-  const Index last = static_cast<Index>(frames.size() - 1) * model.frame_size() + L::kAttitude;
+  const Index last = static_cast<Index>(solution->frames.size() - 1) * model.frame_size() + L::kAttitude;
   const Matrix3d& R = solution->frames.back().nav.T_world_body.R;
   const Matrix3d P = R * covariance.block<3, 3>(last, last) * R.transpose();
   return std::sqrt(std::max(P(0, 0), P(1, 1)));
@@ -230,6 +248,27 @@ double SensorStart::Window::parallax() const {
   return way * std::max(*middle, 0.0);
 }
 
+/// Frames that were left out are predicted from the one before.
+std::vector<SmoothedState> SensorStart::Window::trajectory() const {
+  std::vector<SmoothedState> out;
+  const Index n = model.body_size();
+  NavigationState nav;
+  MatrixXd P;
+  std::size_t next = 0;
+  for (const WindowFrame& frame : frames) {
+    if (next < solution->frames.size() && solution->frames[next].nav.t_ns == frame.nav.t_ns) {
+      const Index at = static_cast<Index>(next) * model.frame_size();
+      nav = solution->frames[next++].nav;
+      P = covariance.block(at, at, n, n);
+    } else {
+      const Transition step = predict_over(model.options, frame.steps, nav);
+      P = step.Phi * P * step.Phi.transpose() + step.Q;
+    }
+    out.push_back({nav, P.topLeftCorner<6, 6>()});
+  }
+  return out;
+}
+
 SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,
                          const StartOptions& start)
     : window_(std::make_unique<Window>()) {
@@ -265,7 +304,7 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
   out.tilt_sigma = out.scale_sigma = kUnknown;
   const bool over = out.waited_s >= w.options.longest_s;
   if (out.waited_s < w.options.shortest_s ||
-      (!over && w.solved_s > 0.0 && out.waited_s < w.solved_s + kBetweenSolutions)) {
+      (!over && w.solved_s > 0.0 && out.waited_s < kGrowth * w.solved_s)) {
     out.missing = "too short";
     return out;
   }
@@ -308,10 +347,7 @@ SensorStartResult SensorStart::result() {
     throw std::invalid_argument("start: no solution");
   }
   out.initial = hand_over(w.model, *w.solution, w.normal, w.covariance);
-  for (std::size_t k = 0; k < w.solution->frames.size(); ++k) {
-    const Index at = static_cast<Index>(k) * w.model.frame_size();
-    out.trajectory.push_back({w.solution->frames[k].nav, w.covariance.block<6, 6>(at, at)});
-  }
+  out.trajectory = w.trajectory();
   return out;
 }
 

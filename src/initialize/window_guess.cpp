@@ -71,13 +71,11 @@ struct Rays {
 };
 
 /// @param depth  of the point from its anchor [m], for the weights; if `known`, for good
-void add_rays(const MountedRig& rig, const std::vector<WindowFrame>& fall,
-              const WindowPoint& point, double depth, bool known, Rays& rays) {
+void add_rays(const MountedRig& rig, const std::vector<WindowFrame>& fall, const WindowPoint& point,
+              double depth, bool known, Rays& rays) {
   const Pose T_body_cam0 = rig[0].T_cam_body.inverse();
   const auto camera = [&](std::size_t k) { return fall[k].nav.T_world_body * T_body_cam0; };
-  const auto time = [&](std::size_t k) {
-    return seconds_between(fall.front().nav.t_ns, fall[k].nav.t_ns);
-  };
+  const auto time = [&](std::size_t k) { return seconds_between(fall.front().nav.t_ns, fall[k].nav.t_ns); };
   const Pose anchor = camera(point.anchor());
   const double ta = time(point.anchor());
   const Vector3d ray = anchor.R * point.landmark.R_cam0_chart.col(2);
@@ -128,29 +126,12 @@ VelocityAndForce solve_rays(const WindowModel& model, const std::vector<WindowFr
   return {x.head<3>(), -x.tail<3>()};
 }
 
-/// Inverse depths that fit best to the states by the left camera alone.
-void depths_from(const WindowModel& model, WindowState& state) {
-  const MountedRig rig = mount(model.calibration);
-  const Pose T_body_cam0 = rig[0].T_cam_body.inverse();
+void depths_of_all(const WindowModel& model, WindowState& state) {
   for (WindowPoint& point : state.points) {
-    const Pose anchor = state.frames[point.anchor()].nav.T_world_body * T_body_cam0;
-    double num = 0.0, den = 1e-6;
-    for (const WindowSighting& sighting : point.seen) {
-      const std::optional<Vector3d> bearing = unproject(rig[0].camera, sighting.observation.uv_cam0);
-      if (!sighting.observation.in_cam0 || !bearing) {
-        continue;
-      }
-      const Pose T = (state.frames[sighting.frame].nav.T_world_body * T_body_cam0).inverse() * anchor;
-      const Vector3d turned = bearing->cross(T.R * point.landmark.R_cam0_chart.col(2));
-      const Vector3d shifted = bearing->cross(T.p);
-      num -= shifted.dot(turned);
-      den += shifted.squaredNorm();
-    }
-    const double rho = num / den;
-    point.landmark.value.z() = std::clamp(rho, 1e-3, 1.0 / kNearest);
+    point.landmark.value.z() = 0.0;
   }
+  fill_depths_from_motion(model, state);
 }
-
 void set_first(const WindowModel& model, const VelocityAndForce& start, const Vector3d& bias_gyro,
                WindowState& state) {
   NavigationState& first = state.frames.front().nav;
@@ -194,8 +175,7 @@ Vector3d gyro_bias_from(const WindowModel& model, const std::vector<WindowFrame>
   const std::vector<WindowFrame> fall = weightless(model, frames, Vector3d::Zero());
   const std::size_t last = motion.size() - 1;
   const double T = seconds_between(motion.front().t_ns, motion.back().t_ns);
-  const Vector3d bias =
-      so3_log(motion.back().T_world_body.R.transpose() * fall[last].nav.T_world_body.R) / T;
+  const Vector3d bias = so3_log(motion.back().T_world_body.R.transpose() * fall[last].nav.T_world_body.R) / T;
   return bias.norm() < 0.3 ? bias : Vector3d::Zero();
 }
 
@@ -215,7 +195,7 @@ std::vector<WindowState> inertial_guesses(const WindowModel& model, const std::v
     WindowState by_left = state;
     for (int i = 0; i < kReweightings; ++i) {
       set_first(model, solve_rays(model, fall, by_left.points, false), bias, by_left);
-      depths_from(model, by_left);
+      depths_of_all(model, by_left);
     }
     out.push_back(std::move(by_left));
   }
@@ -312,6 +292,31 @@ std::vector<WindowState> guesses(const WindowModel& model, const std::vector<Win
                                  const std::vector<StereoFrame>& raw) {
   return model.options.motion == MotionModel::kImu ? inertial_guesses(model, frames, raw)
                                                    : visual_guesses(model, frames, raw);
+}
+
+void fill_depths_from_motion(const WindowModel& model, WindowState& state) {
+  const MountedRig rig = mount(model.calibration);
+  const Pose T_body_cam0 = rig[0].T_cam_body.inverse();
+  for (WindowPoint& point : state.points) {
+    if (point.landmark.value.z() != 0.0) {
+      continue;
+    }
+    const Pose anchor = state.frames[point.anchor()].nav.T_world_body * T_body_cam0;
+    double num = 0.0, den = 1e-6;
+    for (const WindowSighting& sighting : point.seen) {
+      const std::optional<Vector3d> bearing = unproject(rig[0].camera, sighting.observation.uv_cam0);
+      if (!sighting.observation.in_cam0 || !bearing) {
+        continue;
+      }
+      const Pose T = (state.frames[sighting.frame].nav.T_world_body * T_body_cam0).inverse() * anchor;
+      const Vector3d turned = bearing->cross(T.R * point.landmark.R_cam0_chart.col(2));
+      const Vector3d shifted = bearing->cross(T.p);
+      num -= shifted.dot(turned);
+      den += shifted.squaredNorm();
+    }
+    const double rho = num / den;
+    point.landmark.value.z() = std::clamp(rho, 1e-3, 1.0 / kNearest);
+  }
 }
 
 }  // namespace limber::detail

@@ -17,7 +17,12 @@ namespace limber::detail {
 
 /// Points that two frames or more have seen, charts along their first bearing, inverse depths by the assumed
 /// rig where it shows one (zero: it does not).
-[[nodiscard]] std::vector<WindowPoint> points_of(const WindowModel& model, const std::vector<StereoFrame>& raw);
+[[nodiscard]] std::vector<WindowPoint> points_of(const WindowModel& model,
+                                                 const std::vector<StereoFrame>& raw);
+
+/// Gives the points whose inverse depth is zero the one that fits best to the states by the left camera
+/// alone.
+void fill_depths_from_motion(const WindowModel& model, WindowState& state);
 
 /// Inverse depth for points of which nothing is known [1/m].
 inline constexpr double kSomeInverseDepth = 0.1;

@@ -21,11 +21,11 @@ using L = StateLayout;
 
 namespace {
 
-constexpr double kHuber = 3.0;          // standard deviations of a pixel, both axes
-constexpr double kFreeTheta = 1e3;      // plausible errors: as good as nothing is known
+constexpr double kHuber = 3.0;           // standard deviations of a pixel, both axes
+constexpr double kFreeTheta = 1e3;       // plausible errors: as good as nothing is known
 constexpr double kFreeBaselines = 10.0;  // sigma of an inverse depth, over the baseline: the same
-constexpr double kLost = 30.0;          // cost of a point that does not project
-constexpr double kWhisker = 1e-7;       // [m, rad, m/s]: keeps the process noise regular
+constexpr double kLost = 30.0;           // cost of a point that does not project
+constexpr double kWhisker = 1e-7;        // [m, rad, m/s]: keeps the process noise regular
 
 double squared(double x) { return x * x; }
 
@@ -211,10 +211,9 @@ Transition predict_over(const NavigatorOptions& options, const std::vector<Input
     ImuNoise noise = options.imu_noise;
     noise.gyro_density *= std::sqrt(step.gap);
     noise.accel_density *= std::sqrt(step.gap);
-    const Transition part =
-        options.motion == MotionModel::kImu
-            ? predict_imu(nav, step.first, step.second, step.dt, noise, options.gravity)
-            : predict_constant_velocity(nav, step.dt, options.constant_velocity_noise);
+    const Transition part = options.motion == MotionModel::kImu
+                                ? predict_imu(nav, step.first, step.second, step.dt, noise, options.gravity)
+                                : predict_constant_velocity(nav, step.dt, options.constant_velocity_noise);
     whole.Phi = part.Phi * whole.Phi;
     whole.Q = part.Phi * whole.Q * part.Phi.transpose() + part.Q;
     nav.t_ns = step.t_end_ns;

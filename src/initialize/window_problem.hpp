@@ -7,9 +7,9 @@
 
 #include "limber/measure/rig.hpp"
 #include "limber/navigate/navigator_options.hpp"
-#include "limber/state/initial_state.hpp"
 #include "limber/predict/input_buffer.hpp"
 #include "limber/predict/motion.hpp"
+#include "limber/state/initial_state.hpp"
 
 /// @file
 /// The first moments of a recording as one least-squares problem: docs/derivations/start.md.
@@ -69,8 +69,8 @@ struct WindowState {
 
 /// @brief Normal equations at a state: [A W; Wᵀ V] dx = g, the frames' errors first, then three per point.
 struct WindowNormal {
-  double cost = 0.0;             ///< half the sum of squares, after the robust loss
-  Eigen::MatrixXd A, W;          ///< lower triangle of A; all of W
+  double cost = 0.0;     ///< half the sum of squares, after the robust loss
+  Eigen::MatrixXd A, W;  ///< lower triangle of A; all of W
   std::vector<Eigen::Matrix3d> V;
   Eigen::VectorXd g, g_points;
 };

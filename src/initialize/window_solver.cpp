@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kDampingStart = 1e-4;
 constexpr double kDampingMost = 1e8;
-constexpr double kPays = 1e-6;  // relative decrease of the cost below which it stops
+constexpr double kPays = 1e-4;  // relative decrease of the cost below which it stops
 
 /// W V^-1 for damped V.
 MatrixXd times_inverse(const MatrixXd& W, const std::vector<Matrix3d>& V, double damping) {

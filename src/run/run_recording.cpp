@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -23,10 +24,11 @@ using detail::covered_by_frames;
 using detail::covered_seconds;
 using detail::frame_time;
 
-constexpr double kUnknownBiasGyro = 0.1;         // [rad/s], truth without biases
-constexpr double kUnknownBiasAccel = 0.2;        // [m/s^2]
-constexpr double kLargestPosition = 1e9;         // [m]
-constexpr double kUnknownVelocity = 0.1;         // [m/s], truth without velocity: differences
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+constexpr double kUnknownBiasGyro = 0.1;   // [rad/s], truth without biases
+constexpr double kUnknownBiasAccel = 0.2;  // [m/s^2]
+constexpr double kLargestPosition = 1e9;   // [m]
+constexpr double kUnknownVelocity = 0.1;   // [m/s], truth without velocity: differences
 
 double milliseconds(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double, std::milli>(end - begin).count();
@@ -158,8 +160,7 @@ TrajectoryRow row_of(const NavigationState& nav, MotionModel motion,
 
 TrajectoryRow row_of(const Navigator& navigator) {
   const Estimate& estimate = navigator.estimate();
-  return row_of(estimate.nav, estimate.layout().motion,
-                estimate.P.diagonal_block<StateLayout::kPoseSize>(0));
+  return row_of(estimate.nav, estimate.layout().motion, estimate.P.diagonal_block<StateLayout::kPoseSize>(0));
 }
 
 void keep_calibration(const Navigator& navigator, RunRecord& record) {
@@ -203,16 +204,6 @@ void count(const StereoFrame& frame, detail::PointCount& points) {
 
 void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
   notes.insert(notes.end(), more.begin(), more.end());
-}
-
-}  // namespace
-
-std::size_t frame_count(const Recording& recording) {
-  return recording.images.empty() ? recording.frames.size() : recording.images.size();
-}
-
-FrameSource matched_frames(const Recording& recording) {
-  return [&recording](std::size_t n) { return recording.frames[n]; };
 }
 
 /// The frames that a start from the sensors has used up, and what it made of them.
@@ -272,11 +263,21 @@ void keep_window(const SensorWindow& window, const Navigator& navigator, RunReco
     }
   }
   const StartReport& report = window.report;
-  record.notes.push_back(fmt::format("started from the first {:.2g} s, which are smoothed: tilt known to {:.2g} deg, scale "
-                                     "to {:.2g} %{}",
-                                     report.waited_s, report.tilt_sigma * 180.0 / 3.14159265358979,
-                                     100.0 * report.scale_sigma,
-                                     report.missing.empty() ? "" : "; not known: " + report.missing));
+  record.notes.push_back(
+      fmt::format("started from the first {:.2g} s, which are smoothed: tilt known to {:.2g} deg, scale "
+                  "to {:.2g} %{}",
+                  report.waited_s, report.tilt_sigma * kDegreesPerRadian, 100.0 * report.scale_sigma,
+                  report.missing.empty() ? "" : "; not known: " + report.missing));
+}
+
+}  // namespace
+
+std::size_t frame_count(const Recording& recording) {
+  return recording.images.empty() ? recording.frames.size() : recording.images.size();
+}
+
+FrameSource matched_frames(const Recording& recording) {
+  return [&recording](std::size_t n) { return recording.frames[n]; };
 }
 
 RunRecord run_recording(const Recording& recording, const RunOptions& options, const FrameSource& frames,
@@ -289,10 +290,9 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   if (!from_truth) {
     window = start_from_sensors(recording, setup, frames, first);
   }
-  Navigator navigator(
-      setup.navigator, setup.calibration,
-      from_truth ? start_from_truth(recording, options, setup, frame_time(recording, first))
-                 : window.result.initial);
+  Navigator navigator(setup.navigator, setup.calibration,
+                      from_truth ? start_from_truth(recording, options, setup, frame_time(recording, first))
+                                 : window.result.initial);
   RunRecord record;
   record.notes = setup.notes;
   record.motion = motion;

@@ -52,8 +52,9 @@ struct Problem {
     state = guesses(model, frames, raw).front();
     const Index n = static_cast<Index>(frames.size()) * model.frame_size();
     limber::testing::Generator generator(3);
-    state = moved(model, state, 1e-3 * limber::testing::random_normal(generator, n),
-                  1e-3 * limber::testing::random_normal(generator, 3 * static_cast<Index>(state.points.size())));
+    state =
+        moved(model, state, 1e-3 * limber::testing::random_normal(generator, n),
+              1e-3 * limber::testing::random_normal(generator, 3 * static_cast<Index>(state.points.size())));
   }
 };
 
@@ -65,7 +66,8 @@ void expect_gradient(MotionModel motion) {
   gradient << normal.g, normal.g_points;
   const auto cost = [&](const VectorXd& d) {
     return VectorXd::Constant(
-        1, linearise(problem.model, moved(problem.model, problem.state, d.head(n), d.tail(d.size() - n))).cost);
+        1,
+        linearise(problem.model, moved(problem.model, problem.state, d.head(n), d.tail(d.size() - n))).cost);
   };
   limber::testing::check_jacobian(-gradient.transpose(), cost, 1e-5, 1e-6);
 }

@@ -7,24 +7,24 @@
 #include <vector>
 
 #include "limber/navigate/navigator_options.hpp"
-#include "limber/state/initial_state.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/sensors/samples.hpp"
+#include "limber/state/initial_state.hpp"
 
 namespace limber {
 
 /// When a start from the sensors is good enough, and how long it may take.
 struct StartOptions {
-  double longest_s = 3.0;      ///< then it goes on with what is known, as it is known
-  double shortest_s = 0.5;     ///< no start before
-  double tilt_sigma = 0.02;    ///< [rad], asked for; recordings with an IMU
-  double scale_sigma = 0.05;   ///< [-], of the logarithm of the map's scale, asked for
+  double longest_s = 4.0;     ///< then it goes on with what is known, as it is known
+  double shortest_s = 1.0;    ///< no start before
+  double tilt_sigma = 0.02;   ///< [rad], asked for; recordings with an IMU
+  double scale_sigma = 0.05;  ///< [-], of the logarithm of the map's scale, asked for
 };
 
 enum class StartStatus : std::uint8_t {
-  kWaiting,   ///< for what StartReport::missing says
-  kReady,     ///< what was asked for is known
-  kTimedOut   ///< longest_s is over: ready as well, but `missing` is not known and the covariance says so
+  kWaiting,  ///< for what StartReport::missing says
+  kReady,    ///< what was asked for is known
+  kTimedOut  ///< longest_s is over: ready as well, but `missing` is not known and the covariance says so
 };
 
 /// How far a start has come.
