@@ -78,6 +78,7 @@ struct SensorStart::Window {
   WindowNormal normal;
   MatrixXd covariance;
   double solved_s = 0.0;
+  StartReport report;
 
   [[nodiscard]] double length() const {
     return raw.empty() ? 0.0 : seconds_between(raw.front().t_ns, raw.back().t_ns);
@@ -264,7 +265,8 @@ std::vector<SmoothedState> SensorStart::Window::trajectory() const {
       const Transition step = predict_over(model.options, frame.steps, nav);
       P = step.Phi * P * step.Phi.transpose() + step.Q;
     }
-    out.push_back({nav, P.topLeftCorner<6, 6>()});
+    const Eigen::Matrix<double, 6, 6> pose = P.topLeftCorner<6, 6>();
+    out.push_back({nav, 0.5 * (pose + pose.transpose())});
   }
   return out;
 }
@@ -300,12 +302,15 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
     return out;
   }
   w.push(frame);
+  if (w.report.status != StartStatus::kWaiting) {
+    return w.report;
+  }
   out.waited_s = w.length();
   out.tilt_sigma = out.scale_sigma = kUnknown;
   const bool over = out.waited_s >= w.options.longest_s;
-  if (out.waited_s < w.options.shortest_s ||
-      (!over && w.solved_s > 0.0 && out.waited_s < kGrowth * w.solved_s)) {
-    out.missing = "too short";
+  if (!over &&
+      (out.waited_s < w.options.shortest_s || (w.solved_s > 0.0 && out.waited_s < kGrowth * w.solved_s))) {
+    out.missing = "more frames";
     return out;
   }
   w.solve();
@@ -316,14 +321,15 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
   const bool tilt = out.tilt_sigma <= w.options.tilt_sigma;
   const bool scale = out.scale_sigma <= w.options.scale_sigma;
   if (!scale) {
-    out.missing = w.solution && w.parallax() > kSeenParallax ? "no acceleration yet that shows the scale"
-                                                             : "no parallax yet that shows the scale";
+    out.missing = w.solution && w.parallax() > kSeenParallax ? "no acceleration yet that tells the scale"
+                                                             : "no parallax yet that tells the scale";
   }
   if (!tilt) {
     out.missing += std::string(out.missing.empty() ? "" : "; ") +
                    "no turn or acceleration yet that tells the tilt from a bias";
   }
   out.status = tilt && scale ? StartStatus::kReady : over ? StartStatus::kTimedOut : StartStatus::kWaiting;
+  w.report = out;
   return out;
 }
 

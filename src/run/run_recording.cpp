@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -24,6 +25,9 @@ using detail::covered_by_frames;
 using detail::covered_seconds;
 using detail::frame_time;
 
+// The frames of the start get poses smoothed over that long [ns].
+constexpr std::int64_t kSmoothedNs = 4'000'000'000;
+constexpr double kLongestShare = 0.5;  // of a short recording, that a start may take
 constexpr double kDegreesPerRadian = 180.0 / M_PI;
 constexpr double kUnknownBiasGyro = 0.1;   // [rad/s], truth without biases
 constexpr double kUnknownBiasAccel = 0.2;  // [m/s^2]
@@ -206,49 +210,83 @@ void append(std::vector<std::string>& notes, const std::vector<std::string>& mor
   notes.insert(notes.end(), more.begin(), more.end());
 }
 
+/// A frame that was read, and how long that took.
+struct ReadFrame {
+  StereoFrame frame;
+  double ms = 0.0;
+};
+
+ReadFrame read_frame(const FrameSource& source, std::size_t n) {
+  const auto begin = Clock::now();
+  StereoFrame frame = source(n);
+  return {std::move(frame), milliseconds(begin, Clock::now())};
+}
+
 /// The frames that a start from the sensors has used up, and what it made of them.
 struct SensorWindow {
-  SensorStartResult result;
+  SensorStartResult result;  // its trajectory is that of `frames`
   StartReport report;
   std::vector<FrameReport> frames;
   std::vector<double> source_ms, frame_ms;
-  std::optional<StereoFrame> unspent;  // read, and still to be processed
   detail::PointCount points;
+  std::deque<ReadFrame> ahead;  // read, and still to be processed
 };
+
+/// Reads a little further and lets the window's frames have what those behind it say of them.
+void smooth(const Recording& recording, const FrameSource& source, std::size_t next, MotionModel motion,
+            InputFeed& feed, SensorStart& start, SensorWindow& window) {
+  const std::int64_t begin_ns = window.frames.front().t_ns;
+  for (std::size_t n = next; n < frame_count(recording) && frame_time(recording, n) - begin_ns <= kSmoothedNs;
+       ++n) {
+    window.ahead.push_back(read_frame(source, n));
+    feed.feed(start, motion, window.ahead.back().frame.t_ns);
+    (void)start.add_frame(window.ahead.back().frame);
+  }
+  const std::size_t frames = window.result.trajectory.size();
+  window.result.trajectory = start.result().trajectory;
+  window.result.trajectory.resize(frames);
+}
 
 SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setup, const FrameSource& source,
                                 std::size_t first) {
-  SensorStart start(setup.navigator, setup.calibration);
+  const MotionModel motion = setup.navigator.motion;
+  StartOptions options;
+  const std::int64_t duration_ns =
+      frame_time(recording, frame_count(recording) - 1) - frame_time(recording, first);
+  options.longest_s = std::min(options.longest_s, kLongestShare * 1e-9 * static_cast<double>(duration_ns));
+  SensorStart start(setup.navigator, setup.calibration, options);
   InputFeed feed(recording);
   SensorWindow out;
-  for (std::size_t n = first; n < frame_count(recording); ++n) {
-    const auto begin_source = Clock::now();
-    StereoFrame frame = source(n);
+  std::size_t n = first;
+  while (n < frame_count(recording) && out.report.status == StartStatus::kWaiting) {
+    ReadFrame read = read_frame(source, n++);
     const auto begin = Clock::now();
-    out.source_ms.push_back(milliseconds(begin_source, begin));
-    count(frame, out.points);
-    feed.feed(start, setup.navigator.motion, frame.t_ns);
-    out.report = start.add_frame(frame);
+    feed.feed(start, motion, read.frame.t_ns);
+    out.report = start.add_frame(read.frame);
     FrameReport report;
-    report.t_ns = frame.t_ns;
-    report.observed = report.used = frame.observations.size();
+    report.t_ns = read.frame.t_ns;
+    report.observed = report.used = read.frame.observations.size();
     out.frames.push_back(report);
     out.frame_ms.push_back(milliseconds(begin, Clock::now()));
-    out.unspent = std::move(frame);
-    if (out.report.status != StartStatus::kWaiting) {
-      break;
+    out.source_ms.push_back(read.ms);
+    if (motion == MotionModel::kOdometry) {
+      out.ahead.push_back(std::move(read));
+    } else {
+      count(read.frame, out.points);
     }
   }
   out.result = start.result();
-  if (!out.result.trajectory.empty()) {
-    out.unspent.reset();
+  if (motion == MotionModel::kOdometry) {
+    out.frames.clear();
+  } else {
+    smooth(recording, source, n, motion, feed, start, out);
   }
   return out;
 }
 
 /// Writes the window's frames into the record; says how long it took and what was not known by then.
 void keep_window(const SensorWindow& window, const Navigator& navigator, RunRecord& record) {
-  if (window.unspent) {
+  if (window.frames.empty()) {
     return;
   }
   const CalibrationEstimate calibration = navigator.calibration_estimate();
@@ -302,17 +340,17 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     record.notes.push_back(fmt::format("{} frames skipped: before the first input{}", first,
                                        from_truth ? " or ground truth" : ""));
   }
-  detail::PointCount points;
-  if (!from_truth && !window.unspent) {
-    keep_window(window, navigator, record);
-    points = window.points;
-  }
+  keep_window(window, navigator, record);
+  detail::PointCount points = window.points;
   InputFeed feed(recording);
   for (std::size_t n = first + record.frames.size(); n < frame_count(recording); ++n) {
-    const auto begin_source = Clock::now();
-    const StereoFrame frame = window.unspent && n == first ? std::move(*window.unspent) : frames(n);
+    const ReadFrame read = window.ahead.empty() ? read_frame(frames, n) : std::move(window.ahead.front());
+    const StereoFrame& frame = read.frame;
+    if (!window.ahead.empty()) {
+      window.ahead.pop_front();
+    }
     const auto begin_filter = Clock::now();
-    record.source_ms.push_back(milliseconds(begin_source, begin_filter));
+    record.source_ms.push_back(read.ms);
     count(frame, points);
     feed.feed(navigator, motion, frame.t_ns);
     if (options.method == Method::kOracle) {

@@ -68,6 +68,7 @@ class SensorStart {
   /// @throws std::invalid_argument if time does not increase or a value is not finite
   void add_imu(const ImuSample& sample);
   void add_odometry(const OdometrySample& sample);
+  /// Once the start is ready, more frames change nothing but what result() says of the frames so far.
   StartReport add_frame(const StereoFrame& frame);
 
   /// What is known by now, whatever the status.
