@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The smallest complete use of limber::filter: a rig at rest before a wall, its right camera one degree off.
-#include <limber/initialize/initialize.hpp>
 #include <limber/navigate/navigator.hpp>
+#include <limber/state/initial_state.hpp>
 
 #include <iostream>
 

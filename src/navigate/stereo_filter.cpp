@@ -120,6 +120,10 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
       scale_(plausible_error(calibration.baseline())),
       estimate_(make_estimate(options_, calibration, initial)) {
   check_parameters(options_, calibration);
+  if (!has_more(options_)) {  // where more is estimated, the points would have to be correlated with it
+    place_first_map(estimate_, initial, mount(calibration)[0].T_cam_body.inverse());
+    last_frame_ns_ = initial.landmarks.empty() ? last_frame_ns_ : initial.nav.t_ns;
+  }
   if (watches(options_)) {
     monitor_.emplace(*options_.health, calibration.baseline());
   }

@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <deque>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "limber/datasets/interpolate.hpp"
+#include "limber/initialize/sensor_start.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/run/draw_initial_state.hpp"
 #include "remarks.hpp"
@@ -22,11 +25,14 @@ using detail::covered_by_frames;
 using detail::covered_seconds;
 using detail::frame_time;
 
-constexpr std::int64_t kWindowNs = 600'000'000;  // what an automatic start looks at
-constexpr double kUnknownBiasGyro = 0.1;         // [rad/s], truth without biases
-constexpr double kUnknownBiasAccel = 0.2;        // [m/s^2]
-constexpr double kLargestPosition = 1e9;         // [m]
-constexpr double kUnknownVelocity = 0.1;         // [m/s], truth without velocity: differences
+// The frames of the start get poses smoothed over that long [ns].
+constexpr std::int64_t kSmoothedNs = 4'000'000'000;
+constexpr double kLongestShare = 0.5;  // of a short recording, that a start may take
+constexpr double kDegreesPerRadian = 180.0 / M_PI;
+constexpr double kUnknownBiasGyro = 0.1;   // [rad/s], truth without biases
+constexpr double kUnknownBiasAccel = 0.2;  // [m/s^2]
+constexpr double kLargestPosition = 1e9;   // [m]
+constexpr double kUnknownVelocity = 0.1;   // [m/s], truth without velocity: differences
 
 double milliseconds(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double, std::milli>(end - begin).count();
@@ -70,17 +76,6 @@ std::size_t first_frame(const Recording& recording, const RunOptions& options, M
                               "; do they have the same clock?");
 }
 
-template <typename Sample>
-std::vector<Sample> between(const std::vector<Sample>& samples, std::int64_t begin_ns, std::int64_t end_ns) {
-  std::vector<Sample> out;
-  for (const Sample& sample : samples) {
-    if (sample.t_ns >= begin_ns && sample.t_ns <= end_ns) {
-      out.push_back(sample);
-    }
-  }
-  return out;
-}
-
 /// Velocity of a truth that does not give it.
 Eigen::Vector3d differenced_velocity(const Recording& recording, std::int64_t t_ns) {
   const auto& truth = recording.groundtruth;
@@ -121,46 +116,20 @@ InitialState start_from_truth(const Recording& recording, const RunOptions& opti
   return make_initial_state(nav, setup.navigator.motion, sigma);
 }
 
-/// Frames of the start window, kept so that the source is asked for each frame once and in order.
-struct Lookahead {
-  std::vector<StereoFrame> frames;
-  std::vector<double> ms;
-};
-
-Lookahead look_ahead(const Recording& recording, const FrameSource& source, std::size_t first,
-                     bool whole_window) {
-  Lookahead out;
-  const std::int64_t end = frame_time(recording, first) + (whole_window ? kWindowNs : 0);
-  for (std::size_t n = first; n < frame_count(recording) && frame_time(recording, n) <= end; ++n) {
-    const auto begin = Clock::now();
-    out.frames.push_back(source(n));
-    out.ms.push_back(milliseconds(begin, Clock::now()));
-  }
-  return out;
-}
-
-InitialState start_from_sensors(const Recording& recording, const RunSetup& setup, const Lookahead& ahead) {
-  const std::int64_t begin = ahead.frames.front().t_ns;
-  const std::int64_t end = ahead.frames.back().t_ns;
-  const auto imu = between(recording.imu, begin - 20'000'000, end + 20'000'000);
-  const auto odometry = between(recording.odometry, begin, end);
-  return initialize({ahead.frames, imu, odometry}, setup.calibration, setup.navigator.motion,
-                    setup.navigator.gravity);
-}
-
 /// Feeds inputs in time.
 class InputFeed {
  public:
   explicit InputFeed(const Recording& recording) : recording_(recording) {}
 
-  /// All samples up to the first one at or after t.
-  void feed(Navigator& navigator, std::int64_t t_ns) {
-    switch (navigator.options().motion) {
+  /// All samples up to the first one at or after t, to a navigator or a start.
+  template <typename Receiver>
+  void feed(Receiver& receiver, MotionModel motion, std::int64_t t_ns) {
+    switch (motion) {
       case MotionModel::kImu:
-        advance(recording_.imu, t_ns, [&](const ImuSample& s) { navigator.add_imu(s); });
+        advance(recording_.imu, t_ns, [&](const ImuSample& s) { receiver.add_imu(s); });
         break;
       case MotionModel::kOdometry:
-        advance(recording_.odometry, t_ns, [&](const OdometrySample& s) { navigator.add_odometry(s); });
+        advance(recording_.odometry, t_ns, [&](const OdometrySample& s) { receiver.add_odometry(s); });
         break;
       case MotionModel::kConstantVelocity:
         break;
@@ -179,18 +148,23 @@ class InputFeed {
   std::size_t next_ = 0;
 };
 
+TrajectoryRow row_of(const NavigationState& nav, MotionModel motion,
+                     const Eigen::Matrix<double, 6, 6>& pose_covariance) {
+  TrajectoryRow row;
+  row.t_ns = nav.t_ns;
+  row.T_world_body = nav.T_world_body;
+  row.v_world_body = nav.v_world_body;
+  if (motion == MotionModel::kImu) {
+    row.bias_gyro = nav.bias_gyro;
+    row.bias_accel = nav.bias_accel;
+  }
+  row.covariance = pose_covariance;
+  return row;
+}
+
 TrajectoryRow row_of(const Navigator& navigator) {
   const Estimate& estimate = navigator.estimate();
-  TrajectoryRow row;
-  row.t_ns = estimate.nav.t_ns;
-  row.T_world_body = estimate.nav.T_world_body;
-  row.v_world_body = estimate.nav.v_world_body;
-  if (estimate.layout().motion == MotionModel::kImu) {
-    row.bias_gyro = estimate.nav.bias_gyro;
-    row.bias_accel = estimate.nav.bias_accel;
-  }
-  row.covariance = estimate.P.diagonal_block<StateLayout::kPoseSize>(0);
-  return row;
+  return row_of(estimate.nav, estimate.layout().motion, estimate.P.diagonal_block<StateLayout::kPoseSize>(0));
 }
 
 void keep_calibration(const Navigator& navigator, RunRecord& record) {
@@ -236,6 +210,104 @@ void append(std::vector<std::string>& notes, const std::vector<std::string>& mor
   notes.insert(notes.end(), more.begin(), more.end());
 }
 
+/// A frame that was read, and how long that took.
+struct ReadFrame {
+  StereoFrame frame;
+  double ms = 0.0;
+};
+
+ReadFrame read_frame(const FrameSource& source, std::size_t n) {
+  const auto begin = Clock::now();
+  StereoFrame frame = source(n);
+  return {std::move(frame), milliseconds(begin, Clock::now())};
+}
+
+/// The frames that a start from the sensors has used up, and what it made of them.
+struct SensorWindow {
+  SensorStartResult result;  // its trajectory is that of `frames`
+  StartReport report;
+  std::vector<FrameReport> frames;
+  std::vector<double> source_ms, frame_ms;
+  detail::PointCount points;
+  std::deque<ReadFrame> ahead;  // read, and still to be processed
+};
+
+/// Reads a little further and lets the window's frames have what those behind it say of them.
+void smooth(const Recording& recording, const FrameSource& source, std::size_t next, MotionModel motion,
+            InputFeed& feed, SensorStart& start, SensorWindow& window) {
+  const std::int64_t begin_ns = window.frames.front().t_ns;
+  for (std::size_t n = next; n < frame_count(recording) && frame_time(recording, n) - begin_ns <= kSmoothedNs;
+       ++n) {
+    window.ahead.push_back(read_frame(source, n));
+    feed.feed(start, motion, window.ahead.back().frame.t_ns);
+    (void)start.add_frame(window.ahead.back().frame);
+  }
+  const std::size_t frames = window.result.trajectory.size();
+  window.result.trajectory = start.result().trajectory;
+  window.result.trajectory.resize(frames);
+}
+
+SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setup, const FrameSource& source,
+                                std::size_t first) {
+  const MotionModel motion = setup.navigator.motion;
+  StartOptions options;
+  const std::int64_t duration_ns =
+      frame_time(recording, frame_count(recording) - 1) - frame_time(recording, first);
+  options.longest_s = std::min(options.longest_s, kLongestShare * 1e-9 * static_cast<double>(duration_ns));
+  SensorStart start(setup.navigator, setup.calibration, options);
+  InputFeed feed(recording);
+  SensorWindow out;
+  std::size_t n = first;
+  while (n < frame_count(recording) && out.report.status == StartStatus::kWaiting) {
+    ReadFrame read = read_frame(source, n++);
+    const auto begin = Clock::now();
+    feed.feed(start, motion, read.frame.t_ns);
+    out.report = start.add_frame(read.frame);
+    FrameReport report;
+    report.t_ns = read.frame.t_ns;
+    report.observed = report.used = read.frame.observations.size();
+    out.frames.push_back(report);
+    out.frame_ms.push_back(milliseconds(begin, Clock::now()));
+    out.source_ms.push_back(read.ms);
+    if (motion == MotionModel::kOdometry) {
+      out.ahead.push_back(std::move(read));
+    } else {
+      count(read.frame, out.points);
+    }
+  }
+  out.result = start.result();
+  if (motion == MotionModel::kOdometry) {
+    out.frames.clear();
+  } else {
+    smooth(recording, source, n, motion, feed, start, out);
+  }
+  return out;
+}
+
+/// Writes the window's frames into the record; says how long it took and what was not known by then.
+void keep_window(const SensorWindow& window, const Navigator& navigator, RunRecord& record) {
+  if (window.frames.empty()) {
+    return;
+  }
+  const CalibrationEstimate calibration = navigator.calibration_estimate();
+  for (std::size_t k = 0; k < window.frames.size(); ++k) {
+    const SmoothedState& state = window.result.trajectory[k];
+    record.trajectory.push_back(row_of(state.nav, record.motion, state.pose_covariance));
+    record.frames.push_back(window.frames[k]);
+    record.frame_ms.push_back(window.frame_ms[k]);
+    record.source_ms.push_back(window.source_ms[k]);
+    if (calibration.parameters.any()) {
+      record.calibration.push_back({state.nav.t_ns, calibration});
+    }
+  }
+  const StartReport& report = window.report;
+  record.notes.push_back(
+      fmt::format("started from the first {:.2g} s, which are smoothed: tilt known to {:.2g} deg, scale "
+                  "to {:.2g} %{}",
+                  report.waited_s, report.tilt_sigma * kDegreesPerRadian, 100.0 * report.scale_sigma,
+                  report.missing.empty() ? "" : "; not known: " + report.missing));
+}
+
 }  // namespace
 
 std::size_t frame_count(const Recording& recording) {
@@ -249,31 +321,38 @@ FrameSource matched_frames(const Recording& recording) {
 RunRecord run_recording(const Recording& recording, const RunOptions& options, const FrameSource& frames,
                         const std::function<void(std::size_t)>& progress, const FrameObserver& observe) {
   const RunSetup setup = set_up_run(recording, options);
-  const std::size_t first = first_frame(recording, options, setup.navigator.motion);
+  const MotionModel motion = setup.navigator.motion;
+  const std::size_t first = first_frame(recording, options, motion);
   const bool from_truth = options.start == StartMode::kGroundTruth;
-  Lookahead ahead = look_ahead(recording, frames, first, !from_truth);
+  SensorWindow window;
+  if (!from_truth) {
+    window = start_from_sensors(recording, setup, frames, first);
+  }
   Navigator navigator(setup.navigator, setup.calibration,
                       from_truth ? start_from_truth(recording, options, setup, frame_time(recording, first))
-                                 : start_from_sensors(recording, setup, ahead));
+                                 : window.result.initial);
   RunRecord record;
   record.notes = setup.notes;
-  record.motion = setup.navigator.motion;
+  record.motion = motion;
   const auto remarks = detail::remarks_on_input(recording, record.motion, setup.navigator.gravity);
   append(record.notes, remarks);
   if (first > 0) {
     record.notes.push_back(fmt::format("{} frames skipped: before the first input{}", first,
                                        from_truth ? " or ground truth" : ""));
   }
+  keep_window(window, navigator, record);
+  detail::PointCount points = window.points;
   InputFeed feed(recording);
-  detail::PointCount points;
-  for (std::size_t n = first; n < frame_count(recording); ++n) {
-    const std::size_t k = n - first;
-    const auto begin_source = Clock::now();
-    const StereoFrame frame = k < ahead.frames.size() ? std::move(ahead.frames[k]) : frames(n);
+  for (std::size_t n = first + record.frames.size(); n < frame_count(recording); ++n) {
+    const ReadFrame read = window.ahead.empty() ? read_frame(frames, n) : std::move(window.ahead.front());
+    const StereoFrame& frame = read.frame;
+    if (!window.ahead.empty()) {
+      window.ahead.pop_front();
+    }
     const auto begin_filter = Clock::now();
-    record.source_ms.push_back(k < ahead.ms.size() ? ahead.ms[k] : milliseconds(begin_source, begin_filter));
+    record.source_ms.push_back(read.ms);
     count(frame, points);
-    feed.feed(navigator, frame.t_ns);
+    feed.feed(navigator, motion, frame.t_ns);
     if (options.method == Method::kOracle) {
       navigator.assume_theta(calibration_at(recording.calibration_true, frame.t_ns));
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What an embedded user writes: includes limber, links limber::filter, knows Eigen and nothing else.
 // One second at rest before a wall of points, with a right camera that stands one degree off.
-#include <limber/initialize/initialize.hpp>
 #include <limber/navigate/stereo_filter.hpp>
+#include <limber/state/initial_state.hpp>
 
 #include <cstdint>
 #include <cstdlib>

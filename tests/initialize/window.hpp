@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "limber/core/so3.hpp"
-#include "limber/initialize/initialize.hpp"
 #include "limber/initialize/stereo_motion.hpp"
 #include "limber/measure/rig.hpp"
 #include "scene.hpp"
@@ -16,7 +15,6 @@ struct Window {
   Scene scene;
   std::vector<ImuSample> imu;
 
-  [[nodiscard]] StartWindow start() const { return {scene.frames, imu, {}}; }
   [[nodiscard]] std::vector<StampedPose> motion() const {
     return stereo_motion(scene.frames, scene.calibration);
   }

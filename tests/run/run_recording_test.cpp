@@ -287,7 +287,7 @@ TEST(RunRecording, TellsAnObserverOfEveryFrameAndEndsWhenItThrows) {
   const Recording recording = short_recording();
   std::vector<std::int64_t> times;
   struct Enough {};
-  const auto observe = [&](const StereoFilter& navigator, const FrameReport& report) {
+  const auto observe = [&](const Navigator& navigator, const FrameReport& report) {
     EXPECT_EQ(report.t_ns, navigator.estimate().nav.t_ns);
     times.push_back(report.t_ns);
     if (times.size() == 5) {
@@ -307,7 +307,7 @@ TEST(RunRecording, DrawsTheStartErrorFromWhatItIsToldWhateverTheEstimatorAssumes
     options.initial_error = options.initial;
     options.initial_error->position = drawn;
     double error = 0.0;
-    const auto observe = [&](const StereoFilter& navigator, const FrameReport& report) {
+    const auto observe = [&](const Navigator& navigator, const FrameReport& report) {
       if (report.t_ns == 0) {
         error = (navigator.estimate().nav.T_world_body.p - recording.groundtruth.front().p_world_body).norm();
       }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "limber/datasets/recording.hpp"
-#include "limber/initialize/initialize.hpp"
 #include "limber/navigate/navigator.hpp"
+#include "limber/state/initial_state.hpp"
 
 namespace limber {
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
+#include "limber/state/estimate.hpp"
 #include "limber/state/initial_sigma.hpp"
 #include "limber/state/state.hpp"
 
@@ -12,10 +14,19 @@ namespace limber {
 struct InitialState {
   NavigationState nav;
   Eigen::MatrixXd body_covariance;  ///< StateLayout::body_size() wide
+  /// A first map, if there is one: n inverse-depth points, anchored in the left camera at `nav`.
+  std::vector<Landmark> landmarks = {};
+  Eigen::MatrixXd landmarks_covariance = {};  ///< 3n×3n
+  Eigen::MatrixXd landmarks_body = {};        ///< with the body, 3n×body_size()
 };
 
 /// An initial state with uncorrelated, isotropic uncertainty.
 [[nodiscard]] InitialState make_initial_state(const NavigationState& nav, MotionModel motion,
                                               const InitialSigma& sigma);
+
+/// @brief Puts the first map of a start into an estimate that stands where the start does; their anchor is a
+/// clone of the body.
+/// @param T_body_cam0  of the left camera
+void place_first_map(Estimate& estimate, const InitialState& initial, const Pose& T_body_cam0);
 
 }  // namespace limber

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "limber/navigate/navigator_options.hpp"
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/samples.hpp"
+#include "limber/state/initial_state.hpp"
+
+namespace limber {
+
+/// When a start from the sensors is good enough, and how long it may take.
+struct StartOptions {
+  double longest_s = 4.0;     ///< then it goes on with what is known, as it is known
+  double shortest_s = 1.0;    ///< no start before
+  double tilt_sigma = 0.02;   ///< [rad], asked for; recordings with an IMU
+  double scale_sigma = 0.05;  ///< [-], of the logarithm of the map's scale, asked for
+};
+
+enum class StartStatus : std::uint8_t {
+  kWaiting,  ///< for what StartReport::missing says
+  kReady,    ///< what was asked for is known
+  kTimedOut  ///< longest_s is over: ready as well, but `missing` is not known and the covariance says so
+};
+
+/// How far a start has come.
+struct StartReport {
+  StartStatus status = StartStatus::kWaiting;
+  double waited_s = 0.0;     ///< since the first frame
+  double tilt_sigma = 0.0;   ///< [rad], the worse axis; infinite before the first solution, 0 without gravity
+  double scale_sigma = 0.0;  ///< [-]; infinite before the first solution
+  std::string missing;       ///< in plain words; empty once ready
+};
+
+/// A state of the window with the covariance of its pose (position, attitude).
+struct SmoothedState {
+  NavigationState nav;
+  Eigen::Matrix<double, 6, 6> pose_covariance = Eigen::Matrix<double, 6, 6>::Zero();
+};
+
+/// Where the filter goes on, and where the body was until then.
+struct SensorStartResult {
+  InitialState initial;                   ///< at the last frame, with a first map
+  std::vector<SmoothedState> trajectory;  ///< at every frame, the last one among them; origin: the first
+};
+
+/// @brief A start from sensors alone, as good as they allow: all frames and inputs since the first one in one
+/// least-squares problem, in which the rig is as free as the method takes it to be.
+///
+/// Feed inputs up to (or beyond) a frame's time, then the frame, until the status is no longer kWaiting. Then
+/// a navigator that starts from the result goes on with the next frame; those before are spent.
+/// Methods that trust the rig (ekf) take its right pixels as they are. All others let theta go free in every
+/// frame, in the directions that are constrained, so that they learn nothing from a rig that they distrust.
+/// With odometry nothing is unknown, and the first frame is the start.
+/// @note docs/derivations/start.md
+class SensorStart {
+ public:
+  SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,
+              const StartOptions& start = {});
+  SensorStart(SensorStart&&) noexcept;
+  SensorStart& operator=(SensorStart&&) noexcept;
+  ~SensorStart();
+
+  /// @throws std::invalid_argument if time does not increase or a value is not finite
+  void add_imu(const ImuSample& sample);
+  void add_odometry(const OdometrySample& sample);
+  /// Once the start is ready, more frames change nothing but what result() says of the frames so far.
+  StartReport add_frame(const StereoFrame& frame);
+
+  /// What is known by now, whatever the status.
+  /// @throws std::invalid_argument if there was no frame yet
+  [[nodiscard]] SensorStartResult result();
+
+ private:
+  struct Window;
+  std::unique_ptr<Window> window_;
+};
+
+}  // namespace limber

@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: MIT
+#include "limber/initialize/sensor_start.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "hand_over.hpp"
+#include "limber/core/time.hpp"
+#include "limber/state/initial_state.hpp"
+#include "window_guess.hpp"
+#include "window_problem.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using namespace detail;
+using L = StateLayout;
+
+namespace {
+
+constexpr double kSeenParallax = 0.02;  // [rad], of the usual point
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
+constexpr double kGrowth = 1.4;  // of the window, from one solution to the next
+constexpr int kIterations = 25;
+constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
+constexpr double kFits =
+    1.0;  // cost per degree of freedom (expected: 1/2) up to which no other guess is tried
+
+/// What of theta a method leaves free: nothing if it trusts the rig.
+MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibration& calibration) {
+  switch (options.method) {
+    case Method::kEkf:
+    case Method::kMonoLeft:
+      return MatrixXd(6, 0);
+    case Method::kLcekf:
+      return constraint_directions(options.constraints, calibration.theta);
+    case Method::kEkfFull:
+    case Method::kSoft:
+    case Method::kConsider:
+    case Method::kAdaptive:
+    case Method::kOracle:  // knows the truth of the frames to come, not of those before
+      break;
+  }
+  ConstraintSet all;
+  all.kind = has_scale(options.motion) ? ConstraintSet::Kind::kFull : ConstraintSet::Kind::kRotationDirection;
+  return constraint_directions(all, calibration.theta);
+}
+
+/// Where the body is taken to stand if nothing tells: level, or the left camera looking horizontally.
+Matrix3d assumed_attitude(const NavigatorOptions& options, const StereoCalibration& calibration) {
+  if (options.motion == MotionModel::kOdometry && calibration.body == BodyFrame::kImu) {
+    return Matrix3d::Identity();
+  }
+  Matrix3d R_world_cam0;
+  R_world_cam0 << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+  return R_world_cam0 * body_from_cam0(calibration).R.transpose();
+}
+
+}  // namespace
+
+struct SensorStart::Window {
+  WindowModel model;
+  StartOptions options;
+  InputBuffer inputs;
+  std::vector<StereoFrame> raw;
+  std::vector<WindowFrame> frames;  // with inputs, without states
+  std::optional<WindowState> solution;
+  WindowNormal normal;
+  MatrixXd covariance;
+  double solved_s = 0.0;
+  StartReport report;
+
+  [[nodiscard]] double length() const {
+    return raw.empty() ? 0.0 : seconds_between(raw.front().t_ns, raw.back().t_ns);
+  }
+  void push(const StereoFrame& frame);
+  struct Frames {
+    std::vector<WindowFrame> frames;
+    std::vector<StereoFrame> raw;
+  };
+  [[nodiscard]] Frames kept() const;
+  [[nodiscard]] std::optional<WindowState> continued(const Frames& now) const;
+  [[nodiscard]] std::vector<SmoothedState> trajectory() const;
+  void solve();
+  [[nodiscard]] double tilt_sigma() const;
+  [[nodiscard]] double scale_sigma() const;
+  [[nodiscard]] double parallax() const;
+};
+
+void SensorStart::Window::push(const StereoFrame& frame) {
+  WindowFrame next;
+  next.theta = VectorXd::Zero(model.directions.cols());
+  if (!raw.empty()) {
+    if (frame.t_ns <= raw.back().t_ns) {
+      throw std::invalid_argument("start: frame at " + std::to_string(frame.t_ns) +
+                                  " ns is not later than the one before");
+    }
+    if (model.options.motion == MotionModel::kConstantVelocity) {
+      InputStep step;
+      step.t_end_ns = frame.t_ns;
+      step.dt = seconds_between(raw.back().t_ns, frame.t_ns);
+      next.steps = {step};
+    } else {
+      next.steps = inputs.steps(raw.back().t_ns, frame.t_ns);
+      if (!next.steps.empty()) {
+        next.omega = next.steps.back().first;
+      }
+    }
+  }
+  next.nav.t_ns = frame.t_ns;
+  frames.push_back(std::move(next));
+  raw.push_back(frame);
+}
+
+/// At most kMostFrames of the window, evenly spaced, the first and the last among them.
+SensorStart::Window::Frames SensorStart::Window::kept() const {
+  const std::size_t stride = (frames.size() + kMostFrames - 1) / kMostFrames;
+  Frames out;
+  std::vector<InputStep> steps;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    steps.insert(steps.end(), frames[k].steps.begin(), frames[k].steps.end());
+    if (k == 0 || (frames.size() - 1 - k) % stride == 0) {
+      out.frames.push_back(frames[k]);
+      out.frames.back().steps = std::exchange(steps, {});
+      out.raw.push_back(raw[k]);
+    }
+  }
+  return out;
+}
+
+/// The last solution carried on to frames and points that came since.
+std::optional<WindowState> SensorStart::Window::continued(const Frames& now) const {
+  if (!solution) {
+    return std::nullopt;
+  }
+  WindowState out{now.frames, points_of(model, now.raw)};
+  auto known = solution->frames.begin();
+  for (std::size_t k = 0; k < out.frames.size(); ++k) {
+    WindowFrame& frame = out.frames[k];
+    while (known != solution->frames.end() && known->nav.t_ns < frame.nav.t_ns) {
+      ++known;
+    }
+    if (known != solution->frames.end() && known->nav.t_ns == frame.nav.t_ns) {
+      frame.nav = known->nav;
+      frame.theta = known->theta;
+    } else if (k > 0) {
+      frame.nav = out.frames[k - 1].nav;
+      frame.theta = out.frames[k - 1].theta;
+      (void)predict_over(model.options, frame.steps, frame.nav);
+    }
+  }
+  for (WindowPoint& point : out.points) {
+    point.landmark.value.setZero();
+  }
+  fill_depths_from_motion(model, out);
+  return out;
+}
+
+void SensorStart::Window::solve() {
+  std::vector<WindowState> starts;
+  const Frames now = kept();
+  if (std::optional<WindowState> on = continued(now)) {
+    starts.push_back(std::move(*on));
+  }
+  if (model.options.motion == MotionModel::kConstantVelocity) {
+    model.R_first = assumed_attitude(model.options, model.calibration);
+  }
+  const std::vector<WindowState> fresh = guesses(model, now.frames, now.raw);
+  starts.insert(starts.end(), fresh.begin(), fresh.end());
+  solution.reset();
+  for (WindowState& start : starts) {
+    if (model.options.motion == MotionModel::kImu) {
+      model.R_first = start.frames.front().nav.T_world_body.R;
+    }
+    WindowNormal there = solve_window(model, start, kIterations);
+    double rows = 0.0;
+    for (const WindowPoint& point : start.points) {
+      for (const WindowSighting& s : point.seen) {
+        rows += (s.observation.in_cam0 ? 2.0 : 0.0) + (s.observation.in_cam1 && model.right ? 2.0 : 0.0);
+      }
+    }
+    if (!solution || there.cost < normal.cost) {
+      normal = std::move(there);
+      solution = std::move(start);
+    }
+    if (normal.cost < kFits * 0.5 * rows + 10.0) {
+      break;
+    }
+  }
+  model.R_first = solution->frames.front().nav.T_world_body.R;
+  covariance = frame_covariance(normal);
+  if (covariance.size() == 0) {
+    solution.reset();
+  }
+  solved_s = length();
+}
+
+double SensorStart::Window::tilt_sigma() const {
+  if (model.options.motion != MotionModel::kImu) {
+    return 0.0;
+  }
+  const Index last = static_cast<Index>(solution->frames.size() - 1) * model.frame_size() + L::kAttitude;
+  const Matrix3d& R = solution->frames.back().nav.T_world_body.R;
+  const Matrix3d P = R * covariance.block<3, 3>(last, last) * R.transpose();
+  return std::sqrt(std::max(P(0, 0), P(1, 1)));
+}
+
+/// Of the logarithm of what all inverse depths have in common, as well as it can be known from them.
+double SensorStart::Window::scale_sigma() const {
+  const InitialState state = hand_over(model, *solution, normal, covariance);
+  const auto n = static_cast<Index>(state.landmarks.size());
+  if (n < 3) {
+    return kUnknown;
+  }
+  MatrixXd C(n, n);
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < n; ++j) {
+      C(i, j) = state.landmarks_covariance(3 * i + 2, 3 * j + 2) /
+                (state.landmarks[static_cast<std::size_t>(i)].value.z() *
+                 state.landmarks[static_cast<std::size_t>(j)].value.z());
+    }
+  }
+  const VectorXd x = C.llt().solve(VectorXd::Ones(n));
+  return x.allFinite() && x.sum() > 0.0 ? 1.0 / std::sqrt(x.sum()) : kUnknown;
+}
+
+/// Angle under which the usual point sees the way that the body went [rad].
+double SensorStart::Window::parallax() const {
+  double way = 0.0;
+  for (const WindowFrame& frame : solution->frames) {
+    way = std::max(way, frame.nav.T_world_body.p.norm());
+  }
+  std::vector<double> rho = {0.0};
+  for (const WindowPoint& point : solution->points) {
+    rho.push_back(point.landmark.value.z());
+  }
+  const auto middle = rho.begin() + static_cast<std::ptrdiff_t>(rho.size() / 2);
+  std::nth_element(rho.begin(), middle, rho.end());
+  return way * std::max(*middle, 0.0);
+}
+
+/// Frames that were left out are predicted from the one before.
+std::vector<SmoothedState> SensorStart::Window::trajectory() const {
+  std::vector<SmoothedState> out;
+  const Index n = model.body_size();
+  NavigationState nav;
+  MatrixXd P;
+  std::size_t next = 0;
+  for (const WindowFrame& frame : frames) {
+    if (next < solution->frames.size() && solution->frames[next].nav.t_ns == frame.nav.t_ns) {
+      const Index at = static_cast<Index>(next) * model.frame_size();
+      nav = solution->frames[next++].nav;
+      P = covariance.block(at, at, n, n);
+    } else {
+      const Transition step = predict_over(model.options, frame.steps, nav);
+      P = step.Phi * P * step.Phi.transpose() + step.Q;
+    }
+    const Eigen::Matrix<double, 6, 6> pose = P.topLeftCorner<6, 6>();
+    out.push_back({nav, 0.5 * (pose + pose.transpose())});
+  }
+  return out;
+}
+
+SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,
+                         const StartOptions& start)
+    : window_(std::make_unique<Window>()) {
+  window_->model.options = options;
+  window_->model.calibration = calibration;
+  window_->model.directions = free_directions(options, calibration);
+  window_->model.right = options.method != Method::kMonoLeft;
+  window_->options = start;
+}
+
+SensorStart::SensorStart(SensorStart&&) noexcept = default;
+SensorStart& SensorStart::operator=(SensorStart&&) noexcept = default;
+SensorStart::~SensorStart() = default;
+
+void SensorStart::add_imu(const ImuSample& sample) {
+  window_->inputs.add({sample.t_ns, sample.omega_imu, sample.accel_imu});
+}
+
+void SensorStart::add_odometry(const OdometrySample& sample) {
+  window_->inputs.add({sample.t_ns, sample.v_body, sample.omega_body});
+}
+
+StartReport SensorStart::add_frame(const StereoFrame& frame) {
+  Window& w = *window_;
+  StartReport out;
+  if (w.model.options.motion == MotionModel::kOdometry) {
+    w.push(frame);
+    out.status = StartStatus::kReady;
+    return out;
+  }
+  w.push(frame);
+  if (w.report.status != StartStatus::kWaiting) {
+    return w.report;
+  }
+  out.waited_s = w.length();
+  out.tilt_sigma = out.scale_sigma = kUnknown;
+  const bool over = out.waited_s >= w.options.longest_s;
+  if (!over &&
+      (out.waited_s < w.options.shortest_s || (w.solved_s > 0.0 && out.waited_s < kGrowth * w.solved_s))) {
+    out.missing = "more frames";
+    return out;
+  }
+  w.solve();
+  if (w.solution) {
+    out.tilt_sigma = w.tilt_sigma();
+    out.scale_sigma = w.scale_sigma();
+  }
+  const bool tilt = out.tilt_sigma <= w.options.tilt_sigma;
+  const bool scale = out.scale_sigma <= w.options.scale_sigma;
+  if (!scale) {
+    out.missing = w.solution && w.parallax() > kSeenParallax ? "no acceleration yet that tells the scale"
+                                                             : "no parallax yet that tells the scale";
+  }
+  if (!tilt) {
+    out.missing += std::string(out.missing.empty() ? "" : "; ") +
+                   "no turn or acceleration yet that tells the tilt from a bias";
+  }
+  out.status = tilt && scale ? StartStatus::kReady : over ? StartStatus::kTimedOut : StartStatus::kWaiting;
+  w.report = out;
+  return out;
+}
+
+SensorStartResult SensorStart::result() {
+  Window& w = *window_;
+  if (w.frames.empty()) {
+    throw std::invalid_argument("start: no frame yet");
+  }
+  SensorStartResult out;
+  if (w.model.options.motion == MotionModel::kOdometry) {
+    NavigationState nav;
+    nav.t_ns = w.raw.back().t_ns;
+    nav.T_world_body.R = assumed_attitude(w.model.options, w.model.calibration);
+    out.initial = make_initial_state(nav, MotionModel::kOdometry, {});
+    return out;
+  }
+  if (!w.solution || w.solved_s < w.length()) {
+    w.solve();
+  }
+  if (!w.solution) {
+    throw std::invalid_argument("start: no solution");
+  }
+  out.initial = hand_over(w.model, *w.solution, w.normal, w.covariance);
+  out.trajectory = w.trajectory();
+  return out;
+}
+
+}  // namespace limber

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "limber/measure/rig.hpp"
+#include "limber/navigate/navigator_options.hpp"
+#include "limber/predict/input_buffer.hpp"
+#include "limber/predict/motion.hpp"
+#include "limber/state/initial_state.hpp"
+
+/// @file
+/// The first moments of a recording as one least-squares problem: docs/derivations/start.md.
+namespace limber::detail {
+
+/// What is known before the first frame: standard deviations of a state of mean zero.
+struct WindowPrior {
+  double position = 1e-3;   ///< [m], by convention the origin
+  double yaw = 1e-4;        ///< [rad], by convention zero; without gravity the whole attitude
+  double tilt = 1.0;        ///< [rad]
+  double velocity = 30.0;   ///< [m/s]
+  double rate = 3.0;        ///< [rad/s]
+  double bias_gyro = 0.1;   ///< [rad/s]
+  double bias_accel = 0.1;  ///< [m/s^2]
+};
+
+/// What stays the same while the problem is solved.
+struct WindowModel {
+  NavigatorOptions options;
+  StereoCalibration calibration;
+  Eigen::MatrixXd directions;  ///< 6×b: what of theta is free in every frame; no column: the rig is trusted
+  bool right = true;           ///< the right pixels are used
+  WindowPrior prior;
+  Eigen::Matrix3d R_first = Eigen::Matrix3d::Identity();  ///< yaw of the first frame is that of this
+
+  [[nodiscard]] Eigen::Index body_size() const { return StateLayout{options.motion}.body_size(); }
+  [[nodiscard]] Eigen::Index frame_size() const { return body_size() + directions.cols(); }
+};
+
+/// One frame: state, theta along the free directions, and the inputs since the frame before.
+struct WindowFrame {
+  NavigationState nav;
+  Eigen::VectorXd theta;  ///< b
+  std::vector<InputStep> steps;
+  Eigen::Vector3d omega = Eigen::Vector3d::Zero();  ///< [rad/s], of the body at the frame
+};
+
+/// One sighting of a point.
+struct WindowSighting {
+  std::size_t frame = 0;
+  StereoObservation observation;
+};
+
+/// A point, anchored in the first frame that saw it.
+struct WindowPoint {
+  Landmark landmark;
+  std::vector<WindowSighting> seen;  ///< in time; the first is the anchor
+
+  [[nodiscard]] std::size_t anchor() const { return seen.front().frame; }
+};
+
+/// The unknowns.
+struct WindowState {
+  std::vector<WindowFrame> frames;
+  std::vector<WindowPoint> points;
+};
+
+/// @brief Normal equations at a state: [A W; Wᵀ V] dx = g, the frames' errors first, then three per point.
+struct WindowNormal {
+  double cost = 0.0;     ///< half the sum of squares, after the robust loss
+  Eigen::MatrixXd A, W;  ///< lower triangle of A; all of W
+  std::vector<Eigen::Matrix3d> V;
+  Eigen::VectorXd g, g_points;
+};
+
+[[nodiscard]] WindowNormal linearise(const WindowModel& model, const WindowState& state);
+
+/// State plus a correction, in the layout of WindowNormal.
+[[nodiscard]] WindowState moved(const WindowModel& model, WindowState state, const Eigen::VectorXd& dx,
+                                const Eigen::VectorXd& dx_points);
+
+/// Prediction over steps: mean and linearised transition.
+[[nodiscard]] Transition predict_over(const NavigatorOptions& options, const std::vector<InputStep>& steps,
+                                      NavigationState& nav);
+
+/// The rig as a frame of the window sees it.
+[[nodiscard]] MountedRig rig_at(const WindowModel& model, const WindowFrame& frame);
+
+/// @brief Levenberg-Marquardt until it no longer pays.
+/// @return the normal equations at the solution
+[[nodiscard]] WindowNormal solve_window(const WindowModel& model, WindowState& state, int iterations);
+
+/// Covariance of the frames' errors, points eliminated. Empty if it is not positive definite.
+[[nodiscard]] Eigen::MatrixXd frame_covariance(const WindowNormal& normal);
+
+}  // namespace limber::detail

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+#include <optional>
+
+#include "window_problem.hpp"
+
+namespace limber::detail {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kDampingStart = 1e-4;
+constexpr double kDampingMost = 1e8;
+constexpr double kPays = 1e-4;  // relative decrease of the cost below which it stops
+
+/// W V^-1 for damped V.
+MatrixXd times_inverse(const MatrixXd& W, const std::vector<Matrix3d>& V, double damping) {
+  MatrixXd out(W.rows(), W.cols());
+  for (std::size_t j = 0; j < V.size(); ++j) {
+    Matrix3d damped = V[j];
+    damped.diagonal() *= 1.0 + damping;
+    out.middleCols<3>(static_cast<Index>(3 * j)).noalias() =
+        W.middleCols<3>(static_cast<Index>(3 * j)) * damped.inverse();
+  }
+  return out;
+}
+
+/// A - W V^-1 Wᵀ, lower triangle.
+MatrixXd without_points(const WindowNormal& normal, const MatrixXd& WV, double damping) {
+  MatrixXd S = normal.A;
+  S.diagonal() *= 1.0 + damping;
+  S.triangularView<Eigen::Lower>() -= WV * normal.W.transpose();
+  return S;
+}
+
+struct Step {
+  VectorXd frames, points;
+};
+
+std::optional<Step> step_of(const WindowNormal& normal, double damping) {
+  const MatrixXd WV = times_inverse(normal.W, normal.V, damping);
+  const Eigen::LLT<MatrixXd, Eigen::Lower> llt(without_points(normal, WV, damping));
+  if (llt.info() != Eigen::Success) {
+    return std::nullopt;
+  }
+  Step out;
+  out.frames = llt.solve(normal.g - WV * normal.g_points);
+  out.points = normal.g_points - normal.W.transpose() * out.frames;
+  for (std::size_t j = 0; j < normal.V.size(); ++j) {
+    Matrix3d damped = normal.V[j];
+    damped.diagonal() *= 1.0 + damping;
+    const auto at = static_cast<Index>(3 * j);
+    out.points.segment<3>(at) = damped.inverse() * out.points.segment<3>(at).eval();
+  }
+  if (!out.frames.allFinite() || !out.points.allFinite()) {
+    return std::nullopt;
+  }
+  return out;
+}
+
+}  // namespace
+
+WindowNormal solve_window(const WindowModel& model, WindowState& state, int iterations) {
+  WindowNormal normal = linearise(model, state);
+  double damping = kDampingStart;
+  for (int i = 0; i < iterations && damping < kDampingMost; ++i) {
+    const std::optional<Step> step = step_of(normal, damping);
+    if (!step) {
+      damping *= 10.0;
+      continue;
+    }
+    WindowState next = moved(model, state, step->frames, step->points);
+    WindowNormal there = linearise(model, next);
+    if (!(there.cost < normal.cost)) {
+      damping *= 10.0;
+      continue;
+    }
+    const bool done = normal.cost - there.cost < kPays * normal.cost;
+    state = std::move(next);
+    normal = std::move(there);
+    damping = std::max(damping * 0.1, 1e-9);
+    if (done) {
+      break;
+    }
+  }
+  return normal;
+}
+
+MatrixXd frame_covariance(const WindowNormal& normal) {
+  const MatrixXd WV = times_inverse(normal.W, normal.V, 0.0);
+  const Eigen::LLT<MatrixXd, Eigen::Lower> llt(without_points(normal, WV, 0.0));
+  if (llt.info() != Eigen::Success) {
+    return {};
+  }
+  return llt.solve(MatrixXd::Identity(normal.A.rows(), normal.A.rows()));
+}
+
+}  // namespace limber::detail

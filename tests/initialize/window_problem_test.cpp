@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "initialize/window_problem.hpp"
+
+#include <gtest/gtest.h>
+
+#include "check_jacobian.hpp"
+#include "initialize/window_guess.hpp"
+#include "scene.hpp"
+
+namespace limber::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using limber::testing::Scene;
+
+/// Four frames of a scene, at a guess and a little beside it.
+struct Problem {
+  WindowModel model;
+  WindowState state;
+
+  explicit Problem(MotionModel motion) {
+    limber::testing::SceneOptions options;
+    options.motion = motion;
+    options.points = 12;
+    options.duration_s = 0.25;
+    const Scene scene = make_scene(options);
+    model.options = scene.options;
+    model.calibration = scene.calibration;
+    model.directions = constraint_directions({ConstraintSet::Kind::kFull}, scene.calibration.theta);
+    InputBuffer buffer;
+    for (const InputSample& sample : scene.inputs) {
+      buffer.add(sample);
+    }
+    std::vector<WindowFrame> frames;
+    std::vector<StereoFrame> raw(scene.frames.begin(), scene.frames.begin() + 4);
+    for (std::size_t k = 0; k < raw.size(); ++k) {
+      WindowFrame frame;
+      frame.nav.t_ns = raw[k].t_ns;
+      frame.theta = VectorXd::Zero(6);
+      if (k > 0) {
+        frame.steps = buffer.steps(raw[k - 1].t_ns, raw[k].t_ns);
+        if (motion == MotionModel::kConstantVelocity) {
+          frame.steps.assign(1, {});
+          frame.steps.front().t_end_ns = raw[k].t_ns;
+          frame.steps.front().dt = 0.05;
+        }
+      }
+      frames.push_back(frame);
+    }
+    state = guesses(model, frames, raw).front();
+    const Index n = static_cast<Index>(frames.size()) * model.frame_size();
+    limber::testing::Generator generator(3);
+    state =
+        moved(model, state, 1e-3 * limber::testing::random_normal(generator, n),
+              1e-3 * limber::testing::random_normal(generator, 3 * static_cast<Index>(state.points.size())));
+  }
+};
+
+void expect_gradient(MotionModel motion) {
+  const Problem problem(motion);
+  const WindowNormal normal = linearise(problem.model, problem.state);
+  const Index n = normal.g.size();
+  VectorXd gradient(n + normal.g_points.size());
+  gradient << normal.g, normal.g_points;
+  const auto cost = [&](const VectorXd& d) {
+    return VectorXd::Constant(
+        1,
+        linearise(problem.model, moved(problem.model, problem.state, d.head(n), d.tail(d.size() - n))).cost);
+  };
+  limber::testing::check_jacobian(-gradient.transpose(), cost, 1e-5, 1e-6);
+}
+
+TEST(WindowProblem, ItsGradientIsThatOfItsCost) {
+  expect_gradient(MotionModel::kImu);
+  expect_gradient(MotionModel::kConstantVelocity);
+}
+
+TEST(WindowProblem, TheSolverComesDown) {
+  Problem problem(MotionModel::kImu);
+  const double before = linearise(problem.model, problem.state).cost;
+  EXPECT_LT(solve_window(problem.model, problem.state, 10).cost, 0.5 * before);
+}
+
+}  // namespace
+}  // namespace limber::detail
