@@ -16,7 +16,7 @@ constexpr double kIntervalUnknown = 2e7;            // [ns], taken for usual bef
 constexpr std::int64_t kLongestGapStep = 50000000;  // [ns]
 /// What stays unknown in a gap is taken for white with this correlation time at most [s]: an error that lasts as
 /// long as a short gap, and changes sign now and then in a long one.
-constexpr double kLongestError = 0.5;
+constexpr double kLongestError = 1.0;
 
 constexpr double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
@@ -85,13 +85,14 @@ double InputBuffer::gap_around(std::size_t next, std::int64_t begin_ns, std::int
   return ratio > kGap ? ratio : 1.0;
 }
 
-/// What is not known of a step in a gap: the further from a sample, the more.
+/// What is not known of a step in a gap: the further from the samples around it, the more.
 void InputBuffer::doubt(InputStep& step, std::size_t next, std::int64_t begin_ns) const {
   const std::int64_t middle = begin_ns + (step.t_end_ns - begin_ns) / 2;
   constexpr double kFar = 1e9;  // [s]
   const double since = next > 0 ? seconds(middle - samples_[next - 1].t_ns) : kFar;
   const double until = next < samples_.size() ? seconds(samples_[next].t_ns - middle) : kFar;
-  const double away = std::min(since, until), lasting = std::min(since + until, kFar);
+  // Between two samples as far as from two that pull together; from one, as far as it is away.
+  const double away = since * until / (since + until), lasting = std::min(since + until, kFar);
   step.first_unknown = unknown(first_seen_, first_seen_.rms(), away, lasting);
   step.second_unknown = unknown(second_seen_, second_seen_.spread(), away, lasting);
   step.gap = std::min(step.gap, 1e9);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "limber/datasets/interpolate.hpp"
+#include "limber/run/input_summary.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/run/draw_initial_state.hpp"
 #include "remarks.hpp"
@@ -281,7 +282,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     record.trajectory.push_back(row_of(navigator));
     keep_calibration(navigator, record);
     record.frame_ms.push_back(milliseconds(begin_filter, Clock::now()));
-    if (!is_sane(record.trajectory.back())) {
+    if (!is_sane(record.trajectory.back()) || (record.frames.back().reset && options.stop_when_lost)) {
       fail_diverged(options.method, n, frame.t_ns, remarks);
     }
     if (observe) {
@@ -292,6 +293,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     }
   }
   take_map(navigator, record);
+  append(record.notes, remarks_on_inputs(summarize_inputs(record.frames)));
   append(record.notes, detail::remarks_on_measurements(record, options.method, points));
   return record;
 }

@@ -57,8 +57,8 @@ TEST(InputBuffer, WithoutAnySampleKnowsNothingButThePrior) {
   for (const InputStep& step : steps) {
     EXPECT_LE(step.dt, 0.05);
     EXPECT_EQ(step.first_unknown.memory, 0.0);
-    EXPECT_GE(step.first_unknown.density, 0.1 * kImuPrior.first_spread * kImuPrior.first_spread);
-    EXPECT_GE(step.second_unknown.density, 0.1 * kImuPrior.second_spread * kImuPrior.second_spread);
+    EXPECT_GE(step.first_unknown.density, 0.5 * kImuPrior.first_spread * kImuPrior.first_spread);
+    EXPECT_GE(step.second_unknown.density, 0.5 * kImuPrior.second_spread * kImuPrior.second_spread);
   }
   EXPECT_NEAR(empty.longest_gap_s(0, 230 * kMs), 0.23, 1e-12);
 }
@@ -85,7 +85,7 @@ TEST(InputBuffer, WhatMayHaveHappenedInAGapGrowsWithItAndIsBoundedByTheMotionSee
   double before = 0.0;
   for (const InputStep& step : steps) {
     EXPECT_GE(step.first_unknown.density, before);
-    EXPECT_LE(step.first_unknown.density, 0.5 * 0.7 * 0.7 + 0.2);
+    EXPECT_LE(step.first_unknown.density, 0.7 * 0.7 + 0.2);
     before = step.first_unknown.density;
   }
   EXPECT_GE(steps.front().first_unknown.memory, 0.95);

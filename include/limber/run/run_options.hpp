@@ -42,6 +42,7 @@ struct RunOptions {
   double false_alarms_per_hour = HealthOptions{}.false_alarms_per_hour;  ///< of the health monitor; > 0
   std::uint64_t seed = 0;
   std::uint64_t run = 0;  ///< which draw of the start error
+  bool stop_when_lost = false;  ///< a filter that broke down ends the run (studies) instead of beginning anew
   bool watch = true;      ///< false: no health monitor, for studies that do not ask for it
 };
 
