@@ -48,7 +48,9 @@ void StereoFilter::learn_from(const ParameterErrorModel& model, const UpdateRepo
     if (model.witness) {
       estimate_.restart_witness(kWidestErrors);
     }
-    report.health = last_health_;
+    report.health = last_health_.value_or(HealthReport{});
+    report.health->t_ns = report.t_ns;
+    report.health->alarm = false;
     return;
   }
   report.evidence = input;

@@ -28,6 +28,7 @@ constexpr double kTrustingFactor = 30.0;
 constexpr double kLargestBiasGyro = 0.2, kLargestBiasAccel = 2.0;
 constexpr double kFastest = 1e3;       // [m/s]: faster is broken
 constexpr double kFarthest = 1e8;      // [m]
+constexpr double kTooBlind = 0.15;     // [rad], of turn between two updates that nobody saw
 constexpr double kAnewAttitude = 0.1;  // [rad], least uncertainty after a new beginning
 constexpr double kAnewVelocity = 1.0;  // [m/s]
 constexpr double kAnewPosition = 1.0;  // [m]
@@ -77,6 +78,7 @@ void StereoFilter::predict_to(std::int64_t t_ns) {
   estimate_.nav = to.nav;
   omega_input_ = to.omega_input;
   estimate_.P.propagate_leading(to.whole.Phi, to.whole.Q);
+  blind_turn_ += to.whole.Q.diagonal().segment<3>(StateLayout::kAttitude).maxCoeff();
   walk_parameters(dt);
 }
 
@@ -147,6 +149,22 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
   }
   distrust_ = {std::max(distrust_.first, imu ? of_turn : of_speed), std::max(distrust_.second, imu ? of_speed : of_turn)};
   trusted_again_ns_ = estimate_.nav.t_ns + static_cast<std::int64_t>(1e9 * InputAlarm::kCalm);
+}
+
+/// Where nobody knows how the body turned, no landmark of before can be found in the image by a linear update: those
+/// of the frame are taken for new ones.
+std::size_t StereoFilter::forget_after_blindness(const StereoFrame& frame) {
+  std::size_t removed = 0;
+  if (blind_turn_ > kTooBlind * kTooBlind) {
+    for (const StereoObservation& o : frame.observations) {
+      if (estimate_.find(o.track_id) != nullptr) {
+        estimate_.remove_landmark(o.track_id);
+        ++removed;
+      }
+    }
+    blind_turn_ = frame.observations.empty() ? blind_turn_ : 0.0;
+  }
+  return removed;
 }
 
 bool StereoFilter::is_broken() const {

@@ -183,6 +183,7 @@ void StereoFilter::constrained_update(const StackedFrame& stacked, const std::ve
     report.dof = updated.dof;
     report.rank = updated.rank;
     if (updated.status == UpdateStatus::kUpdated) {
+      blind_turn_ = 0.0;
       judge_inputs({report.t_ns, dt, updated.dx.head<6>(), corrected_by, updated.nis,
                     static_cast<double>(updated.dof)},
                    report);
@@ -228,8 +229,9 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
 
   predict_to(frame.t_ns);                                             // Eqs. (4), (7)
   update_active_set(estimate_, frame, last_frame_ns_, options_.map);  // compressed filter
+  report.removed = forget_after_blindness(frame);
   const LinearizationPoint at = choose_linearization_point(frame);    // for Eq. (16)
-  report.removed = forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);
+  report.removed += forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);
   NewLandmarks fresh;
   if (initializes_before_update()) {
     fresh = initialize_landmarks(frame, at.rig);  // Eqs. (29)-(32)

@@ -137,14 +137,13 @@ double InputBuffer::longest_gap_s(std::int64_t begin_ns, std::int64_t end_ns) co
   double longest = 0.0;
   std::int64_t t = begin_ns;
   for (std::size_t next = first_after(begin_ns); t < end_ns; ++next) {
-    const std::int64_t to = next < samples_.size() ? std::min(samples_[next].t_ns, end_ns) : end_ns;
+    const bool last = next >= samples_.size();
+    const std::int64_t from = next > 0 ? samples_[next - 1].t_ns : begin_ns;
+    const std::int64_t to = last ? end_ns : samples_[next].t_ns;
     if (gap_around(next, begin_ns, end_ns) > 1.0) {
-      longest = std::max(longest, seconds(to - t));
+      longest = std::max(longest, seconds(to - from));
     }
     t = to;
-    if (next >= samples_.size()) {
-      break;
-    }
   }
   return longest;
 }

@@ -13,7 +13,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr int kIterations = 10;
+constexpr int kIterations = 30;   // by least sum of distances: finds the majority from anywhere
+constexpr int kRefinements = 5;   // with weights that fall with the square: forgets the minority
 constexpr double kClose = 2.5;  // standard deviations: nearer groups count alike
 
 }  // namespace
@@ -33,21 +34,21 @@ Consensus find_consensus(const VectorXd& r, const MatrixXd& S, const std::vector
   }
   Consensus out{VectorXd::Zero(A.cols()), std::vector<double>(groups.size())};
   VectorXd e = y, weight = VectorXd::Ones(y.size());
-  for (int i = 0; i < kIterations && A.cols() > 0; ++i) {
+  bool settled = false;
+  for (int i = 0, refinements = 0; refinements < kRefinements && A.cols() > 0; ++i) {
+    settled = settled || i >= kIterations;
+    refinements += settled ? 1 : 0;
     for (const RowGroup& group : groups) {
-      const double d = e.segment(group.row, group.rows).norm();
-      weight.segment(group.row, group.rows).setConstant(1.0 / std::max(d, kClose));
+      const double w = kClose / std::max(e.segment(group.row, group.rows).norm(), kClose);
+      weight.segment(group.row, group.rows).setConstant(settled ? w * w : w);
     }
     const MatrixXd WF = weight.asDiagonal() * F;
     MatrixXd M = F.transpose() * WF;
-    // The prior counts like a group within kClose.
-    M.diagonal().array() += 1.0 / kClose;
+    M.diagonal().array() += 1.0;  // the prior
     const VectorXd before = out.beta;
     out.beta = M.llt().solve(WF.transpose() * y);
     e = y - F * out.beta;
-    if ((out.beta - before).squaredNorm() < 1e-6 * (1.0 + out.beta.squaredNorm())) {
-      break;
-    }
+    settled = settled || (out.beta - before).squaredNorm() < 1e-6 * (1.0 + out.beta.squaredNorm());
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     out.distance[g] = e.segment(groups[g].row, groups[g].rows).squaredNorm();

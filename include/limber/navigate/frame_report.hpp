@@ -37,7 +37,7 @@ enum class InputStatus : std::uint8_t {
 /// The inputs since the frame before.
 struct InputReport {
   InputStatus status = InputStatus::kNotNeeded;
-  double gap_s = 0.0;       ///< longest time without a sample
+  double gap_s = 0.0;       ///< longest gap that the frame lies in or after, as far as it is known
   InputFaultCounts faults;  ///< samples with each fault
   std::optional<InputContradiction> contradiction;  ///< what the images said against them
 };

@@ -109,6 +109,7 @@ class StereoFilter {
   void judge_inputs(const PoseCorrection& correction, FrameReport& report);
   [[nodiscard]] bool is_broken() const;
   void begin_anew();
+  [[nodiscard]] std::size_t forget_after_blindness(const StereoFrame& frame);
   [[nodiscard]] bool initializes_before_update() const;
   [[nodiscard]] LinearizationPoint choose_linearization_point(const StereoFrame& frame) const;
   [[nodiscard]] NewLandmarks initialize_landmarks(const StereoFrame& frame, const MountedRig& rig);
@@ -142,6 +143,7 @@ class StereoFilter {
   InputAlarm input_alarm_;
   InputDistrust distrust_;
   std::int64_t trusted_again_ns_ = std::numeric_limits<std::int64_t>::min();
+  double blind_turn_ = 0.0;   // variance of attitude that predictions added since the last update [rad^2]
   InitialState sound_;        // body after the last sound frame, to begin anew from
   Eigen::Vector3d omega_input_ = Eigen::Vector3d::Zero();  // [rad/s], of the last step: gyro or odometry
   std::optional<HealthMonitor> monitor_;

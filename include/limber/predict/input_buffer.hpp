@@ -74,7 +74,7 @@ class InputBuffer {
   /// Usual time between samples [s]; 0 before the second sample.
   [[nodiscard]] double usual_interval_s() const { return 1e-9 * usual_interval_ns_; }
 
-  /// Longest time within (begin, end] that lies further than a usual interval from any sample [s]; 0: no gap.
+  /// Longest gap that reaches into (begin, end], from sample to sample or as far as it is known [s]; 0: none.
   [[nodiscard]] double longest_gap_s(std::int64_t begin_ns, std::int64_t end_ns) const;
 
  private:

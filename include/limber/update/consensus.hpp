@@ -15,7 +15,7 @@ struct Consensus {
 };
 
 /// @brief Robust fit of a shared offset: r_g = A_g beta + e_g, Cov(e_g) = S_gg, beta ~ N(0, I), by least sum of
-/// distances (iteratively reweighted, from L1 on). Up to some 40 % of gross outliers do not move it. What groups
+/// distances (iteratively reweighted), refined with weights that fall with the square. Up to some 40 % of gross outliers do not move it. What groups
 /// share through S beside A is ignored: good for telling gross outliers, not for statistics. O(m k²).
 /// @param r       m: residual
 /// @param S       m×m, of which the groups' diagonal blocks are read
