@@ -17,12 +17,13 @@ using Matrix6 = PoseCorrection::Matrix6;
 constexpr double kShare = 0.1;     // of one frame in the fading mean
 constexpr double kWeakest = 1e-4;  // directions that are corrected by less, in correlation, say nothing
 constexpr double kNoiseShare = 0.05;
-constexpr int kYoung = 10;         // frames: the first ones are corrected by what the start did not know
+constexpr int kYoung = 10;  // frames: the first ones are corrected by what the start did not know
 
 /// The correction in units of its standard deviations; directions that the frame did not see are zero.
 Vector6 whitened(const PoseCorrection& c) {
   const Vector6 sigma = c.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Matrix6 correlation = sigma.cwiseInverse().asDiagonal() * c.covariance * sigma.cwiseInverse().asDiagonal();
+  const Matrix6 correlation =
+      sigma.cwiseInverse().asDiagonal() * c.covariance * sigma.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(correlation);
   Vector6 z = eigen.eigenvectors().transpose() * c.dx.cwiseQuotient(sigma);
   for (Eigen::Index k = 0; k < 6; ++k) {
@@ -49,7 +50,8 @@ bool InputAlarm::judge(const PoseCorrection& c, InputContradiction& found) {
   if (++frames_ <= kYoung || std::max(now, lasting) <= threshold) {
     return false;
   }
-  const double share = now > threshold ? 1.0 : std::min(std::sqrt(mean_.squaredNorm() / z.squaredNorm()), 1.0);
+  const double share =
+      now > threshold ? 1.0 : std::min(std::sqrt(mean_.squaredNorm() / z.squaredNorm()), 1.0);
   found = {share * c.dx.tail<3>().norm(), share * c.dx.head<3>().norm(), c.dt, std::max(now, lasting)};
   mean_.setZero();
   weight_ = 0.0;

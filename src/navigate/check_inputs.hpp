@@ -17,8 +17,8 @@ void check_options(const NavigatorOptions& options);
 void check_initial(const InitialState& initial);
 
 /// @param previous_ns  of the frame before
-/// @throws std::invalid_argument for a frame that is older than the state, not later than the one before, or hours
-/// ahead; a pixel that is not finite; an id that comes twice
+/// @throws std::invalid_argument for a frame that is older than the state, not later than the one before, or
+/// hours ahead; a pixel that is not finite; an id that comes twice
 void check_frame(const StereoFrame& frame, std::int64_t state_ns, std::int64_t previous_ns);
 
 }  // namespace limber::detail

@@ -48,11 +48,13 @@ void StereoFilter::start_at(std::int64_t t_ns) {
 void StereoFilter::add(const InputSample& sample) {
   start_at(sample.t_ns);
   if (seconds_between(estimate_.nav.t_ns, sample.t_ns) > kLongestJump) {
-    throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) + " ns is hours ahead of the state, " +
-                                std::to_string(estimate_.nav.t_ns) + " ns: is that another clock?");
+    throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) +
+                                " ns is hours ahead of the state, " + std::to_string(estimate_.nav.t_ns) +
+                                " ns: is that another clock?");
   }
   checks_.add(sample, inputs_);
-  late_ += sample.t_ns < estimate_.nav.t_ns && last_frame_ns_ != std::numeric_limits<std::int64_t>::min() ? 1 : 0;
+  late_ +=
+      sample.t_ns < estimate_.nav.t_ns && last_frame_ns_ != std::numeric_limits<std::int64_t>::min() ? 1 : 0;
 }
 
 std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {
@@ -103,20 +105,22 @@ InputReport StereoFilter::report_inputs(std::int64_t t_ns) {
   out.faults = checks_.take_counts();
   out.faults[InputFault::kLate] = std::exchange(late_, 0);
   out.gap_s = inputs_.longest_gap_s(estimate_.nav.t_ns, t_ns);
-  out.status = inputs_.empty()     ? InputStatus::kNone
-               : out.gap_s > 0.0   ? InputStatus::kGap
+  out.status = inputs_.empty()    ? InputStatus::kNone
+               : out.gap_s > 0.0  ? InputStatus::kGap
                : out.faults.any() ? InputStatus::kFaulty
-                                   : InputStatus::kSound;
+                                  : InputStatus::kSound;
   return out;
 }
 
-/// chi^2 of the inputs against the images: what the frame corrected, beside what it could have had to correct.
+/// chi^2 of the inputs against the images: what the frame corrected, beside what it could have had to
+/// correct.
 void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& report) {
   if (options_.motion == MotionModel::kConstantVelocity || correction.dt <= 0.0) {
     return;
   }
-  const bool blind_to_rig = (constrains(options_) && options_.constraints.kind == ConstraintSet::Kind::kFull) ||
-                            options_.method == Method::kMonoLeft;
+  const bool blind_to_rig =
+      (constrains(options_) && options_.constraints.kind == ConstraintSet::Kind::kFull) ||
+      options_.method == Method::kMonoLeft;
   PoseCorrection counted = correction;
   if (!blind_to_rig) {
     counted.covariance *= kTrustingFactor;
@@ -147,12 +151,13 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
   if (estimate_.nav.t_ns >= trusted_again_ns_) {
     distrust_ = {};  // an older quarrel is over
   }
-  distrust_ = {std::max(distrust_.first, imu ? of_turn : of_speed), std::max(distrust_.second, imu ? of_speed : of_turn)};
+  distrust_ = {std::max(distrust_.first, imu ? of_turn : of_speed),
+               std::max(distrust_.second, imu ? of_speed : of_turn)};
   trusted_again_ns_ = estimate_.nav.t_ns + static_cast<std::int64_t>(1e9 * InputAlarm::kCalm);
 }
 
-/// Where nobody knows how the body turned, no landmark of before can be found in the image by a linear update: those
-/// of the frame are taken for new ones.
+/// Where nobody knows how the body turned, no landmark of before can be found in the image by a linear
+/// update: those of the frame are taken for new ones.
 std::size_t StereoFilter::forget_after_blindness(const StereoFrame& frame) {
   std::size_t removed = 0;
   if (blind_turn_ > kTooBlind * kTooBlind) {
@@ -171,9 +176,9 @@ bool StereoFilter::is_broken() const {
   const NavigationState& nav = estimate_.nav;
   const Index k = estimate_.layout().body_size();
   const Eigen::VectorXd variance = estimate_.P.block(0, 0, k, k).diagonal();
-  return !nav.T_world_body.p.allFinite() || !nav.T_world_body.R.allFinite() || !nav.v_world_body.allFinite() ||
-         !variance.allFinite() || variance.minCoeff() < 0.0 || nav.T_world_body.p.norm() > kFarthest ||
-         nav.v_world_body.norm() > kFastest;
+  return !nav.T_world_body.p.allFinite() || !nav.T_world_body.R.allFinite() ||
+         !nav.v_world_body.allFinite() || !variance.allFinite() || variance.minCoeff() < 0.0 ||
+         nav.T_world_body.p.norm() > kFarthest || nav.v_world_body.norm() > kFastest;
 }
 
 /// Time goes on; pose, velocity and biases of the last sound frame stay, with what that start cannot know.

@@ -96,7 +96,8 @@ void StereoFilter::walk_parameters(double dt) {
   }
   const RigParameters fresh = kWalkPerSecond * fresh_.variance().cwiseProduct(scale_.cwiseAbs2());
   Eigen::Matrix<double, 6, 6> walk =
-      (options_.method == Method::kEkfFull    ? options_.theta_walk.value_or(default_theta_walk(given_.baseline()))
+      (options_.method == Method::kEkfFull
+           ? options_.theta_walk.value_or(default_theta_walk(given_.baseline()))
        : options_.method == Method::kAdaptive ? fresh
                                               : RigParameters(estimated_walk.head<6>()))
           .asDiagonal();

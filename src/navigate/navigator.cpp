@@ -19,8 +19,8 @@ constexpr double kMapKnowsScale = 5.0;
 constexpr int kMostDoubts = 2;  // within that time
 /// Older events than this [s] need not be replayed, though no window of the alarm ended meanwhile.
 constexpr double kOldestCheckpoint = 5.0;
-/// Frames that are replayed while one comes in: a call costs about twice an ordinary one, and five seconds are caught
-/// up in two and a half.
+/// Frames that are replayed while one comes in: a call costs about twice an ordinary one, and five seconds
+/// are caught up in two and a half.
 constexpr int kReplayedFrames = 3;
 
 NavigatorOptions constrained(NavigatorOptions options) {

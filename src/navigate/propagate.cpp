@@ -31,12 +31,14 @@ Transition predict_step(NavigationState& nav, const InputStep& step, const Navig
       if (turn == 1.0 && force == 1.0) {
         return predict_imu(nav, step.first, step.second, step.dt, noise, options.gravity);
       }
-      const Vector3d at_rest = nav.T_world_body.R.transpose() * Vector3d(0.0, 0.0, options.gravity) + nav.bias_accel;
+      const Vector3d at_rest =
+          nav.T_world_body.R.transpose() * Vector3d(0.0, 0.0, options.gravity) + nav.bias_accel;
       return predict_imu(nav, turn * step.first + (1.0 - turn) * nav.bias_gyro,
                          force * step.second + (1.0 - force) * at_rest, step.dt, noise, options.gravity);
     }
     case MotionModel::kOdometry: {
-      // Per-sample noise as it acts over a step of dt: white, so that its variance goes with the interval over dt.
+      // Per-sample noise as it acts over a step of dt: white, so that its variance goes with the interval
+      // over dt.
       const double share = std::min(step.gap, kLongestInterpolation) *
                            (usual_interval_s > 0.0 ? usual_interval_s / step.dt : 1.0);
       OdometryNoise noise = options.odometry_noise;
@@ -59,7 +61,8 @@ Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& 
   Propagation out{nav, {MatrixXd::Identity(k, k), MatrixXd::Zero(k, k)}, Vector3d::Zero()};
   for (const InputStep& step : steps) {
     out.omega_input = options.motion == MotionModel::kOdometry ? step.second : step.first;
-    const Transition part = predict_step(out.nav, step, options, usual_interval_s, more_first_density, more_second_density);
+    const Transition part =
+        predict_step(out.nav, step, options, usual_interval_s, more_first_density, more_second_density);
     out.whole.Phi = part.Phi * out.whole.Phi;
     out.whole.Q = part.Phi * out.whole.Q * part.Phi.transpose() + part.Q;
     out.nav.t_ns = step.t_end_ns;

@@ -18,8 +18,9 @@ struct Propagation {
 
 /// @brief Carries the body through the steps by the options' motion model.
 ///
-/// Where samples are missing, an IMU's mean goes from what was measured last (or will be measured next) to none: no
-/// rotation and no acceleration, biases kept; odometry's stays what it was. What may have happened instead is noise.
+/// Where samples are missing, an IMU's mean goes from what was measured last (or will be measured next) to
+/// none: no rotation and no acceleration, biases kept; odometry's stays what it was. What may have happened
+/// instead is noise.
 /// @param usual_interval_s   between samples; odometry only
 /// @param more_first_density, more_second_density  noise of the inputs beyond all that [unit^2 s]
 [[nodiscard]] Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& steps,

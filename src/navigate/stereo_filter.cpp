@@ -230,7 +230,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   predict_to(frame.t_ns);                                             // Eqs. (4), (7)
   update_active_set(estimate_, frame, last_frame_ns_, options_.map);  // compressed filter
   report.removed = forget_after_blindness(frame);
-  const LinearizationPoint at = choose_linearization_point(frame);    // for Eq. (16)
+  const LinearizationPoint at = choose_linearization_point(frame);  // for Eq. (16)
   report.removed += forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);
   NewLandmarks fresh;
   if (initializes_before_update()) {
@@ -251,7 +251,8 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   if (report.reset) {
     begin_anew();
   } else {
-    sound_ = {estimate_.nav, estimate_.P.block(0, 0, sound_.body_covariance.rows(), sound_.body_covariance.rows())};
+    sound_ = {estimate_.nav,
+              estimate_.P.block(0, 0, sound_.body_covariance.rows(), sound_.body_covariance.rows())};
   }
   return report;
 }

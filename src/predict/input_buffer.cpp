@@ -14,13 +14,14 @@ namespace {
 constexpr double kGap = 1.5;
 constexpr double kIntervalUnknown = 2e7;            // [ns], taken for usual before the second sample
 constexpr std::int64_t kLongestGapStep = 50000000;  // [ns]
-/// What stays unknown in a gap is taken for white with this correlation time at most [s]: an error that lasts as
-/// long as a short gap, and changes sign now and then in a long one.
+/// What stays unknown in a gap is taken for white with this correlation time at most [s]: an error that lasts
+/// as long as a short gap, and changes sign now and then in a long one.
 constexpr double kLongestError = 1.0;
 
 constexpr double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
-/// How sure one is of an input that was seen `away` seconds ago, for an error that lasts for `lasting` seconds.
+/// How sure one is of an input that was seen `away` seconds ago, for an error that lasts for `lasting`
+/// seconds.
 Unknown unknown(const MotionSeen& seen, double spread, double away, double lasting) {
   const double memory = seen.correlation(away, spread);
   return {memory, (1.0 - memory * memory) * spread * spread * std::min(lasting, kLongestError)};
@@ -112,7 +113,8 @@ std::vector<InputStep> InputBuffer::steps(std::int64_t begin_ns, std::int64_t en
     const bool reaches_sample = next < samples_.size() && samples_[next].t_ns <= stop_ns;
     const std::int64_t t_to = reaches_sample ? samples_[next].t_ns : stop_ns;
     const InputSample to = reaches_sample ? samples_[next] : at(t_to, next);
-    InputStep step{t_to, seconds(t_to - t), 0.5 * (from.first + to.first), 0.5 * (from.second + to.second), gap};
+    InputStep step{t_to, seconds(t_to - t), 0.5 * (from.first + to.first), 0.5 * (from.second + to.second),
+                   gap};
     if (gap > 1.0) {
       doubt(step, next, t);
     }

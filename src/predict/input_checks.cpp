@@ -22,9 +22,13 @@ constexpr double kEndOfRange = 0.999;      // of the largest value seen
 constexpr std::size_t kPlateau = 2;        // repeats of it in a row
 constexpr double kOvershoot = 0.1;         // of the range: what a saturated sensor may have missed, at least
 
-const Eigen::Vector3d& part(const InputSample& sample, std::size_t k) { return k == 0 ? sample.first : sample.second; }
+const Eigen::Vector3d& part(const InputSample& sample, std::size_t k) {
+  return k == 0 ? sample.first : sample.second;
+}
 
-double change(const InputSample& a, const InputSample& b, std::size_t k) { return (part(a, k) - part(b, k)).norm(); }
+double change(const InputSample& a, const InputSample& b, std::size_t k) {
+  return (part(a, k) - part(b, k)).norm();
+}
 
 }  // namespace
 
@@ -63,9 +67,10 @@ void InputChecks::doubt_saturated(InputSample& sample, double dt) {
   for (std::size_t k = 0; k < 2; ++k) {
     const Eigen::Array3d size = part(sample, k).cwiseAbs();
     const double peak = std::max(peak_[k], size.maxCoeff());
-    const bool flat = last_ && (part(sample, k).array() == part(*last_, k).array() &&
-                                size >= kEndOfRange * peak && size > limits_.saturation[k])
-                                   .any() &&
+    const bool flat = last_ &&
+                      (part(sample, k).array() == part(*last_, k).array() && size >= kEndOfRange * peak &&
+                       size > limits_.saturation[k])
+                          .any() &&
                       usual_change_[k] > 0.0;
     peak_[k] = peak;
     plateau_[k] = flat ? plateau_[k] + 1 : 0;
@@ -121,8 +126,9 @@ void InputChecks::add(const InputSample& sample, InputBuffer& buffer) {
   }
   if (held_) {
     InputSample held = *std::exchange(held_, std::nullopt);
-    const bool back = change(*last_, sample, 0) <= kBack * change(*last_, held, 0) + limits_.jump[0] * kBack &&
-                      change(*last_, sample, 1) <= kBack * change(*last_, held, 1) + limits_.jump[1] * kBack;
+    const bool back =
+        change(*last_, sample, 0) <= kBack * change(*last_, held, 0) + limits_.jump[0] * kBack &&
+        change(*last_, sample, 1) <= kBack * change(*last_, held, 1) + limits_.jump[1] * kBack;
     if (back) {
       ++counts_[InputFault::kSpike];
       accept(sample, buffer);

@@ -15,8 +15,10 @@ constexpr double kWorthARemark = 0.05;  // [s], a shorter gap is a dropped sampl
 double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
 
 /// The event of that kind to which a frame belongs: the last one, or a new one.
-RunEvent& event_at(std::vector<RunEvent>& events, const std::string& what, std::int64_t from_ns, std::int64_t t_ns) {
-  const auto last = std::find_if(events.rbegin(), events.rend(), [&](const RunEvent& e) { return e.what == what; });
+RunEvent& event_at(std::vector<RunEvent>& events, const std::string& what, std::int64_t from_ns,
+                   std::int64_t t_ns) {
+  const auto last =
+      std::find_if(events.rbegin(), events.rend(), [&](const RunEvent& e) { return e.what == what; });
   RunEvent& event = last != events.rend() && from_ns - last->to_ns <= kSameEventNs
                         ? *last
                         : events.emplace_back(RunEvent{what, from_ns});
@@ -57,12 +59,14 @@ std::string in_words(const RunEvent& e) {
           ? fmt::format("from {:.3f} s to {:.3f} s", seconds(e.from_ns), seconds(e.to_ns))
           : fmt::format("at {:.3f} s", seconds(e.to_ns));
   if (e.what == "gap") {
-    return fmt::format("{} up to {:.2f} s without a usable input sample: what could have happened counts as noise", when,
-                       e.longest_s);
+    return fmt::format(
+        "{} up to {:.2f} s without a usable input sample: what could have happened counts as noise", when,
+        e.longest_s);
   }
   if (e.what == "contradicted") {
     return fmt::format(
-        "{} the images contradict the inputs (a bias or clock that stepped, a fault): velocity and biases were opened, "
+        "{} the images contradict the inputs (a bias or clock that stepped, a fault): velocity and biases "
+        "were opened, "
         "and the calibration not judged",
         when);
   }
@@ -142,8 +146,9 @@ std::vector<std::string> remarks_on_inputs(const InputSummary& summary) {
     out.push_back(fmt::format("{} more such events: see events in summary.json", more));
   }
   if (summary.lost_since_ns) {
-    out.push_back(fmt::format("the run is lost since {:.3f} s: what follows is in another world than what was before",
-                              seconds(*summary.lost_since_ns)));
+    out.push_back(
+        fmt::format("the run is lost since {:.3f} s: what follows is in another world than what was before",
+                    seconds(*summary.lost_since_ns)));
   }
   return out;
 }

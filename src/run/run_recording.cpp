@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "limber/datasets/interpolate.hpp"
-#include "limber/run/input_summary.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/run/draw_initial_state.hpp"
+#include "limber/run/input_summary.hpp"
 #include "remarks.hpp"
 
 namespace limber {

@@ -19,8 +19,8 @@ std::size_t count(const detail::TableReader& table, std::size_t column) {
 std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
   detail::TableReader table(
       path, {.names = {"t_ns", "observed", "used", "initialized", "removed", "refused", "gate_overruled",
-                       "nis [-]", "dof", "constrained_rank", "status", "inputs", "gap_s", "faulty_samples", "reset",
-                       "filter_ms", "source_ms"},
+                       "nis [-]", "dof", "constrained_rank", "status", "inputs", "gap_s", "faulty_samples",
+                       "reset", "filter_ms", "source_ms"},
              .counts = {17}});
   std::vector<FrameRow> rows;
   while (table.next()) {

@@ -140,9 +140,9 @@ std::string frames_csv(const RunRecord& record) {
   for (std::size_t k = 0; k < record.frames.size(); ++k) {
     const FrameReport& f = record.frames[k];
     const auto& faults = f.inputs.faults.count;
-    fmt::format_to(out, "{},{},{},{},{},{},{:d},{},{},{},{},{},{:.6g},{},{:d},{:.3f},{:.3f}\n", f.t_ns, f.observed,
-                   f.used, f.initialized, f.removed, f.refused.size(), f.gate_overruled, f.nis, f.dof, f.rank,
-                   to_string(f.status), to_string(f.inputs.status), f.inputs.gap_s,
+    fmt::format_to(out, "{},{},{},{},{},{},{:d},{},{},{},{},{},{:.6g},{},{:d},{:.3f},{:.3f}\n", f.t_ns,
+                   f.observed, f.used, f.initialized, f.removed, f.refused.size(), f.gate_overruled, f.nis,
+                   f.dof, f.rank, to_string(f.status), to_string(f.inputs.status), f.inputs.gap_s,
                    std::accumulate(faults.begin(), faults.end(), std::size_t{0}), f.reset, record.frame_ms[k],
                    record.source_ms[k]);
   }

@@ -13,9 +13,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr int kIterations = 30;   // by least sum of distances: finds the majority from anywhere
-constexpr int kRefinements = 5;   // with weights that fall with the square: forgets the minority
-constexpr double kClose = 2.5;  // standard deviations: nearer groups count alike
+constexpr int kIterations = 30;  // by least sum of distances: finds the majority from anywhere
+constexpr int kRefinements = 5;  // with weights that fall with the square: forgets the minority
+constexpr double kClose = 2.5;   // standard deviations: nearer groups count alike
 
 }  // namespace
 

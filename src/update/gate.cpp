@@ -32,8 +32,8 @@ struct Distance {
   Index dof = 0;
 };
 
-/// eᵀ B⁺ e, where B is what the constraint leaves of the identity: in units of S, so that a huge variance in one
-/// direction (a new landmark's depth) does not hide what the others say.
+/// eᵀ B⁺ e, where B is what the constraint leaves of the identity: in units of S, so that a huge variance in
+/// one direction (a new landmark's depth) does not hide what the others say.
 Distance mahalanobis(const VectorXd& e, const MatrixXd& B) {
   const Eigen::LLT<MatrixXd> root(B);
   // No eigenvalue exceeds one, so that none is smaller than the determinant.
@@ -79,8 +79,8 @@ struct Judged {
   }
 };
 
-/// Judges the groups still in play. Dropping a group is block elimination in V = S⁻¹, of which only the products
-/// that the judgement needs are kept, as V = S⁻¹ − U Uᵀ: O(m²) each.
+/// Judges the groups still in play. Dropping a group is block elimination in V = S⁻¹, of which only the
+/// products that the judgement needs are kept, as V = S⁻¹ − U Uᵀ: O(m²) each.
 class Judge {
  public:
   Judge(const Judged& judged, double probability)
@@ -165,10 +165,10 @@ class Judge {
   const Judged& z_;
   double probability_;
   Eigen::LLT<MatrixXd> llt_;
-  MatrixXd DC_;                 // rows that were dropped are zero
-  MatrixXd U_;                  // of what was dropped
-  VectorXd Vr_, white_r_;       // V r; r in units of the groups' own S
-  MatrixXd VDC_, white_DC_;     // V D C; " D C
+  MatrixXd DC_;              // rows that were dropped are zero
+  MatrixXd U_;               // of what was dropped
+  VectorXd Vr_, white_r_;    // V r; r in units of the groups' own S
+  MatrixXd VDC_, white_DC_;  // V D C; " D C
   std::map<Index, double> quantiles_;
 };
 
@@ -186,7 +186,8 @@ bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, std::size_t mo
 }
 
 GateReport nothing_refused(std::size_t groups) {
-  return {std::vector<bool>(groups, true), std::vector<double>(groups, 0.0), std::vector<double>(groups, 0.0)};
+  return {std::vector<bool>(groups, true), std::vector<double>(groups, 0.0),
+          std::vector<double>(groups, 0.0)};
 }
 
 /// Flags the groups that lie far from what most agree upon. @return how many

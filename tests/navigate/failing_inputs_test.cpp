@@ -59,7 +59,8 @@ TEST(FailingInputs, ATimeHoursAheadIsRefused) {
   (void)feeder.process(scene.frames[0]);
   StereoFrame frame = scene.frames[1];
   frame.t_ns += 5'000'000'000'000;
-  EXPECT_NE(testing::message_of([&] { (void)feeder.navigator.process(frame); }).find("another clock"), std::string::npos);
+  EXPECT_NE(testing::message_of([&] { (void)feeder.navigator.process(frame); }).find("another clock"),
+            std::string::npos);
   EXPECT_NE(testing::message_of([&] {
               feeder.navigator.add_imu({5'000'000'000'000, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
             }).find("another clock"),
@@ -122,7 +123,8 @@ void run_through_gap(MotionModel motion, double gap_s, bool images, std::uint64_
       }
     }
     const bool blind = !images && scene.frames[k].t_ns > from && scene.frames[k].t_ns <= to;
-    const FrameReport report = filter.process(blind ? StereoFrame{scene.frames[k].t_ns, {}} : scene.frames[k]);
+    const FrameReport report =
+        filter.process(blind ? StereoFrame{scene.frames[k].t_ns, {}} : scene.frames[k]);
     reported = reported || report.inputs.status == InputStatus::kGap;
     const double error = testing::position_error(filter, scene.truth[k]);
     EXPECT_LE(error, 4.0 * sigma(filter) + 0.01) << "at " << scene.frames[k].t_ns << ", gap of " << gap_s;
@@ -141,7 +143,8 @@ TEST(FailingInputs, AGapIsReportedAndNeverMadeUpFor) {
   }
 }
 
-/// Samples that arrive after the frame they belong to used to be ignored in silence: 70 mm off at a sigma of 5 mm.
+/// Samples that arrive after the frame they belong to used to be ignored in silence: 70 mm off at a sigma of
+/// 5 mm.
 TEST(FailingInputs, LateSamplesAreCountedAndTheirTimeIsAGap) {
   const Scene scene = scene_of(2.0);
   StereoFilter filter(with_method(scene, Method::kEkf), scene.calibration, scene.initial);
@@ -219,7 +222,8 @@ TEST(FailingInputs, TheDefaultWalkOfThetaGoesWithTheBaseline) {
 }
 
 TEST(FailingInputs, APredictionChangesNothingAndAgreesWithTheOneThatDoes) {
-  for (const MotionModel motion : {MotionModel::kImu, MotionModel::kOdometry, MotionModel::kConstantVelocity}) {
+  for (const MotionModel motion :
+       {MotionModel::kImu, MotionModel::kOdometry, MotionModel::kConstantVelocity}) {
     const Scene scene = scene_of(1.0, motion);
     Feeder feeder(scene, scene.options);
     for (std::size_t k = 0; k < 10; ++k) {
@@ -249,7 +253,8 @@ TEST(FailingInputs, APointOfAFrameThatUpdatedNothingIsNotUsed) {
     EXPECT_EQ(feeder.process(scene.frames[k]).used > 0, k > 0);
   }
   // A covariance that nobody could have made: S is not positive definite.
-  const_cast<Estimate&>(feeder.navigator.estimate()).P.set_diagonal_block(0, -1e6 * Eigen::Matrix3d::Identity());
+  const_cast<Estimate&>(feeder.navigator.estimate())
+      .P.set_diagonal_block(0, -1e6 * Eigen::Matrix3d::Identity());
   const FrameReport broken = feeder.process(scene.frames[5]);
   EXPECT_EQ(broken.status, UpdateStatus::kSingularInnovation);
   EXPECT_EQ(broken.used, 0U);
@@ -279,7 +284,8 @@ Stepped fly_with_bias_step(Method method, double step, std::uint64_t seed) {
   for (std::size_t k = 0; k < scene.frames.size(); ++k) {
     for (; next < scene.inputs.size() && scene.inputs[next].t_ns <= scene.frames[k].t_ns; ++next) {
       const InputSample& s = scene.inputs[next];
-      navigator.add_imu({s.t_ns, s.first + (s.t_ns > 2000 * kMs ? step : 0.0) * Eigen::Vector3d::UnitX(), s.second});
+      navigator.add_imu(
+          {s.t_ns, s.first + (s.t_ns > 2000 * kMs ? step : 0.0) * Eigen::Vector3d::UnitX(), s.second});
     }
     const FrameReport report = navigator.process(scene.frames[k]);
     out.contradicted += report.inputs.contradiction ? 1 : 0;
@@ -293,7 +299,8 @@ Stepped fly_with_bias_step(Method method, double step, std::uint64_t seed) {
 TEST(FailingInputs, ABiasThatStepsIsNoticedAndTheRigIsNotBlamed) {
   for (const Method method : {Method::kLcekf, Method::kAdaptive}) {
     for (const std::uint64_t seed : {1U, 2U}) {
-      const Stepped sound = fly_with_bias_step(method, 0.0, seed), stepped = fly_with_bias_step(method, 0.05, seed);
+      const Stepped sound = fly_with_bias_step(method, 0.0, seed),
+                    stepped = fly_with_bias_step(method, 0.05, seed);
       EXPECT_EQ(sound.contradicted, 0U);
       EXPECT_EQ(sound.alarms, 0U);
       EXPECT_EQ(stepped.alarms, 0U) << to_string(method);
@@ -312,7 +319,8 @@ TEST(FailingInputs, MemoryIsBoundedOverTwentyMinutes) {
   Navigator navigator(options, testing::scene_rig(), make_initial_state({}, MotionModel::kImu, {}));
   std::size_t most = 0;
   for (std::int64_t t = 0; t <= 20 * 60 * 1000; t += 10) {
-    navigator.add_imu({t * kMs, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81 + 1e-3 * std::sin(0.1 * static_cast<double>(t))}});
+    navigator.add_imu(
+        {t * kMs, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81 + 1e-3 * std::sin(0.1 * static_cast<double>(t))}});
     if (t % 100 == 0) {
       (void)navigator.process({t * kMs, {}});
     }

@@ -106,8 +106,8 @@ TEST(InputBuffer, BetweenSamplesNothingIsUnknown) {
   EXPECT_EQ(buffer.longest_gap_s(0, 1000 * kMs), 0.0);
 }
 
-/// The error of a prediction through a gap, against what the steps say of it: over many phases of a swing the mean
-/// square of the angle's error stays below twice its variance, and is not ten times smaller.
+/// The error of a prediction through a gap, against what the steps say of it: over many phases of a swing the
+/// mean square of the angle's error stays below twice its variance, and is not ten times smaller.
 TEST(InputBuffer, TheVarianceOfAGapIsThatOfTheErrorMade) {
   for (const std::int64_t gap_ms : {100, 300, 1000}) {
     double squared = 0.0, variance = 0.0;

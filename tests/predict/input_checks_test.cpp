@@ -28,7 +28,8 @@ std::vector<InputSample> flight(double seconds, std::uint64_t seed = 1) {
     const double s = 1e-9 * static_cast<double>(t);
     const Eigen::Vector3d omega(std::sin(2.0 * s), 0.7 * std::cos(3.0 * s), 0.3);
     const Eigen::Vector3d accel(2.0 * std::cos(3.0 * s), std::sin(300.0 * s), 9.81 + 2.0 * std::sin(s));
-    out.push_back({t, omega + 0.005 * random_normal(generator, 3), accel + 0.1 * random_normal(generator, 3)});
+    out.push_back(
+        {t, omega + 0.005 * random_normal(generator, 3), accel + 0.1 * random_normal(generator, 3)});
   }
   return out;
 }
@@ -150,8 +151,10 @@ TEST(InputChecks, RefuseWhatIsNotFiniteOrOutOfOrder) {
   InputChecks checks(kImuLimits);
   InputBuffer buffer;
   checks.add({10, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}, buffer);
-  EXPECT_THROW(checks.add({10, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}, buffer), std::invalid_argument);
-  EXPECT_THROW(checks.add({5, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}, buffer), std::invalid_argument);
+  EXPECT_THROW(checks.add({10, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}, buffer),
+               std::invalid_argument);
+  EXPECT_THROW(checks.add({5, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}, buffer),
+               std::invalid_argument);
   const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   EXPECT_THROW(checks.add({20, nan, Eigen::Vector3d::Zero()}, buffer), std::invalid_argument);
   EXPECT_NO_THROW(checks.add({20, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}, buffer));

@@ -50,7 +50,8 @@ TEST(InputSummary, FramesWithTheSameTroubleAreOneEvent) {
   EXPECT_EQ(summary.events[1].what, "stuck");
   EXPECT_EQ(summary.events[1].samples, 200U);
   EXPECT_EQ(summary.events[2].samples, 3U);
-  EXPECT_THAT(remarks_on_inputs(summary), Contains(HasSubstr("from 0.950 s to 1.950 s 200 input samples were stuck")));
+  EXPECT_THAT(remarks_on_inputs(summary),
+              Contains(HasSubstr("from 0.950 s to 1.950 s 200 input samples were stuck")));
 }
 
 TEST(InputSummary, SaysSinceWhenARunIsLost) {
@@ -65,7 +66,8 @@ TEST(InputSummary, SaysSinceWhenARunIsLost) {
 
 TEST(InputSummary, OfARunWithAGapNamesItAndCountsItsFrames) {
   Recording recording = testing::short_recording();
-  std::erase_if(recording.imu, [](const ImuSample& s) { return s.t_ns > 500'000'000 && s.t_ns < 1'200'000'000; });
+  std::erase_if(recording.imu,
+                [](const ImuSample& s) { return s.t_ns > 500'000'000 && s.t_ns < 1'200'000'000; });
   RunOptions options;
   options.start = StartMode::kGroundTruth;
   const RunRecord record = run_recording(recording, options, matched_frames(recording));

@@ -183,7 +183,8 @@ TEST(RunRecording, OfSamplesThatNoSensorCanShowNoneIsUsed) {
   }
   const RunRecord record = run(recording, {});
   EXPECT_THAT(record.notes, Contains(HasSubstr("input samples were impossible: left out")));
-  EXPECT_THAT(record.notes, Contains(HasSubstr("the gyroscope shows 20 rad/s on average: is its unit rad/s?")));
+  EXPECT_THAT(record.notes,
+              Contains(HasSubstr("the gyroscope shows 20 rad/s on average: is its unit rad/s?")));
   EXPECT_EQ(record.frames.back().inputs.status, InputStatus::kNone);
 }
 

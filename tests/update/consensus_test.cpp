@@ -24,7 +24,9 @@ struct Problem {
 /// Groups of two rows with noise of their own size, moved by a shared offset of a few prior deviations.
 Problem make_problem(Generator& generator, Index count, Index k) {
   Problem out;
-  out.A = 20.0 * MatrixXd(2 * count, k).unaryExpr([&](double) { return testing::random_scalar(generator, -1.0, 1.0); });
+  out.A = 20.0 * MatrixXd(2 * count, k).unaryExpr([&](double) {
+    return testing::random_scalar(generator, -1.0, 1.0);
+  });
   out.beta = testing::random_normal(generator, k);
   out.S = MatrixXd::Zero(2 * count, 2 * count);
   out.r = out.A * out.beta;

@@ -63,7 +63,8 @@ VectorXd huge_error(const StereoProblem& problem) {
   return problem.C * signs.cwiseProduct(times);
 }
 
-/// The slow and obvious elimination: after each drop everything anew, dense, on the projected residual itself.
+/// The slow and obvious elimination: after each drop everything anew, dense, on the projected residual
+/// itself.
 /// @return whether no more than `most` groups had to go
 bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel& treatment, std::size_t most,
                          GateReport& report) {
@@ -127,8 +128,9 @@ std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErr
   const Consensus consensus = find_consensus(innovation.r, S, problem.z.groups, A);
   std::vector<bool> gross(problem.z.groups.size());
   for (std::size_t g = 0; g < gross.size(); ++g) {
-    gross[g] = consensus.distance[g] >
-               kGrossOutlier * chi_square_quantile(kProbability, static_cast<double>(problem.z.groups[g].rows));
+    gross[g] =
+        consensus.distance[g] >
+        kGrossOutlier * chi_square_quantile(kProbability, static_cast<double>(problem.z.groups[g].rows));
   }
   if (2 * std::count(gross.begin(), gross.end(), true) > static_cast<std::ptrdiff_t>(gross.size())) {
     gross.assign(gross.size(), false);
@@ -217,8 +219,8 @@ TEST(Gate, AgreesWithTheSlowObviousOne) {
   EXPECT_GE(dropped, 60);
 }
 
-/// With the rig off by a lot, a third of the points mismatched: as one outlier spoils the offset that is projected
-/// out for all others, dropping the worst in turn refused good points here, and overruled itself.
+/// With the rig off by a lot, a third of the points mismatched: as one outlier spoils the offset that is
+/// projected out for all others, dropping the worst in turn refused good points here, and overruled itself.
 TEST(Gate, RefusesAThirdOfGrossMismatchesUnderAHugeCalibrationError) {
   Generator generator(12);
   for (int k = 0; k < 20; ++k) {
@@ -229,7 +231,8 @@ TEST(Gate, RefusesAThirdOfGrossMismatchesUnderAHugeCalibrationError) {
     for (std::size_t g = static_cast<std::size_t>(k % 3); g < problem.z.groups.size(); g += 3) {
       const RowGroup& group = problem.z.groups[g];
       // The pixels of the last camera that saw it, as a mismatch has it.
-      problem.z.residual.segment<2>(group.row + group.rows - 2) += 150.0 * testing::random_direction(generator).head<2>() + Eigen::Vector2d(0.0, 60.0);
+      problem.z.residual.segment<2>(group.row + group.rows - 2) +=
+          150.0 * testing::random_direction(generator).head<2>() + Eigen::Vector2d(0.0, 60.0);
       planted.insert(g);
     }
     const GateReport report = gated(problem, problem.constrained());

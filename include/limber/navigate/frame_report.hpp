@@ -55,7 +55,8 @@ struct FrameReport {
   std::size_t used = 0;         ///< points of the update; zero if there was none
   std::size_t initialized = 0;  ///< new in the map
   std::size_t removed = 0;
-  bool gate_overruled = false;  ///< the gate would have refused most points, so it refused none but gross outliers
+  bool gate_overruled =
+      false;  ///< the gate would have refused most points, so it refused none but gross outliers
   std::vector<Refusal> refused;
   std::optional<HealthReport> health;  ///< if watched
   /// What the frame says against the rig that the filter takes for true (ekf-full, adaptive: its estimate).

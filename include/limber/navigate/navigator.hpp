@@ -24,8 +24,8 @@ namespace limber {
 /// happened and comes again with theta in doubt; when the second does, it takes over the parallel filter's
 /// state. From then on the filter learns how much theta stays wrong and how much of it is fresh in every
 /// frame. Where nothing but a young map fixes the scale, neither could be learned: there it goes on trusting
-/// the rig, and the health report says so. Going back replays some seconds, a few frames at a time: until that has
-/// caught up the parallel filter answers.
+/// the rig, and the health report says so. Going back replays some seconds, a few frames at a time: until
+/// that has caught up the parallel filter answers.
 /// @note docs/derivations/adaptive.md
 class Navigator {
  public:
@@ -90,7 +90,7 @@ class Navigator {
   [[nodiscard]] bool knows_scale(std::int64_t t_ns) const;
   void supervise(const FrameReport& report, const FrameReport& parallel);
 
-  double baseline_;      // of the assumed calibration [m]
+  double baseline_;  // of the assumed calibration [m]
   StereoFilter filter_;
   std::optional<HealthReport> health_;
   std::optional<Supervision> supervision_;  // adaptive

@@ -15,8 +15,8 @@
 
 namespace limber {
 
-/// Table 1 of the paper, 'well estimated' (1e-6 rad^2 and 1 mm^2 per step of 10 ms), the translation in proportion to
-/// the baseline (the paper's is 2 m): variance per second [rad^2/s, m^2/s].
+/// Table 1 of the paper, 'well estimated' (1e-6 rad^2 and 1 mm^2 per step of 10 ms), the translation in
+/// proportion to the baseline (the paper's is 2 m): variance per second [rad^2/s, m^2/s].
 [[nodiscard]] RigParameters default_theta_walk(double baseline);
 
 /// Everything a navigator is told before it starts. Defaults are those of a small visual-inertial rig.

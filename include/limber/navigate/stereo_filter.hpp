@@ -44,8 +44,9 @@ class StereoFilter {
   StereoFilter(const NavigatorOptions& options, const StereoCalibration& calibration,
                const InitialState& initial);
 
-  /// @brief One sample; samples that cannot be right are left out or doubted (InputChecks), those older than the
-  /// state are of no more use than to say what was measured last: both are counted in the next frame's report.
+  /// @brief One sample; samples that cannot be right are left out or doubted (InputChecks), those older than
+  /// the state are of no more use than to say what was measured last: both are counted in the next frame's
+  /// report.
   /// @throws std::invalid_argument if time does not increase, lies hours ahead, or a value is not finite
   void add_imu(const ImuSample& sample);
   void add_odometry(const OdometrySample& sample);
@@ -58,16 +59,16 @@ class StereoFilter {
 
   /// @brief One stereo frame.
   ///
-  /// A state that was never given a time (0) takes that of the first sample or frame, if that is more than a minute
-  /// ahead. If the covariance turns out to be broken or the state is not finite, the filter begins anew: it keeps
-  /// time, pose, velocity and biases of the last sound frame, forgets the map, and is as unsure of the rest as of any
-  /// start (docs/faults.md).
-  /// @throws std::invalid_argument if the frame is older than the state, not later than the frame before, or hours
-  /// ahead, a pixel is not finite or an id comes twice
+  /// A state that was never given a time (0) takes that of the first sample or frame, if that is more than a
+  /// minute ahead. If the covariance turns out to be broken or the state is not finite, the filter begins
+  /// anew: it keeps time, pose, velocity and biases of the last sound frame, forgets the map, and is as
+  /// unsure of the rest as of any start (docs/faults.md).
+  /// @throws std::invalid_argument if the frame is older than the state, not later than the frame before, or
+  /// hours ahead, a pixel is not finite or an id comes twice
   FrameReport process(const StereoFrame& frame);
 
-  /// Opens the state for what the images of a filter beside this one said against the inputs: velocity and biases may
-  /// be off by as much, and for some time the inputs are noisier by as much.
+  /// Opens the state for what the images of a filter beside this one said against the inputs: velocity and
+  /// biases may be off by as much, and for some time the inputs are noisier by as much.
   void distrust_inputs(const InputContradiction& found);
 
   /// adaptive: begins to estimate theta, as a constant that walks and a part that is fresh in every frame,
@@ -89,8 +90,8 @@ class StereoFilter {
   [[nodiscard]] const NavigatorOptions& options() const { return options_; }
 
  private:
-  /// What the images said against the inputs, as noise that they have for a while beyond what is assumed: variance
-  /// densities [unit^2 s].
+  /// What the images said against the inputs, as noise that they have for a while beyond what is assumed:
+  /// variance densities [unit^2 s].
   struct InputDistrust {
     double first = 0.0, second = 0.0;
   };
@@ -139,12 +140,12 @@ class StereoFilter {
   Estimate estimate_;
   InputBuffer inputs_;
   InputChecks checks_;
-  std::size_t late_ = 0;      // samples since the last frame
+  std::size_t late_ = 0;  // samples since the last frame
   InputAlarm input_alarm_;
   InputDistrust distrust_;
   std::int64_t trusted_again_ns_ = std::numeric_limits<std::int64_t>::min();
-  double blind_turn_ = 0.0;   // variance of attitude that predictions added since the last update [rad^2]
-  InitialState sound_;        // body after the last sound frame, to begin anew from
+  double blind_turn_ = 0.0;  // variance of attitude that predictions added since the last update [rad^2]
+  InitialState sound_;       // body after the last sound frame, to begin anew from
   Eigen::Vector3d omega_input_ = Eigen::Vector3d::Zero();  // [rad/s], of the last step: gyro or odometry
   std::optional<HealthMonitor> monitor_;
   std::optional<HealthReport> last_health_;

@@ -47,19 +47,20 @@ inline constexpr InputPrior kOdometryPrior = {2.0, 2.0, 0.5, 2.0};  ///< [m/s], 
 
 /// @brief Holds input samples and cuts them into steps that end where the caller wants.
 ///
-/// Between samples inputs are interpolated linearly; before the first and after the last they are held. In a gap
-/// (more than 1.5 usual intervals) each step also says how much the input may have changed since the nearest
-/// sample, bounded by the motion seen (MotionSeen): see docs/faults.md.
+/// Between samples inputs are interpolated linearly; before the first and after the last they are held. In a
+/// gap (more than 1.5 usual intervals) each step also says how much the input may have changed since the
+/// nearest sample, bounded by the motion seen (MotionSeen): see docs/faults.md.
 class InputBuffer {
  public:
   explicit InputBuffer(const InputPrior& prior = kImuPrior)
-      : first_seen_(prior.first_spread, prior.first_rate), second_seen_(prior.second_spread, prior.second_rate) {}
+      : first_seen_(prior.first_spread, prior.first_rate),
+        second_seen_(prior.second_spread, prior.second_rate) {}
 
   /// @throws std::invalid_argument if the time does not increase or a value is not finite
   void add(const InputSample& sample);
 
-  /// @brief Steps from `begin_ns` to `end_ns`: one for each sample in between, and short ones in gaps. Without any
-  /// sample all of it is a gap. Empty if end <= begin.
+  /// @brief Steps from `begin_ns` to `end_ns`: one for each sample in between, and short ones in gaps.
+  /// Without any sample all of it is a gap. Empty if end <= begin.
   [[nodiscard]] std::vector<InputStep> steps(std::int64_t begin_ns, std::int64_t end_ns) const;
 
   /// Forgets the samples that no step from `begin_ns` on needs.

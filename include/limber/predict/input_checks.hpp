@@ -25,22 +25,26 @@ inline constexpr std::size_t kInputFaults = 5;
 struct InputFaultCounts {
   std::array<std::size_t, kInputFaults> count{};
 
-  [[nodiscard]] std::size_t operator[](InputFault fault) const { return count[static_cast<std::size_t>(fault)]; }
+  [[nodiscard]] std::size_t operator[](InputFault fault) const {
+    return count[static_cast<std::size_t>(fault)];
+  }
   std::size_t& operator[](InputFault fault) { return count[static_cast<std::size_t>(fault)]; }
   [[nodiscard]] bool any() const;
 };
 
-/// What a sensor cannot show, and jumps that are worth a second look; per axis, of the first and second input.
+/// What a sensor cannot show, and jumps that are worth a second look; per axis, of the first and second
+/// input.
 struct InputLimits {
   std::array<double, 2> impossible, jump, saturation;
 };
-/// [rad/s], [m/s^2]: twice the widest MEMS ranges; jumps of 2 rad/s and 2 g in one sample; nothing saturates below.
+/// [rad/s], [m/s^2]: twice the widest MEMS ranges; jumps of 2 rad/s and 2 g in one sample; nothing saturates
+/// below.
 inline constexpr InputLimits kImuLimits = {{200.0, 10000.0}, {2.0, 20.0}, {0.3, 12.0}};
 /// [m/s], [rad/s]
 inline constexpr InputLimits kOdometryLimits = {{1000.0, 200.0}, {5.0, 2.0}, {1.0, 0.3}};
 
-/// @brief Cheap checks of each sample against its neighbours, before it enters the buffer. Causal: a sample that
-/// jumps is held back until the next one says whether it was a spike.
+/// @brief Cheap checks of each sample against its neighbours, before it enters the buffer. Causal: a sample
+/// that jumps is held back until the next one says whether it was a spike.
 /// @note docs/faults.md
 class InputChecks {
  public:
@@ -63,12 +67,12 @@ class InputChecks {
 
   InputLimits limits_;
   InputFaultCounts counts_;
-  std::optional<InputSample> last_, held_;              // accepted; held back
-  Six value_ = Six::Constant(-1e300);                   // of the newest sample of all
+  std::optional<InputSample> last_, held_;  // accepted; held back
+  Six value_ = Six::Constant(-1e300);       // of the newest sample of all
   std::int64_t newest_ns_ = 0;
-  std::size_t repeats_ = 0, varied_ = 0;                // in a row; samples that differed from the one before
-  std::array<double, 2> usual_change_{}, peak_{};       // between samples (mean of the norm); per axis
-  std::array<std::size_t, 2> plateau_{};                // samples in a row
+  std::size_t repeats_ = 0, varied_ = 0;           // in a row; samples that differed from the one before
+  std::array<double, 2> usual_change_{}, peak_{};  // between samples (mean of the norm); per axis
+  std::array<std::size_t, 2> plateau_{};           // samples in a row
 };
 
 }  // namespace limber

@@ -7,12 +7,12 @@
 
 namespace limber {
 
-/// @brief How an input (a rate, a specific force, a velocity) has moved in the last tens of seconds: the bound on
-/// what could have happened where no sample tells.
+/// @brief How an input (a rate, a specific force, a velocity) has moved in the last tens of seconds: the
+/// bound on what could have happened where no sample tells.
 ///
 /// The input is taken for a stationary process with the variance and the rate of change that were seen; its
-/// correlation over a time tau then is 1 - min((rate tau)^2, 2 variance) / (2 variance). All figures are those of
-/// the axis that moved most. A prior stands in for the first second.
+/// correlation over a time tau then is 1 - min((rate tau)^2, 2 variance) / (2 variance). All figures are
+/// those of the axis that moved most. A prior stands in for the first second.
 class MotionSeen {
  public:
   /// @param spread  prior standard deviation per axis [unit]

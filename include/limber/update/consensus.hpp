@@ -14,9 +14,10 @@ struct Consensus {
   std::vector<double> distance;  ///< squared Mahalanobis distance of each group from it [-], one per group
 };
 
-/// @brief Robust fit of a shared offset: r_g = A_g beta + e_g, Cov(e_g) = S_gg, beta ~ N(0, I), by least sum of
-/// distances (iteratively reweighted), refined with weights that fall with the square. Up to some 40 % of gross outliers do not move it. What groups
-/// share through S beside A is ignored: good for telling gross outliers, not for statistics. O(m k²).
+/// @brief Robust fit of a shared offset: r_g = A_g beta + e_g, Cov(e_g) = S_gg, beta ~ N(0, I), by least sum
+/// of distances (iteratively reweighted), refined with weights that fall with the square. Up to some 40 % of
+/// gross outliers do not move it. What groups share through S beside A is ignored: good for telling gross
+/// outliers, not for statistics. O(m k²).
 /// @param r       m: residual
 /// @param S       m×m, of which the groups' diagonal blocks are read
 /// @param groups  partition of the rows
