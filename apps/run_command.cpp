@@ -67,8 +67,9 @@ void print_summary(const RunSummary& s, const std::filesystem::path& folder) {
   if (s.health) {
     fmt::print("  calibration     {} (limber health says more)\n", to_string(s.health->verdict));
   }
-  fmt::print("  time            p50 {:.2f} ms, p99 {:.2f} ms a frame, {:.1f} times real time\n",
-             s.ms_per_frame_p50, s.ms_per_frame_p99, s.realtime_factor);
+  fmt::print(
+      "  time            p50 {:.2f} ms, p99 {:.2f} ms, worst {:.2f} ms a frame, {:.1f} times real time\n",
+      s.ms_per_frame_p50, s.ms_per_frame_p99, s.ms_per_frame_worst, s.realtime_factor);
   fmt::print("  results in      {}\n", folder.string());
 }
 
@@ -92,6 +93,9 @@ void run(const RunArguments& arguments) {
   }
   print_summary(summary, arguments.out);
   make_report_beside(arguments.out);
+  if (summary.inputs.lost_since_ns) {
+    throw CLI::RuntimeError(1);  // the notes say from when
+  }
 }
 
 }  // namespace

@@ -142,11 +142,14 @@ RunSummary summarize(const Recording& recording, const RunOptions& options, cons
   out.points_per_frame = used / static_cast<double>(out.frames);
   out.ms_per_frame_p50 = quantile(record.frame_ms, 0.5);
   out.ms_per_frame_p99 = quantile(record.frame_ms, 0.99);
+  out.ms_per_frame_p999 = quantile(record.frame_ms, 0.999);
+  out.ms_per_frame_worst = quantile(record.frame_ms, 1.0);
   const double filter_ms = std::accumulate(record.frame_ms.begin(), record.frame_ms.end(), 0.0);
   out.ms_per_frame_mean = filter_ms / static_cast<double>(out.frames);
   const double spent_ms = filter_ms + std::accumulate(record.source_ms.begin(), record.source_ms.end(), 0.0);
   out.realtime_factor = spent_ms > 0.0 ? 1e3 * out.duration_s / spent_ms : 0.0;
   out.peak_rss_mb = peak_rss_mb();
+  out.inputs = summarize_inputs(record.frames);
   out.health = summarize_health(record.frames);
   return out;
 }

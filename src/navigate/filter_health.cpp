@@ -12,6 +12,13 @@ namespace limber {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+namespace {
+
+/// A gap in the inputs [s] after which the state is open for what happened.
+constexpr double kLongGap = 0.1;
+
+}  // namespace
+
 /// What the witness has gathered against the assumed rig; nothing without one.
 std::optional<ParameterEvidence> StereoFilter::gathered(const ParameterErrorModel& model) const {
   if (!model.witness) {
@@ -36,6 +43,16 @@ void StereoFilter::learn_from(const ParameterErrorModel& model, const UpdateRepo
     input.nis -= explained.value;
     input.dof -= static_cast<double>(explained.dof);
   }
+  if (input_alarm_.active(report.t_ns) || report.inputs.gap_s > kLongGap) {
+    // An input that fails is not the rig's fault: what this frame says of the rig is not counted.
+    if (model.witness) {
+      estimate_.restart_witness(kWidestErrors);
+    }
+    report.health = last_health_.value_or(HealthReport{});
+    report.health->t_ns = report.t_ns;
+    report.health->alarm = false;
+    return;
+  }
   report.evidence = input;
   if (model.white_covariance.size() > 0 && !model.witness && !input.frame.empty()) {
     const MatrixXd inverse = watched.inverse();
@@ -45,7 +62,7 @@ void StereoFilter::learn_from(const ParameterErrorModel& model, const UpdateRepo
   if (!fresh_.is_zero() && !input.frame.empty()) {
     fresh_.learn(input.frame, dt);
   }
-  report.health = monitor_->judge(input);
+  report.health = last_health_ = monitor_->judge(input);
   if (model.witness && monitor_->restarts()) {
     estimate_.restart_witness(kWidestErrors);
   }

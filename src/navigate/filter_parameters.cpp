@@ -18,7 +18,17 @@ constexpr double kWalkPerSecond = 20.0;
 
 constexpr double kEstimatedWalk = 0.01;  // of the standard deviation at the start, per sqrt(s)
 
+constexpr double kPaperBaseline = 2.0;  // [m]
+constexpr double kPaperWalk = 1e-4;     // per second: 1e-6 [rad^2], [m^2] per 10 ms, Table 1
+
 }  // namespace
+
+RigParameters default_theta_walk(double baseline) {
+  const double share = baseline / kPaperBaseline;
+  RigParameters walk = RigParameters::Constant(kPaperWalk);
+  walk.tail<3>() *= share * share;
+  return walk;
+}
 
 /// The cameras of a calibration on the body as it moves now.
 MountedRig StereoFilter::mounted(const StereoCalibration& calibration) const {
@@ -86,7 +96,8 @@ void StereoFilter::walk_parameters(double dt) {
   }
   const RigParameters fresh = kWalkPerSecond * fresh_.variance().cwiseProduct(scale_.cwiseAbs2());
   Eigen::Matrix<double, 6, 6> walk =
-      (options_.method == Method::kEkfFull    ? options_.theta_walk
+      (options_.method == Method::kEkfFull
+           ? options_.theta_walk.value_or(default_theta_walk(given_.baseline()))
        : options_.method == Method::kAdaptive ? fresh
                                               : RigParameters(estimated_walk.head<6>()))
           .asDiagonal();
@@ -109,6 +120,8 @@ void StereoFilter::take_over(const StereoFilter& constrained, const CalibrationP
   estimate_ = constrained.estimate_;
   estimate_.promote_witness(constrained.error_model().watched.topRows<kBlockSize>());
   inputs_ = constrained.inputs_;
+  checks_ = constrained.checks_;
+  distrust_ = constrained.distrust_;
   omega_input_ = constrained.omega_input_;
   last_frame_ns_ = constrained.last_frame_ns_;
   use_estimated_calibration();

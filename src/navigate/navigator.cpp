@@ -17,6 +17,11 @@ constexpr double kLeastDoubt = 1.0;      // plausible errors
 /// can be learned from it alone: when it is that old [s], and unless the rig keeps changing.
 constexpr double kMapKnowsScale = 5.0;
 constexpr int kMostDoubts = 2;  // within that time
+/// Older events than this [s] need not be replayed, though no window of the alarm ended meanwhile.
+constexpr double kOldestCheckpoint = 5.0;
+/// Frames that are replayed while one comes in: a call costs about twice an ordinary one, and five seconds
+/// are caught up in two and a half.
+constexpr int kReplayedFrames = 3;
 
 NavigatorOptions constrained(NavigatorOptions options) {
   options.method = Method::kLcekf;
@@ -45,31 +50,48 @@ Navigator::Navigator(const NavigatorOptions& options, const StereoCalibration& c
     supervision_.emplace(Supervision{StereoFilter(constrained(options), calibration, initial),
                                      alarm,
                                      alarm,
-                                     {filter_, {}},
-                                     {filter_, {}},
+                                     {filter_, initial.nav.t_ns, {}},
+                                     {filter_, initial.nav.t_ns, {}},
                                      initial.nav.t_ns,
                                      initial.nav.t_ns});
   }
 }
 
 void Navigator::log(const Event& event) {
-  supervision_->older.events.push_back(event);
-  supervision_->recent.events.push_back(event);
+  Supervision& s = *supervision_;
+  if (s.replay) {
+    s.replay->push_back(event);
+  } else if (!s.resigned) {
+    s.older.events.push_back(event);
+    s.recent.events.push_back(event);
+  }
+}
+
+std::size_t Navigator::events_kept() const {
+  if (!supervision_) {
+    return 0;
+  }
+  const Supervision& s = *supervision_;
+  return s.older.events.size() + s.recent.events.size() + (s.replay ? s.replay->size() : 0);
 }
 
 void Navigator::add_imu(const ImuSample& sample) {
-  filter_.add_imu(sample);
   if (supervision_) {
     supervision_->parallel.add_imu(sample);
     log(sample);
   }
+  if (&answering() == &filter_) {
+    filter_.add_imu(sample);
+  }
 }
 
 void Navigator::add_odometry(const OdometrySample& sample) {
-  filter_.add_odometry(sample);
   if (supervision_) {
     supervision_->parallel.add_odometry(sample);
     log(sample);
+  }
+  if (&answering() == &filter_) {
+    filter_.add_odometry(sample);
   }
 }
 
@@ -90,44 +112,81 @@ bool Navigator::knows_scale(std::int64_t t_ns) const {
 }
 
 /// Comes again from the older checkpoint, in doubt this time.
-FrameReport Navigator::go_back(const HealthReport& why) {
+void Navigator::go_back(const HealthReport& why) {
+  Supervision& s = *supervision_;
   const CalibrationPrior prior = prior_after(why);
-  const Checkpoint from = std::move(supervision_->older);
-  filter_ = from.filter;
+  filter_ = std::move(s.older.filter);
   filter_.distrust(prior);
-  FrameReport last;
-  for (const Event& event : from.events) {
+  s.replay.emplace(s.older.events.begin(), s.older.events.end());
+  s.older.events.clear();
+  s.recent.events.clear();
+}
+
+/// Some of what the filter has not seen yet; once that is all, it answers again.
+void Navigator::replay() {
+  Supervision& s = *supervision_;
+  for (int frames = 0; frames < kReplayedFrames && !s.replay->empty(); s.replay->pop_front()) {
+    const Event& event = s.replay->front();
     if (const auto* frame = std::get_if<StereoFrame>(&event)) {
-      last = filter_.process(*frame);
+      (void)filter_.process(*frame);
+      ++frames;
     } else if (const auto* imu = std::get_if<ImuSample>(&event)) {
       filter_.add_imu(*imu);
     } else {
       filter_.add_odometry(std::get<OdometrySample>(event));
     }
   }
-  return last;
+  if (s.replay->empty()) {
+    s.replay.reset();
+    s.own_alarm = HealthMonitor(handover_alarm(), baseline_);
+    begin_checkpoints(filter_.estimate().nav.t_ns);
+  }
+}
+
+void Navigator::begin_checkpoints(std::int64_t t_ns) {
+  supervision_->recent = {filter_, t_ns, {}};
+  supervision_->older = supervision_->recent;
 }
 
 FrameReport Navigator::process(const StereoFrame& frame) {
-  FrameReport report = filter_.process(frame);
   if (!supervision_) {
+    FrameReport report = filter_.process(frame);
     health_ = report.health;
     return report;
   }
+  Supervision& s = *supervision_;
+  FrameReport parallel = s.parallel.process(frame);  // refuses a frame before anything has changed
+  health_ = parallel.health;
   log(frame);
-  const FrameReport parallel = supervision_->parallel.process(frame);
-  if (!supervision_->resigned) {
+  if (s.replay) {
+    replay();
+    return parallel;
+  }
+  FrameReport report = filter_.process(frame);
+  if (!s.resigned) {
     supervise(report, parallel);
   }
-  report.health = health_ = parallel.health;
+  if (s.replay) {
+    return parallel;
+  }
+  report.health = health_;
   return report;
 }
 
-void Navigator::supervise(FrameReport& report, const FrameReport& parallel) {
+void Navigator::supervise(const FrameReport& report, const FrameReport& parallel) {
   Supervision& s = *supervision_;
+  if (s.began_ns == 0) {
+    s.began_ns = s.doubted_ns = report.t_ns;
+  }
   const auto judged = [](HealthMonitor& alarm, const std::optional<HealthInput>& evidence) {
     return evidence ? alarm.judge(*evidence) : HealthReport{};
   };
+  if (parallel.inputs.contradiction) {
+    filter_.distrust_inputs(*parallel.inputs.contradiction);
+  }
+  if (parallel.status == UpdateStatus::kUpdated && !parallel.evidence) {
+    return;  // an input fails: the rig is not to blame
+  }
   const HealthReport own = judged(s.own_alarm, report.evidence);
   const HealthReport aside = judged(s.parallel_alarm, parallel.evidence);
   const bool parallel_rejects = aside.alarm && s.trusts;
@@ -135,18 +194,19 @@ void Navigator::supervise(FrameReport& report, const FrameReport& parallel) {
     s.doubts = 0;
   }
   if (!own.alarm && !parallel_rejects) {
-    if (s.own_alarm.restarts()) {
+    if (s.own_alarm.restarts() || seconds_between(s.recent.t_ns, report.t_ns) > kOldestCheckpoint) {
       s.older = std::move(s.recent);
-      s.recent = {filter_, {}};
+      s.recent = {filter_, report.t_ns, {}};
     }
     return;
   }
   if (!knows_scale(report.t_ns)) {
     s.resigned = true;
+    s.older.events = s.recent.events = {};
     return;
   }
   if (own.alarm) {
-    report = go_back(own);
+    go_back(own);
   } else {
     filter_.take_over(s.parallel,
                       {Eigen::Matrix<double, 6, 6>::Zero(), WhiteSize::Vector6::Constant(kLeastDoubt)});
@@ -155,8 +215,9 @@ void Navigator::supervise(FrameReport& report, const FrameReport& parallel) {
   s.doubted_ns = report.t_ns;
   s.trusts = false;
   s.own_alarm = HealthMonitor(handover_alarm(), baseline_);
-  s.recent = {filter_, {}};
-  s.older = s.recent;
+  if (!s.replay) {
+    begin_checkpoints(report.t_ns);
+  }
 }
 
 }  // namespace limber

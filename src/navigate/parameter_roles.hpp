@@ -44,6 +44,11 @@ inline constexpr double kNotEstimated =
 /// A column for each parameter of the set: 24×k, one plausible error each.
 [[nodiscard]] Eigen::MatrixXd unit_directions(const ParameterSet& set, const ParameterVector& scale);
 
+/// The estimate that a filter begins with: the initial state, and the priors of what it estimates beside.
+/// @throws std::invalid_argument if shapes disagree, a number is not finite or the baseline is not positive
+[[nodiscard]] Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration& calibration,
+                                     const InitialState& initial);
+
 /// @throws std::invalid_argument if options contradict each other, or the calibration
 void check_parameters(const NavigatorOptions& options, const StereoCalibration& calibration);
 

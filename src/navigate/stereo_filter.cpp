@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <stdexcept>
 #include <string>
-#include <unordered_set>
-#include <utility>
 
+#include "check_inputs.hpp"
 #include "limber/core/time.hpp"
 #include "limber/landmarks/landmark_initialization.hpp"
 #include "limber/landmarks/map_management.hpp"
@@ -29,39 +27,8 @@ NavigatorOptions completed(NavigatorOptions options) {
   if (options.method == Method::kAdaptive && !options.health) {
     options.health.emplace();  // it lives on what the monitor sees
   }
-  if (!(options.sigma_px.array() > 0.0).all()) {
-    throw std::invalid_argument("navigator: sigma_px must be positive");
-  }
-  if (!(options.gate_probability > 0.0 && options.gate_probability < 1.0)) {
-    throw std::invalid_argument("navigator: gate_probability must lie between 0 and 1");
-  }
+  check_options(options);
   return options;
-}
-
-Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration& calibration,
-                       const InitialState& initial) {
-  if (!(calibration.baseline() > 0.0)) {
-    throw std::invalid_argument("navigator: the baseline is " + std::to_string(calibration.baseline()) +
-                                " m, expected a positive one");
-  }
-  StateLayout layout{options.motion, has_theta(options), has_witness(options)};
-  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
-    layout.has_more[k] = (estimated(options) & parameters_of(kMoreBlocks[k])).any();
-  }
-  Estimate out(layout, initial.nav, initial.body_covariance, calibration.theta,
-               theta_prior(options, calibration).cwiseAbs2().asDiagonal());
-  const ParameterVector prior =
-      options.estimated.cwiseMax(kNotEstimated * plausible_errors(calibration)).cwiseAbs2();
-  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
-    if (layout.has_more[k]) {
-      out.P.set_diagonal_block(layout.more(k),
-                               MatrixXd(prior.segment<6>(first_of(kMoreBlocks[k])).asDiagonal()));
-    }
-  }
-  if (has_witness(options)) {
-    out.restart_witness(kWidestErrors);
-  }
-  return out;
 }
 
 /// The frame as a method sees it: mono-left does not look through the right camera.
@@ -76,40 +43,6 @@ StereoFrame visible(const StereoFrame& frame, Method method) {
   return out;
 }
 
-void check(const StereoFrame& frame, std::int64_t state_t_ns) {
-  const auto fail = [&](const std::string& what) {
-    throw std::invalid_argument("frame at " + std::to_string(frame.t_ns) + " ns " + what);
-  };
-  if (frame.t_ns < state_t_ns) {
-    fail("is older than the state, " + std::to_string(state_t_ns) + " ns");
-  }
-  std::unordered_set<std::int64_t> seen;
-  for (const StereoObservation& o : frame.observations) {
-    if ((o.in_cam0 && !o.uv_cam0.allFinite()) || (o.in_cam1 && !o.uv_cam1.allFinite())) {
-      fail("has a pixel that is not finite, track " + std::to_string(o.track_id));
-    }
-    if (!seen.insert(o.track_id).second) {
-      fail("holds track " + std::to_string(o.track_id) + " twice");
-    }
-  }
-}
-
-/// Noise of a step in a gap between samples grows with the gap.
-ImuNoise inflated(ImuNoise noise, double gap) {
-  noise.gyro_density *= std::sqrt(gap);
-  noise.accel_density *= std::sqrt(gap);
-  return noise;
-}
-
-/// Per-sample noise as it acts over a step of dt: white, so that its variance goes with the sample interval
-/// over dt.
-OdometryNoise per_step(OdometryNoise noise, double sample_interval, double dt, double gap) {
-  const double factor = std::sqrt(gap * (sample_interval > 0.0 ? sample_interval / dt : 1.0));
-  noise.sigma_v *= factor;
-  noise.sigma_omega *= factor;
-  return noise;
-}
-
 }  // namespace
 
 StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibration& calibration,
@@ -118,7 +51,10 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
       given_(calibration),
       calibration_(calibration),
       scale_(plausible_error(calibration.baseline())),
-      estimate_(make_estimate(options_, calibration, initial)) {
+      estimate_(make_estimate(options_, calibration, initial)),
+      inputs_(options.motion == MotionModel::kOdometry ? kOdometryPrior : kImuPrior),
+      checks_(options.motion == MotionModel::kOdometry ? kOdometryLimits : kImuLimits),
+      sound_(initial) {
   check_parameters(options_, calibration);
   if (!has_more(options_)) {  // where more is estimated, the points would have to be correlated with it
     place_first_map(estimate_, initial, mount(calibration)[0].T_cam_body.inverse());
@@ -133,14 +69,14 @@ void StereoFilter::add_imu(const ImuSample& sample) {
   if (options_.motion != MotionModel::kImu) {
     throw std::invalid_argument("navigator: IMU sample given, but the motion model is not kImu");
   }
-  inputs_.add({sample.t_ns, sample.omega_imu, sample.accel_imu});
+  add({sample.t_ns, sample.omega_imu, sample.accel_imu});
 }
 
 void StereoFilter::add_odometry(const OdometrySample& sample) {
   if (options_.motion != MotionModel::kOdometry) {
     throw std::invalid_argument("navigator: odometry sample given, but the motion model is not kOdometry");
   }
-  inputs_.add({sample.t_ns, sample.v_body, sample.omega_body});
+  add({sample.t_ns, sample.v_body, sample.omega_body});
 }
 
 void StereoFilter::assume_theta(const RigParameters& theta) {
@@ -149,50 +85,6 @@ void StereoFilter::assume_theta(const RigParameters& theta) {
   }
   calibration_.theta = theta;
   estimate_.theta = theta;
-}
-
-std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) {
-  const std::int64_t begin_ns = estimate_.nav.t_ns;
-  if (options_.motion != MotionModel::kConstantVelocity) {
-    return inputs_.steps(begin_ns, t_ns);
-  }
-  InputStep step;
-  step.t_end_ns = t_ns;
-  step.dt = seconds_between(begin_ns, t_ns);
-  return {step};
-}
-
-Transition StereoFilter::predict_step(const InputStep& step) {
-  switch (options_.motion) {
-    case MotionModel::kImu:
-      return predict_imu(estimate_.nav, step.first, step.second, step.dt,
-                         inflated(options_.imu_noise, step.gap), options_.gravity);
-    case MotionModel::kOdometry:
-      return predict_odometry(
-          estimate_.nav, step.first, step.second, step.dt,
-          per_step(options_.odometry_noise, inputs_.usual_interval_s(), step.dt, step.gap));
-    case MotionModel::kConstantVelocity:
-      break;
-  }
-  return predict_constant_velocity(estimate_.nav, step.dt, options_.constant_velocity_noise);
-}
-
-void StereoFilter::predict_to(std::int64_t t_ns) {
-  if (t_ns <= estimate_.nav.t_ns) {
-    return;
-  }
-  const double dt = seconds_between(estimate_.nav.t_ns, t_ns);
-  const Index k = estimate_.layout().body_size();
-  Transition whole{MatrixXd::Identity(k, k), MatrixXd::Zero(k, k)};
-  for (const InputStep& step : steps_to(t_ns)) {
-    omega_input_ = options_.motion == MotionModel::kOdometry ? step.second : step.first;
-    const Transition part = predict_step(step);
-    whole.Phi = part.Phi * whole.Phi;
-    whole.Q = part.Phi * whole.Q * part.Phi.transpose() + part.Q;
-  }
-  estimate_.nav.t_ns = t_ns;
-  estimate_.P.propagate_leading(whole.Phi, whole.Q);
-  walk_parameters(dt);
 }
 
 /// Where theta is trusted a new landmark may believe all its pixels at once: lcekf without constraints is the
@@ -278,6 +170,7 @@ void StereoFilter::constrained_update(const StackedFrame& stacked, const std::ve
     const Eigen::Matrix<double, 6, 6> P_theta =
         has_theta(options_) ? estimate_.P.diagonal_block<6>(estimate_.layout().theta())
                             : Eigen::Matrix<double, 6, 6>::Zero().eval();
+    const PoseCorrection::Matrix6 P_pose = estimate_.P.diagonal_block<6>(0);
     UpdateReport updated =
         update(estimate_.P, all ? stacked.measurement : stacked.measurement.subset(accepted), model);
     if (options_.method == Method::kConsider && updated.status == UpdateStatus::kUpdated) {
@@ -287,11 +180,18 @@ void StereoFilter::constrained_update(const StackedFrame& stacked, const std::ve
       estimate_.P.set_diagonal_block(at, P_theta);
       updated.dx.segment<6>(at).setZero();
     }
+    const PoseCorrection::Matrix6 corrected_by = P_pose - estimate_.P.diagonal_block<6>(0);
     estimate_.retract(updated.dx);
     report.status = updated.status;
     report.nis = updated.nis;
     report.dof = updated.dof;
     report.rank = updated.rank;
+    if (updated.status == UpdateStatus::kUpdated) {
+      blind_turn_ = 0.0;
+      judge_inputs({report.t_ns, dt, updated.dx.head<6>(), corrected_by, updated.nis,
+                    static_cast<double>(updated.dof)},
+                   report);
+    }
     if (monitor_) {
       learn_from(model, updated, dt, report);
     }
@@ -307,7 +207,7 @@ void StereoFilter::record(const StackedFrame& stacked, const std::vector<bool>& 
     Landmark* landmark = estimate_.find(stacked.track_ids[g]);
     landmark->refusals = accepted[g] ? 0 : landmark->refusals + 1;
     landmark->last_seen_ns = report.t_ns;
-    report.used += accepted[g] ? 1 : 0;
+    report.used += accepted[g] && report.status == UpdateStatus::kUpdated ? 1 : 0;
   }
   for (const Refusal& refusal : report.refused) {
     Landmark* landmark = estimate_.find(refusal.track_id);
@@ -322,17 +222,20 @@ void StereoFilter::record(const StackedFrame& stacked, const std::vector<bool>& 
 }
 
 FrameReport StereoFilter::process(const StereoFrame& raw) {
-  check(raw, estimate_.nav.t_ns);
+  start_at(raw.t_ns);
+  check_frame(raw, estimate_.nav.t_ns, last_frame_ns_);
   const StereoFrame frame = visible(raw, options_.method);
   const double dt = seconds_between(estimate_.nav.t_ns, frame.t_ns);
   FrameReport report;
   report.t_ns = frame.t_ns;
   report.observed = frame.observations.size();
+  report.inputs = report_inputs(frame.t_ns);
 
   predict_to(frame.t_ns);                                             // Eqs. (4), (7)
   update_active_set(estimate_, frame, last_frame_ns_, options_.map);  // compressed filter
-  const LinearizationPoint at = choose_linearization_point(frame);    // for Eq. (16)
-  report.removed = forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);
+  report.removed = forget_after_blindness(frame);
+  const LinearizationPoint at = choose_linearization_point(frame);  // for Eq. (16)
+  report.removed += forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);
   NewLandmarks fresh;
   if (initializes_before_update()) {
     fresh = initialize_landmarks(frame, at.rig);  // Eqs. (29)-(32)
@@ -348,6 +251,13 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   report.initialized = fresh.size();
   report.removed += manage_map(estimate_, frame.t_ns, options_.map);
   last_frame_ns_ = frame.t_ns;
+  report.reset = report.status == UpdateStatus::kSingularInnovation || is_broken();
+  if (report.reset) {
+    begin_anew();
+  } else {
+    sound_ = {estimate_.nav,
+              estimate_.P.block(0, 0, sound_.body_covariance.rows(), sound_.body_covariance.rows())};
+  }
   return report;
 }
 

@@ -2,6 +2,8 @@
 #include "limber/predict/input_buffer.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -10,6 +12,20 @@ namespace {
 
 /// Samples this many usual intervals apart are a gap (one dropped sample is 2).
 constexpr double kGap = 1.5;
+constexpr double kIntervalUnknown = 2e7;            // [ns], taken for usual before the second sample
+constexpr std::int64_t kLongestGapStep = 50000000;  // [ns]
+/// What stays unknown in a gap is taken for white with this correlation time at most [s]: an error that lasts
+/// as long as a short gap, and changes sign now and then in a long one.
+constexpr double kLongestError = 1.0;
+
+constexpr double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+/// How sure one is of an input that was seen `away` seconds ago, for an error that lasts for `lasting`
+/// seconds.
+Unknown unknown(const MotionSeen& seen, double spread, double away, double lasting) {
+  const double memory = seen.correlation(away, spread);
+  return {memory, (1.0 - memory * memory) * spread * spread * std::min(lasting, kLongestError)};
+}
 
 }  // namespace
 
@@ -28,11 +44,23 @@ void InputBuffer::add(const InputSample& sample) {
     const double ns = static_cast<double>(interval);
     usual_interval_ns_ = usual_interval_ns_ > 0.0 ? std::min(ns, 1.02 * usual_interval_ns_) : ns;
   }
+  first_seen_.add(sample.t_ns, sample.first);
+  second_seen_.add(sample.t_ns, sample.second);
   samples_.push_back(sample);
+}
+
+std::size_t InputBuffer::first_after(std::int64_t t_ns) const {
+  return static_cast<std::size_t>(
+      std::upper_bound(samples_.begin(), samples_.end(), t_ns,
+                       [](std::int64_t t, const InputSample& s) { return t < s.t_ns; }) -
+      samples_.begin());
 }
 
 /// The inputs at t; `next` is the index of the first sample after t.
 InputSample InputBuffer::at(std::int64_t t_ns, std::size_t next) const {
+  if (samples_.empty()) {
+    return {t_ns};
+  }
   if (next == 0) {
     return samples_.front();
   }
@@ -42,46 +70,84 @@ InputSample InputBuffer::at(std::int64_t t_ns, std::size_t next) const {
   const InputSample& a = samples_[next - 1];
   const InputSample& b = samples_[next];
   const double s = static_cast<double>(t_ns - a.t_ns) / static_cast<double>(b.t_ns - a.t_ns);
-  return {t_ns, (1.0 - s) * a.first + s * b.first, (1.0 - s) * a.second + s * b.second};
+  return {t_ns, (1.0 - s) * a.first + s * b.first, (1.0 - s) * a.second + s * b.second,
+          std::max(a.first_density, b.first_density), std::max(a.second_density, b.second_density)};
 }
 
-double InputBuffer::gap_around(std::size_t next, std::int64_t end_ns) const {
-  if (next == 0 || usual_interval_ns_ == 0.0) {
-    return 1.0;
+/// Time between the samples around, in usual intervals; without one of them, from where it is asked for.
+double InputBuffer::gap_around(std::size_t next, std::int64_t begin_ns, std::int64_t end_ns) const {
+  if (samples_.empty()) {
+    return std::numeric_limits<double>::infinity();
   }
+  const double usual = usual_interval_ns_ > 0.0 ? usual_interval_ns_ : kIntervalUnknown;
+  const std::int64_t before_ns = next > 0 ? samples_[next - 1].t_ns : begin_ns;
   const std::int64_t after_ns = next < samples_.size() ? samples_[next].t_ns : end_ns;
-  const double ratio = static_cast<double>(after_ns - samples_[next - 1].t_ns) / usual_interval_ns_;
+  const double ratio = static_cast<double>(after_ns - before_ns) / usual;
   return ratio > kGap ? ratio : 1.0;
 }
 
-std::vector<InputStep> InputBuffer::steps(std::int64_t begin_ns, std::int64_t end_ns) {
+/// What is not known of a step in a gap: the further from the samples around it, the more.
+void InputBuffer::doubt(InputStep& step, std::size_t next, std::int64_t begin_ns) const {
+  const std::int64_t middle = begin_ns + (step.t_end_ns - begin_ns) / 2;
+  constexpr double kFar = 1e9;  // [s]
+  const double since = next > 0 ? seconds(middle - samples_[next - 1].t_ns) : kFar;
+  const double until = next < samples_.size() ? seconds(samples_[next].t_ns - middle) : kFar;
+  // Between two samples as far as from two that pull together; from one, as far as it is away.
+  const double away = since * until / (since + until), lasting = std::min(since + until, kFar);
+  step.first_unknown = unknown(first_seen_, first_seen_.rms(), away, lasting);
+  step.second_unknown = unknown(second_seen_, second_seen_.spread(), away, lasting);
+  step.gap = std::min(step.gap, 1e9);
+}
+
+std::vector<InputStep> InputBuffer::steps(std::int64_t begin_ns, std::int64_t end_ns) const {
   std::vector<InputStep> out;
-  if (samples_.empty() || end_ns <= begin_ns) {
+  if (end_ns <= begin_ns) {
     return out;
   }
-  std::size_t next = static_cast<std::size_t>(
-      std::upper_bound(samples_.begin(), samples_.end(), begin_ns,
-                       [](std::int64_t t, const InputSample& s) { return t < s.t_ns; }) -
-      samples_.begin());
+  std::size_t next = first_after(begin_ns);
   InputSample from = at(begin_ns, next);
   std::int64_t t = begin_ns;
   while (t < end_ns) {
-    const bool reaches_sample = next < samples_.size() && samples_[next].t_ns <= end_ns;
-    const std::int64_t t_to = reaches_sample ? samples_[next].t_ns : end_ns;
+    const double gap = gap_around(next, begin_ns, end_ns);
+    const std::int64_t stop_ns = gap > 1.0 ? std::min(end_ns, t + kLongestGapStep) : end_ns;
+    const bool reaches_sample = next < samples_.size() && samples_[next].t_ns <= stop_ns;
+    const std::int64_t t_to = reaches_sample ? samples_[next].t_ns : stop_ns;
     const InputSample to = reaches_sample ? samples_[next] : at(t_to, next);
-    InputStep step{t_to, 1e-9 * static_cast<double>(t_to - t), 0.5 * (from.first + to.first),
-                   0.5 * (from.second + to.second), 1.0};
-    step.gap = gap_around(next, end_ns);
+    InputStep step{t_to, seconds(t_to - t), 0.5 * (from.first + to.first), 0.5 * (from.second + to.second),
+                   gap};
+    if (gap > 1.0) {
+      doubt(step, next, t);
+    }
+    step.first_unknown.density += std::max(from.first_density, to.first_density);
+    step.second_unknown.density += std::max(from.second_density, to.second_density);
     out.push_back(step);
     from = to;
     t = t_to;
     next += reaches_sample ? 1 : 0;
   }
-  // The sample before the end is still needed for the next step.
-  while (samples_.size() > 1 && samples_[1].t_ns <= end_ns) {
+  return out;
+}
+
+void InputBuffer::forget_before(std::int64_t begin_ns) {
+  // The sample before the beginning is still needed.
+  while (samples_.size() > 1 && samples_[1].t_ns <= begin_ns) {
     samples_.pop_front();
   }
-  return out;
+}
+
+double InputBuffer::longest_gap_s(std::int64_t begin_ns, std::int64_t end_ns) const {
+  double longest = 0.0;
+  std::int64_t t = begin_ns;
+  for (std::size_t next = first_after(begin_ns); t < end_ns; ++next) {
+    const bool last = next >= samples_.size();
+    const std::int64_t from = next > 0 ? samples_[next - 1].t_ns : begin_ns;
+    const std::int64_t to = last ? end_ns : samples_[next].t_ns;
+    if (gap_around(next, begin_ns, end_ns) > 1.0) {
+      longest = std::max(longest, seconds(to - from));
+    }
+    t = to;
+  }
+  return longest;
 }
 
 }  // namespace limber

@@ -9,9 +9,6 @@
 namespace limber {
 namespace {
 
-constexpr double kPaperBaseline = 2.0;  // [m]
-constexpr double kPaperWalk = 1e-6;     // [rad^2], [m^2] per prediction step, Table 1
-constexpr double kPaperStepsPerSecond = 100.0;
 constexpr double kSmallestBaseline = 1e-4;  // [m]
 constexpr double kLargestError = 10.0;      // of an assumed calibration, in baselines
 constexpr double kLargestTimeOffset = 0.1;  // [s]
@@ -44,13 +41,6 @@ ConstraintSet choose_constraints(const RunOptions& options, MotionModel motion, 
   setup.notes.push_back(fmt::format("constraints full: the scale comes from the {}",
                                     motion == MotionModel::kImu ? "IMU" : "odometry"));
   return {ConstraintSet::Kind::kFull, {}};
-}
-
-RigParameters default_walk(double baseline) {
-  const double share = baseline / kPaperBaseline;
-  RigParameters walk = RigParameters::Constant(kPaperWalk * kPaperStepsPerSecond);
-  walk.tail<3>() *= share * share;
-  return walk;
 }
 
 template <typename T>
@@ -154,7 +144,7 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   navigator.theta_sigma = options.theta_sigma.value_or(plausible_error(setup.calibration.baseline()));
   navigator.estimated = options.estimated;
   navigator.softened = options.softened;
-  navigator.theta_walk = options.theta_walk.value_or(default_walk(setup.calibration.baseline()));
+  navigator.theta_walk = options.theta_walk.value_or(default_theta_walk(setup.calibration.baseline()));
   navigator.landmarks = options.landmarks;
   navigator.gate = options.gate;
   if (options.watch) {

@@ -15,6 +15,7 @@
 #include "limber/initialize/sensor_start.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/run/draw_initial_state.hpp"
+#include "limber/run/input_summary.hpp"
 #include "remarks.hpp"
 
 namespace limber {
@@ -360,7 +361,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     record.trajectory.push_back(row_of(navigator));
     keep_calibration(navigator, record);
     record.frame_ms.push_back(milliseconds(begin_filter, Clock::now()));
-    if (!is_sane(record.trajectory.back())) {
+    if (!is_sane(record.trajectory.back()) || (record.frames.back().reset && options.stop_when_lost)) {
       fail_diverged(options.method, n, frame.t_ns, remarks);
     }
     if (observe) {
@@ -371,6 +372,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     }
   }
   take_map(navigator, record);
+  append(record.notes, remarks_on_inputs(summarize_inputs(record.frames)));
   append(record.notes, detail::remarks_on_measurements(record, options.method, points));
   return record;
 }

@@ -19,8 +19,9 @@ std::size_t count(const detail::TableReader& table, std::size_t column) {
 std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
   detail::TableReader table(
       path, {.names = {"t_ns", "observed", "used", "initialized", "removed", "refused", "gate_overruled",
-                       "nis [-]", "dof", "constrained_rank", "filter_ms", "source_ms"},
-             .counts = {12}});
+                       "nis [-]", "dof", "constrained_rank", "status", "inputs", "gap_s", "faulty_samples",
+                       "reset", "filter_ms", "source_ms"},
+             .counts = {17}});
   std::vector<FrameRow> rows;
   while (table.next()) {
     FrameRow row;
@@ -34,8 +35,8 @@ std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
     row.nis = table.number(7);
     row.dof = count(table, 8);
     row.rank = count(table, 9);
-    row.filter_ms = table.number(10);
-    row.source_ms = table.number(11);
+    row.filter_ms = table.number(15);
+    row.source_ms = table.number(16);
     rows.push_back(row);
   }
   table.require_a_row("frame");

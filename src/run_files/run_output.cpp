@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <system_error>
 
 #include "limber/core/errors.hpp"
@@ -72,6 +73,18 @@ Json to_json(const RunOptions& options) {
           {"run", options.run}};
 }
 
+Json to_json(const std::vector<RunEvent>& events) {
+  Json out = Json::array();
+  for (const RunEvent& e : events) {
+    out.push_back({{"what", e.what},
+                   {"from_s", 1e-9 * static_cast<double>(e.from_ns)},
+                   {"to_s", 1e-9 * static_cast<double>(e.to_ns)},
+                   {"frames", e.frames},
+                   {"samples", e.samples}});
+  }
+  return out;
+}
+
 Json to_json(const RunOptions& options, const RunRecord& record, const RunSummary& s) {
   Json json;
   json["method"] = s.method;
@@ -89,11 +102,26 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["anees_position"] = or_null(s.anees_position);
   json["anees_attitude"] = or_null(s.anees_attitude);
   json["nis_per_dof"] = or_null(s.nis_per_dof);
-  json["ms_per_frame"] = {{"p50", s.ms_per_frame_p50}, {"p99", s.ms_per_frame_p99}};
+  json["ms_per_frame"] = {{"p50", s.ms_per_frame_p50},
+                          {"p99", s.ms_per_frame_p99},
+                          {"p999", s.ms_per_frame_p999},
+                          {"worst", s.ms_per_frame_worst}};
   json["realtime_factor"] = s.realtime_factor;
   json["peak_rss_mb"] = s.peak_rss_mb;
   json["points_per_frame"] = s.points_per_frame;
   json["points_refused"] = s.points_refused;
+  json["frames_by_status"] = {{to_string(UpdateStatus::kUpdated), s.inputs.updated},
+                              {to_string(UpdateStatus::kEmpty), s.inputs.no_points},
+                              {to_string(UpdateStatus::kSingularInnovation), s.inputs.singular}};
+  json["frames_by_inputs"] = {{to_string(InputStatus::kNotNeeded), s.inputs.not_needed},
+                              {to_string(InputStatus::kSound), s.inputs.sound},
+                              {to_string(InputStatus::kFaulty), s.inputs.faulty},
+                              {to_string(InputStatus::kGap), s.inputs.gap},
+                              {to_string(InputStatus::kContradicted), s.inputs.contradicted},
+                              {to_string(InputStatus::kNone), s.inputs.none}};
+  json["events"] = to_json(s.inputs.events);
+  json["lost_since_s"] =
+      s.inputs.lost_since_ns ? Json(1e-9 * static_cast<double>(*s.inputs.lost_since_ns)) : Json(nullptr);
   json["health"] = s.health ? Json::parse(to_json(*s.health, options.false_alarms_per_hour)) : Json(nullptr);
   json["seed"] = options.seed;
   json["options"] = to_json(options);
@@ -107,13 +135,16 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
 std::string frames_csv(const RunRecord& record) {
   std::string text =
       "#t_ns,observed,used,initialized,removed,refused,gate_overruled,nis "
-      "[-],dof,constrained_rank,filter_ms,source_ms\n";
+      "[-],dof,constrained_rank,status,inputs,gap_s,faulty_samples,reset,filter_ms,source_ms\n";
   auto out = std::back_inserter(text);
   for (std::size_t k = 0; k < record.frames.size(); ++k) {
     const FrameReport& f = record.frames[k];
-    fmt::format_to(out, "{},{},{},{},{},{},{:d},{},{},{},{:.3f},{:.3f}\n", f.t_ns, f.observed, f.used,
-                   f.initialized, f.removed, f.refused.size(), f.gate_overruled, f.nis, f.dof, f.rank,
-                   record.frame_ms[k], record.source_ms[k]);
+    const auto& faults = f.inputs.faults.count;
+    fmt::format_to(out, "{},{},{},{},{},{},{:d},{},{},{},{},{},{:.6g},{},{:d},{:.3f},{:.3f}\n", f.t_ns,
+                   f.observed, f.used, f.initialized, f.removed, f.refused.size(), f.gate_overruled, f.nis,
+                   f.dof, f.rank, to_string(f.status), to_string(f.inputs.status), f.inputs.gap_s,
+                   std::accumulate(faults.begin(), faults.end(), std::size_t{0}), f.reset, record.frame_ms[k],
+                   record.source_ms[k]);
   }
   return text;
 }

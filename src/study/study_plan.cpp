@@ -117,6 +117,7 @@ RunOptions run_options(const Scenario& scenario, const MethodVariant& variant, s
   options.seed = seed;
   options.run = run;
   options.watch = false;
+  options.stop_when_lost = true;
   return options;
 }
 

@@ -23,21 +23,26 @@ bool is_surely_strong(const MatrixXd& R) {
 
 }  // namespace
 
-MatrixXd strong_directions(const Eigen::Ref<const MatrixXd>& D) {
+MatrixXd strong_combinations(const Eigen::Ref<const MatrixXd>& D) {
   if (D.size() == 0) {
-    return MatrixXd(D.rows(), 0);
+    return MatrixXd(D.cols(), 0);
   }
+  const MatrixXd I = MatrixXd::Identity(D.cols(), D.cols());
   if (D.cols() == 1) {  // what the epipolar rows leave, as a rule
-    return D.leftCols(D.norm() >= kWeakDirection ? 1 : 0);
+    return I.leftCols(D.norm() >= kWeakDirection ? 1 : 0);
   }
   const Index k = std::min(D.rows(), D.cols());
   const MatrixXd R = Eigen::HouseholderQR<MatrixXd>(D).matrixQR().topRows(k).triangularView<Eigen::Upper>();
   if (k == D.cols() && is_surely_strong(R)) {
-    return D;  // its own basis
+    return I;  // its own basis
   }
   const Eigen::JacobiSVD<MatrixXd> svd(R, Eigen::ComputeFullV);
-  const auto strong = (svd.singularValues().array() >= kWeakDirection).count();
-  return D * svd.matrixV().leftCols(strong);
+  return svd.matrixV().leftCols((svd.singularValues().array() >= kWeakDirection).count());
+}
+
+MatrixXd strong_directions(const Eigen::Ref<const MatrixXd>& D) {
+  const MatrixXd T = strong_combinations(D);
+  return T.cols() == D.cols() && T.isIdentity(0.0) ? MatrixXd(D) : MatrixXd(D * T);
 }
 
 }  // namespace limber

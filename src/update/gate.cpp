@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "limber/core/chi_square.hpp"
+#include "limber/update/consensus.hpp"
 #include "limber/update/constraint.hpp"
 #include "white_covariance.hpp"
 
@@ -23,22 +24,28 @@ namespace {
 /// more.
 constexpr double kUsedUp = 1e-9;
 
+/// How far what is constrained may be off, in plausible errors, for finding what most groups agree upon.
+constexpr double kWidestOffset = 10.0;
+
 struct Distance {
   double squared = 0.0;
   Index dof = 0;
 };
 
-/// eᵀ B⁺ e, where B is what the constraint leaves of S. In units of S, so that a huge variance in one
-/// direction (a new landmark's depth) does not hide what the others say.
-Distance mahalanobis(const VectorXd& e, const MatrixXd& B, const MatrixXd& S) {
-  const Eigen::LLT<MatrixXd> root(S);
-  const VectorXd white_e = root.matrixL().solve(e);
-  const MatrixXd half = root.matrixL().solve(B);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(root.matrixL().solve(half.transpose()));
+/// eᵀ B⁺ e, where B is what the constraint leaves of the identity: in units of S, so that a huge variance in
+/// one direction (a new landmark's depth) does not hide what the others say.
+Distance mahalanobis(const VectorXd& e, const MatrixXd& B) {
+  const Eigen::LLT<MatrixXd> root(B);
+  // No eigenvalue exceeds one, so that none is smaller than the determinant.
+  const double diagonal = root.matrixLLT().diagonal().prod();
+  if (root.info() == Eigen::Success && diagonal * diagonal > 10.0 * kUsedUp) {
+    return {root.matrixL().solve(e).squaredNorm(), e.size()};
+  }
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(B);
   Distance out;
   for (Index k = 0; k < e.size(); ++k) {
     if (eigen.eigenvalues()(k) > kUsedUp) {
-      const double component = eigen.eigenvectors().col(k).dot(white_e);
+      const double component = eigen.eigenvectors().col(k).dot(e);
       out.squared += component * component / eigen.eigenvalues()(k);
       ++out.dof;
     }
@@ -46,38 +53,78 @@ Distance mahalanobis(const VectorXd& e, const MatrixXd& B, const MatrixXd& S) {
   return out;
 }
 
-/// Judges the groups still in play with S⁻¹ and the directions DC that the gain must not see; rows that were
-/// dropped are zero in both.
+/// What is judged: residual, its covariance, and the directions that the gain must not see.
+struct Judged {
+  VectorXd r;
+  MatrixXd S;
+  MatrixXd DC;
+  std::vector<RowGroup> groups;
+
+  /// The same without the groups that are not kept.
+  [[nodiscard]] Judged subset(const std::vector<bool>& kept) const {
+    Judged out;
+    std::vector<Index> rows;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      if (kept[g]) {
+        out.groups.push_back({static_cast<Index>(rows.size()), groups[g].rows, groups[g].own});
+        for (Index k = 0; k < groups[g].rows; ++k) {
+          rows.push_back(groups[g].row + k);
+        }
+      }
+    }
+    out.r = r(rows);
+    out.S = S(rows, rows);
+    out.DC = DC(rows, Eigen::all);
+    return out;
+  }
+};
+
+/// Judges the groups still in play. Dropping a group is block elimination in V = S⁻¹, of which only the
+/// products that the judgement needs are kept, as V = S⁻¹ − U Uᵀ: O(m²) each.
 class Judge {
  public:
-  Judge(const Innovation& innovation, const MatrixXd& S, MatrixXd DC, double probability)
-      : r_(innovation.r), S_(S), DC_(std::move(DC)), probability_(probability), llt_(S) {
-    A_ = strong_directions(DC_);
-    SinvA_ = A_.cols() > 0 ? MatrixXd(llt_.solve(A_)) : A_;  // Eigen solves for no column at its peril
-    Sinvr_ = llt_.solve(r_);
+  Judge(const Judged& judged, double probability)
+      : z_(judged), probability_(probability), llt_(judged.S), DC_(judged.DC), U_(judged.S.rows(), 0) {
+    Vr_ = llt_.solve(z_.r);
+    VDC_ = DC_.cols() > 0 ? MatrixXd(llt_.solve(DC_)) : DC_;  // Eigen solves for no column at its peril
+    white_r_ = z_.r;
+    white_DC_ = DC_;
+    for (const RowGroup& group : z_.groups) {
+      const Eigen::LLT<MatrixXd> root(z_.S.block(group.row, group.row, group.rows, group.rows));
+      root.matrixL().solveInPlace(white_r_.segment(group.row, group.rows));
+      if (DC_.cols() > 0) {
+        auto rows = white_DC_.middleRows(group.row, group.rows);
+        root.matrixL().solveInPlace(rows);
+      }
+    }
   }
 
   [[nodiscard]] bool valid() const { return llt_.info() == Eigen::Success; }
 
   /// Judges the accepted groups; returns the one that exceeds its threshold most, or -1.
-  Index worst(const std::vector<RowGroup>& groups, GateReport& report) {
-    VectorXd delta(A_.cols());
-    MatrixXd Minv(A_.cols(), A_.cols());
-    if (A_.cols() > 0) {
-      const Eigen::CompleteOrthogonalDecomposition<MatrixXd> M(A_.transpose() * SinvA_);
-      delta = M.solve(A_.transpose() * Sinvr_);
+  Index worst(GateReport& report) {
+    const MatrixXd T = strong_combinations(DC_);
+    VectorXd delta(T.cols());
+    MatrixXd Minv(T.cols(), T.cols());
+    if (T.cols() > 0) {
+      const Eigen::CompleteOrthogonalDecomposition<MatrixXd> M(T.transpose() * (DC_.transpose() * VDC_) * T);
+      delta = M.solve(T.transpose() * (DC_.transpose() * Vr_));
       Minv = M.pseudoInverse();
     }
+    const MatrixXd white_A = white_DC_ * T;
     Index worst = -1;
     double worst_ratio = 1.0;
-    for (std::size_t g = 0; g < groups.size(); ++g) {
+    for (std::size_t g = 0; g < z_.groups.size(); ++g) {
       if (!report.accepted[g]) {
         continue;
       }
-      const Index row = groups[g].row, rows = groups[g].rows;
-      const MatrixXd A = A_.middleRows(row, rows);
-      const MatrixXd S = S_.block(row, row, rows, rows);
-      const Distance d = mahalanobis(r_.segment(row, rows) - A * delta, S - A * Minv * A.transpose(), S);
+      const Index row = z_.groups[g].row, rows = z_.groups[g].rows;
+      const auto A = white_A.middleRows(row, rows);
+      Distance d{white_r_.segment(row, rows).squaredNorm(), rows};
+      if (!A.isZero(0.0)) {
+        d = mahalanobis(white_r_.segment(row, rows) - A * delta,
+                        MatrixXd::Identity(rows, rows) - A * Minv * A.transpose());
+      }
       report.distance[g] = d.squared;
       report.threshold[g] = quantile(d.dof);
       if (d.dof > 0 && d.squared > worst_ratio * report.threshold[g]) {
@@ -88,19 +135,19 @@ class Judge {
     return worst;
   }
 
-  /// Takes the rows of a group out: block elimination in S⁻¹. What is left of D C may have fewer directions.
+  /// Takes the rows of a group out. What is left of D C may have fewer directions.
   void drop(const RowGroup& group) {
-    if (Sinv_.size() == 0) {
-      Sinv_ = llt_.solve(MatrixXd::Identity(S_.rows(), S_.cols()));
-    }
-    const MatrixXd column = Sinv_.middleCols(group.row, group.rows);
-    const MatrixXd pivot = Sinv_.block(group.row, group.row, group.rows, group.rows);
-    const MatrixXd scaled = pivot.llt().solve(column.transpose());  // V_ii⁻¹ V_i:
-    Sinvr_ -= scaled.transpose() * Sinvr_.segment(group.row, group.rows).eval();
-    Sinv_.noalias() -= column * scaled;
+    MatrixXd column = MatrixXd::Zero(z_.r.size(), group.rows);  // of V
+    column.middleRows(group.row, group.rows).setIdentity();
+    llt_.solveInPlace(column);
+    column.noalias() -= U_ * U_.middleRows(group.row, group.rows).transpose();
+    const Eigen::LLT<MatrixXd> pivot(column.middleRows(group.row, group.rows));
+    pivot.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(column);  // V := V − column columnᵀ
+    Vr_ -= column * (column.transpose() * z_.r);
+    VDC_ -= column * (column.transpose() * z_.DC).eval();
     DC_.middleRows(group.row, group.rows).setZero();
-    A_ = strong_directions(DC_);
-    SinvA_.noalias() = Sinv_ * A_;
+    U_.conservativeResize(Eigen::NoChange, U_.cols() + column.cols());
+    U_.rightCols(column.cols()) = column;
   }
 
  private:
@@ -115,16 +162,71 @@ class Judge {
     return it->second;
   }
 
-  const VectorXd& r_;
-  const MatrixXd& S_;
-  MatrixXd DC_;
+  const Judged& z_;
   double probability_;
   Eigen::LLT<MatrixXd> llt_;
-  MatrixXd A_;  // basis of the columns of DC_ without the weak directions
-  MatrixXd SinvA_, Sinv_;
-  VectorXd Sinvr_;
+  MatrixXd DC_;              // rows that were dropped are zero
+  MatrixXd U_;               // of what was dropped
+  VectorXd Vr_, white_r_;    // V r; r in units of the groups' own S
+  MatrixXd VDC_, white_DC_;  // V D C; " D C
   std::map<Index, double> quantiles_;
 };
+
+/// Drops the worst group as long as one fails. @return false if more than half failed
+bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, std::size_t most, GateReport& report) {
+  std::size_t dropped = 0;
+  for (Index worst = judge.worst(report); worst >= 0; worst = judge.worst(report)) {
+    if (++dropped > most) {
+      return false;
+    }
+    report.accepted[static_cast<std::size_t>(worst)] = false;
+    judge.drop(groups[static_cast<std::size_t>(worst)]);
+  }
+  return true;
+}
+
+GateReport nothing_refused(std::size_t groups) {
+  return {std::vector<bool>(groups, true), std::vector<double>(groups, 0.0),
+          std::vector<double>(groups, 0.0)};
+}
+
+/// Flags the groups that lie far from what most agree upon. @return how many
+std::size_t flag_gross(const Judged& judged, double probability, GateReport& report) {
+  const Consensus consensus = find_consensus(judged.r, judged.S, judged.groups, kWidestOffset * judged.DC);
+  std::size_t gross = 0;
+  for (std::size_t g = 0; g < judged.groups.size(); ++g) {
+    const double threshold = chi_square_quantile(probability, static_cast<double>(judged.groups[g].rows));
+    if (consensus.distance[g] > kGrossOutlier * threshold) {
+      report.accepted[g] = false;
+      report.distance[g] = consensus.distance[g];
+      report.threshold[g] = threshold;
+      ++gross;
+    }
+  }
+  return gross;
+}
+
+/// Without the gross outliers, the others in turn.
+GateReport gate_robustly(const Judged& judged, GateReport flagged, std::size_t gross, double probability) {
+  const Judged rest = judged.subset(flagged.accepted);
+  Judge judge(rest, probability);
+  GateReport inner = nothing_refused(rest.groups.size());
+  const std::size_t most = judged.groups.size() / 2 - gross;
+  if (judge.valid() && !eliminate(judge, rest.groups, most, inner)) {
+    inner.accepted.assign(rest.groups.size(), true);
+    flagged.overruled = true;
+  }
+  std::size_t k = 0;
+  for (std::size_t g = 0; g < judged.groups.size(); ++g) {
+    if (flagged.accepted[g]) {
+      flagged.accepted[g] = inner.accepted[k];
+      flagged.distance[g] = inner.distance[k];
+      flagged.threshold[g] = inner.threshold[k];
+      ++k;
+    }
+  }
+  return flagged;
+}
 
 }  // namespace
 
@@ -134,25 +236,27 @@ bool GateReport::all_accepted() const {
 
 GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
                 const ParameterErrorModel& treatment, double probability) {
-  GateReport report{std::vector<bool>(groups.size(), true), std::vector<double>(groups.size(), 0.0),
-                    std::vector<double>(groups.size(), 0.0)};
-  const MatrixXd S = with_white_covariance(innovation, treatment);
-  Judge judge(innovation, S,
-              treatment.constrained.cols() > 0 ? MatrixXd(innovation.D * treatment.constrained)
-                                               : MatrixXd(S.rows(), 0),
-              probability);
+  const Judged judged{innovation.r, with_white_covariance(innovation, treatment),
+                      treatment.constrained.cols() > 0 ? MatrixXd(innovation.D * treatment.constrained)
+                                                       : MatrixXd(innovation.r.size(), 0),
+                      groups};
+  GateReport report = nothing_refused(groups.size());
+  Judge judge(judged, probability);
   if (!judge.valid()) {
     return report;  // the update will say that S is singular
   }
-  std::size_t dropped = 0;
-  for (Index worst = judge.worst(groups, report); worst >= 0; worst = judge.worst(groups, report)) {
-    if (2 * ++dropped > groups.size()) {
-      report.accepted.assign(groups.size(), true);
-      report.overruled = true;
-      return report;
-    }
-    report.accepted[static_cast<std::size_t>(worst)] = false;
-    judge.drop(groups[static_cast<std::size_t>(worst)]);
+  const Index worst = judge.worst(report);
+  if (worst < 0) {
+    return report;
+  }
+  GateReport flagged = nothing_refused(groups.size());
+  const std::size_t gross = flag_gross(judged, probability, flagged);
+  if (gross > 0 && 2 * gross <= groups.size()) {
+    return gate_robustly(judged, std::move(flagged), gross, probability);
+  }
+  if (!eliminate(judge, groups, groups.size() / 2, report)) {
+    report.accepted.assign(groups.size(), true);
+    report.overruled = true;
   }
   return report;
 }

@@ -179,7 +179,7 @@ TEST(NavigatorRun, EkfFullFindsAConstantError) {
     options.theta_error = [&](double) { return error; };
     const Scene scene = make_scene(options);
     NavigatorOptions full = with_method(scene, Method::kEkfFull);
-    full.theta_walk.setConstant(1e-10);
+    full.theta_walk = RigParameters::Constant(1e-10);
     run(scene, full, [&](StereoFilter& navigator, std::size_t k, const FrameReport&) {
       if (k + 1 < scene.frames.size()) {
         return;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -43,12 +44,94 @@ void expect_cover(const std::vector<InputStep>& steps, std::int64_t begin_ns, st
   EXPECT_EQ(t, end_ns);
 }
 
-TEST(InputBuffer, GivesNoStepsWithoutSamplesOrTime) {
-  InputBuffer empty;
-  EXPECT_TRUE(empty.steps(0, 10 * kMs).empty());
-  InputBuffer buffer = regular(20);
+TEST(InputBuffer, GivesNoStepsWithoutTime) {
+  const InputBuffer buffer = regular(20);
   EXPECT_TRUE(buffer.steps(10 * kMs, 10 * kMs).empty());
   EXPECT_TRUE(buffer.steps(10 * kMs, 5 * kMs).empty());
+}
+
+TEST(InputBuffer, WithoutAnySampleKnowsNothingButThePrior) {
+  const InputBuffer empty;
+  const std::vector<InputStep> steps = empty.steps(0, 230 * kMs);
+  expect_cover(steps, 0, 230 * kMs);
+  for (const InputStep& step : steps) {
+    EXPECT_LE(step.dt, 0.05);
+    EXPECT_EQ(step.first_unknown.memory, 0.0);
+    EXPECT_GE(step.first_unknown.density, 0.5 * kImuPrior.first_spread * kImuPrior.first_spread);
+    EXPECT_GE(step.second_unknown.density, 0.5 * kImuPrior.second_spread * kImuPrior.second_spread);
+  }
+  EXPECT_NEAR(empty.longest_gap_s(0, 230 * kMs), 0.23, 1e-12);
+}
+
+/// Swings with 1 rad/s and 3 m/s^2 of amplitude, and 0.5 Hz.
+InputSample swinging_sample(std::int64_t t_ns, double amplitude = 1.0) {
+  const double phase = 3.14e-9 * static_cast<double>(t_ns);
+  return {t_ns, amplitude * std::sin(phase) * Vector3d::UnitX(),
+          amplitude * 3.0 * std::cos(phase) * Vector3d::UnitY() + 9.81 * Vector3d::UnitZ()};
+}
+
+InputBuffer swinging(double seconds, double amplitude) {
+  InputBuffer buffer;
+  for (std::int64_t t = 0; t <= static_cast<std::int64_t>(seconds * 1e9); t += 5 * kMs) {
+    buffer.add(swinging_sample(t, amplitude));
+  }
+  return buffer;
+}
+
+TEST(InputBuffer, WhatMayHaveHappenedInAGapGrowsWithItAndIsBoundedByTheMotionSeen) {
+  const InputBuffer lively = swinging(40.0, 1.0), calm = swinging(40.0, 0.1);
+  const std::int64_t end = 40000 * kMs;
+  const std::vector<InputStep> steps = lively.steps(end, end + 2000 * kMs);
+  double before = 0.0;
+  for (const InputStep& step : steps) {
+    EXPECT_GE(step.first_unknown.density, before);
+    EXPECT_LE(step.first_unknown.density, 0.7 * 0.7 + 0.2);
+    before = step.first_unknown.density;
+  }
+  EXPECT_GE(steps.front().first_unknown.memory, 0.95);
+  EXPECT_EQ(steps.back().first_unknown.memory, 0.0);
+  EXPECT_LE(steps.front().first_unknown.density, 0.05 * before);
+  // A tenth of the motion: a hundredth of the variance (and what is left of the prior).
+  const InputStep last = calm.steps(end, end + 2000 * kMs).back();
+  EXPECT_LE(last.first_unknown.density, 0.1 * before);
+}
+
+TEST(InputBuffer, BetweenSamplesNothingIsUnknown) {
+  const InputBuffer buffer = swinging(1.0, 1.0);
+  for (const InputStep& step : buffer.steps(0, 1000 * kMs)) {
+    EXPECT_EQ(step.first_unknown.density, 0.0);
+    EXPECT_EQ(step.second_unknown.density, 0.0);
+    EXPECT_EQ(step.first_unknown.memory, 1.0);
+  }
+  EXPECT_EQ(buffer.longest_gap_s(0, 1000 * kMs), 0.0);
+}
+
+/// The error of a prediction through a gap, against what the steps say of it: over many phases of a swing the
+/// mean square of the angle's error stays below twice its variance, and is not ten times smaller.
+TEST(InputBuffer, TheVarianceOfAGapIsThatOfTheErrorMade) {
+  for (const std::int64_t gap_ms : {100, 300, 1000}) {
+    double squared = 0.0, variance = 0.0;
+    for (int run = 0; run < 40; ++run) {
+      const std::int64_t from = (20000 + 137 * run) / 5 * 5 * kMs, to = from + gap_ms * kMs;
+      InputBuffer buffer;
+      for (std::int64_t t = 0; t <= to + 100 * kMs; t += 5 * kMs) {
+        if (t <= from || t >= to) {
+          buffer.add(swinging_sample(t));
+        }
+      }
+      double angle = 0.0;
+      for (const InputStep& step : buffer.steps(from, to)) {
+        angle += step.first_unknown.memory * step.first.x() * step.dt;
+        variance += step.first_unknown.density * step.dt;
+      }
+      const auto integral = [](std::int64_t t) { return -std::cos(3.14e-9 * static_cast<double>(t)) / 3.14; };
+      squared += std::pow(angle - (integral(to) - integral(from)), 2);
+    }
+    EXPECT_LE(squared, 2.0 * variance) << gap_ms;
+    if (gap_ms == 1000) {
+      EXPECT_GE(squared, 0.1 * variance) << gap_ms;
+    }
+  }
 }
 
 TEST(InputBuffer, EndsAStepAtEverySampleAndAtTheFrame) {
@@ -127,8 +210,10 @@ TEST(InputBuffer, RemembersWhatTheNextStepNeeds) {
   std::vector<InputStep> found;
   for (std::int64_t t = 0; t < 180; t += 20) {
     const std::vector<InputStep> part = pieces.steps(t * kMs, (t + 20) * kMs);
+    pieces.forget_before((t + 20) * kMs);
     found.insert(found.end(), part.begin(), part.end());
   }
+  EXPECT_LE(pieces.size(), 6U);
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t k = 0; k < found.size(); ++k) {
     EXPECT_EQ(found[k].t_end_ns, expected[k].t_end_ns);
@@ -154,6 +239,7 @@ TEST(InputBuffer, DroppedSamplesShowAsAGapOfTheirLength) {
   for (const InputStep& step : buffer.steps(0, 200 * kMs)) {
     if (step.t_end_ns == 120 * kMs) {
       EXPECT_NEAR(step.gap, 5.0, 1e-9);
+      EXPECT_GT(step.first_unknown.density, 0.0);
     } else {
       EXPECT_EQ(step.gap, 1.0) << step.t_end_ns;
     }

@@ -127,13 +127,13 @@ TEST(SetUpRun, RefusesPixelNoiseThatNoPixelHas) {
 TEST(SetUpRun, LetsTheRigWalkInProportionToItsBaseline) {
   Recording recording = short_recording();
   // Table 1 of the paper: 1e-6 rad^2 and 1 mm^2 in every 10 ms, for a baseline of 2 m.
-  const RigParameters paper = set_up_run(recording, {}).navigator.theta_walk;
+  const RigParameters paper = *set_up_run(recording, {}).navigator.theta_walk;
   EXPECT_NEAR(paper[0], 1e-4, 1e-18);
   EXPECT_NEAR(paper[3], 1e-4, 1e-18);
   recording.calibration.theta[3] = -0.2;
   const NavigatorOptions small = set_up_run(recording, {}).navigator;
-  EXPECT_NEAR(small.theta_walk[0], 1e-4, 1e-18);
-  EXPECT_NEAR(small.theta_walk[3], 1e-6, 1e-18);
+  EXPECT_NEAR((*small.theta_walk)[0], 1e-4, 1e-18);
+  EXPECT_NEAR((*small.theta_walk)[3], 1e-6, 1e-18);
   EXPECT_NEAR(small.theta_sigma[0], 0.1 * kDegree, 1e-15);
   EXPECT_NEAR(small.theta_sigma[3], 0.01, 1e-15);
 }

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "limber/core/chi_square.hpp"
+#include "limber/update/consensus.hpp"
 #include "limber/update/constraint.hpp"
 #include "stereo_problem.hpp"
 
@@ -62,13 +63,13 @@ VectorXd huge_error(const StereoProblem& problem) {
   return problem.C * signs.cwiseProduct(times);
 }
 
-/// The slow and obvious gate: after each drop everything anew, dense, on the projected residual itself.
-GateReport obvious_gate(const StereoProblem& problem, const ParameterErrorModel& treatment) {
-  GateReport report{std::vector<bool>(problem.z.groups.size(), true),
-                    std::vector<double>(problem.z.groups.size(), 0.0),
-                    std::vector<double>(problem.z.groups.size(), 0.0)};
+/// The slow and obvious elimination: after each drop everything anew, dense, on the projected residual
+/// itself.
+/// @return whether no more than `most` groups had to go
+bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel& treatment, std::size_t most,
+                         GateReport& report) {
   const MatrixXd P = problem.P.dense();
-  while (true) {
+  for (std::size_t dropped = 0;; ++dropped) {
     const LinearMeasurement z = problem.z.subset(report.accepted);
     const MatrixXd W = z.sigma.cwiseInverse().asDiagonal();
     const MatrixXd H = W * z.H.dense(z.rows(), P.rows());
@@ -104,15 +105,55 @@ GateReport obvious_gate(const StereoProblem& problem, const ParameterErrorModel&
       }
     }
     if (worst == report.accepted.size()) {
-      return report;
+      return true;
     }
-    if (2 * (refused(report).size() + 1) > report.accepted.size()) {
-      report.accepted.assign(report.accepted.size(), true);
-      report.overruled = true;
-      return report;
+    if (dropped == most) {
+      return false;
     }
     report.accepted[worst] = false;
   }
+}
+
+/// The groups that lie far from what most agree upon; none if these are more than half.
+std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErrorModel& treatment) {
+  const Innovation innovation = form_innovation(problem.P, problem.z);
+  MatrixXd S = innovation.S;
+  MatrixXd A(S.rows(), 0);
+  if (treatment.white_covariance.size() > 0) {
+    S += innovation.D * treatment.white_covariance * innovation.D.transpose();
+  }
+  if (treatment.constrained.cols() > 0) {
+    A = 10.0 * innovation.D * treatment.constrained;
+  }
+  const Consensus consensus = find_consensus(innovation.r, S, problem.z.groups, A);
+  std::vector<bool> gross(problem.z.groups.size());
+  for (std::size_t g = 0; g < gross.size(); ++g) {
+    gross[g] =
+        consensus.distance[g] >
+        kGrossOutlier * chi_square_quantile(kProbability, static_cast<double>(problem.z.groups[g].rows));
+  }
+  if (2 * std::count(gross.begin(), gross.end(), true) > static_cast<std::ptrdiff_t>(gross.size())) {
+    gross.assign(gross.size(), false);
+  }
+  return gross;
+}
+
+GateReport obvious_gate(const StereoProblem& problem, const ParameterErrorModel& treatment) {
+  const std::size_t n = problem.z.groups.size();
+  GateReport report{std::vector<bool>(n, true), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
+  GateReport first = report;
+  if (obvious_elimination(problem, treatment, 0, first)) {
+    return first;  // none fails
+  }
+  std::vector<bool> kept = obvious_gross(problem, treatment);
+  kept.flip();
+  report.accepted = kept;
+  const auto gross = static_cast<std::size_t>(std::count(kept.begin(), kept.end(), false));
+  if (!obvious_elimination(problem, treatment, n / 2 - gross, report)) {
+    report.accepted = kept;
+    report.overruled = true;
+  }
+  return report;
 }
 
 TEST(Gate, RefusesNoPointForAPureCalibrationError) {
@@ -166,13 +207,43 @@ TEST(Gate, AgreesWithTheSlowObviousOne) {
     const GateReport expected = obvious_gate(problem, treatment);
     EXPECT_EQ(found.accepted, expected.accepted) << k;
     EXPECT_EQ(found.overruled, expected.overruled) << k;
+    const std::vector<bool> gross = obvious_gross(problem, treatment);
     for (std::size_t g = 0; g < found.accepted.size(); ++g) {
-      EXPECT_NEAR(found.distance[g], expected.distance[g], 1e-6 * (1.0 + expected.distance[g])) << k;
-      EXPECT_NEAR(found.threshold[g], expected.threshold[g], 1e-9) << k;
+      if (!gross[g] || found.accepted[g]) {  // a gross outlier's is that from the consensus
+        EXPECT_NEAR(found.distance[g], expected.distance[g], 1e-6 * (1.0 + expected.distance[g])) << k;
+        EXPECT_NEAR(found.threshold[g], expected.threshold[g], 1e-9) << k;
+      }
     }
     dropped += static_cast<int>(refused(found).size());
   }
   EXPECT_GE(dropped, 60);
+}
+
+/// With the rig off by a lot, a quarter of the points mismatched: as one outlier spoils the offset that is
+/// projected out for all others, dropping the worst in turn refused good points here, and overruled itself.
+TEST(Gate, RefusesAQuarterOfGrossMismatchesUnderAHugeCalibrationError) {
+  Generator generator(12);
+  for (int k = 0; k < 20; ++k) {
+    StereoProblem problem = random_frame(generator, 45);
+    draw_residual(generator, problem);
+    problem.z.residual += problem.z.D * huge_error(problem);
+    std::set<std::size_t> planted;
+    for (std::size_t g = static_cast<std::size_t>(k % 4); g < problem.z.groups.size(); g += 4) {
+      const RowGroup& group = problem.z.groups[g];
+      // The pixels of the last camera that saw it, as a mismatch has it.
+      const Eigen::Vector2d direction = testing::random_direction(generator).head<2>();
+      problem.z.residual.segment<2>(group.row + group.rows - 2) += 150.0 * direction.normalized();
+      planted.insert(g);
+    }
+    const GateReport report = gated(problem, problem.constrained());
+    EXPECT_FALSE(report.overruled) << k;
+    std::size_t found = 0, good = 0;
+    for (const std::size_t g : refused(report)) {
+      (planted.contains(g) ? found : good) += 1;
+    }
+    EXPECT_GE(found + 1, planted.size()) << k;
+    EXPECT_LE(good, 2U) << k;
+  }
 }
 
 TEST(Gate, AfterItTheRestIsJudgedAsIfTheDroppedHadNeverBeenThere) {

@@ -8,6 +8,7 @@
 #include "limber/core/pose.hpp"
 #include "limber/datasets/recording.hpp"
 #include "limber/diagnose/health_summary.hpp"
+#include "limber/run/input_summary.hpp"
 #include "limber/run/run_recording.hpp"
 
 namespace limber {
@@ -27,11 +28,13 @@ struct RunSummary {
   std::size_t frames_refused = 0;         ///< of those frames: pose covariance not positive definite
   double nis = 0.0, nis_dof = 0.0;        ///< sums over all updates
   std::optional<double> nis_per_dof;
-  double ms_per_frame_mean = 0.0, ms_per_frame_p50 = 0.0, ms_per_frame_p99 = 0.0;  ///< filter alone
-  double realtime_factor = 0.0;  ///< duration over time spent, front end included
+  double ms_per_frame_mean = 0.0, ms_per_frame_p50 = 0.0, ms_per_frame_p99 = 0.0, ms_per_frame_p999 = 0.0,
+         ms_per_frame_worst = 0.0;  ///< filter alone
+  double realtime_factor = 0.0;     ///< duration over time spent, front end included
   double peak_rss_mb = 0.0;
   std::size_t points_refused = 0;
   double points_per_frame = 0.0;
+  InputSummary inputs;
   std::optional<HealthSummary> health;  ///< nothing where nothing was watched (mono-left)
   /// What was taken out before position_rmse_m, attitude_rmse_deg and anees: "nothing", "position and yaw of
   /// the first pose" or "whole first pose"; empty without truth.

@@ -5,30 +5,62 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "limber/health/health_monitor.hpp"
+#include "limber/health/input_alarm.hpp"
+#include "limber/predict/input_checks.hpp"
 #include "limber/sensors/parameters.hpp"
 #include "limber/stack/stack_frame.hpp"
 #include "limber/update/update.hpp"
 
 namespace limber {
 
+/// What the prediction to a frame rested on; the worst that holds.
+enum class InputStatus : std::uint8_t {
+  kNotNeeded,     ///< the motion model has no inputs
+  kSound,         ///< samples all the way
+  kFaulty,        ///< some samples were left out or doubted, see InputReport::faults
+  kGap,           ///< for a while no sample: what could have happened counts as noise
+  kContradicted,  ///< the images say that the samples were wrong: velocity and biases were opened anew
+  kNone           ///< there has never been a sample
+};
+
+/// "not needed", "sound", "faulty", "gap", "contradicted", "none".
+[[nodiscard]] std::string to_string(InputStatus status);
+/// "updated", "no points", "singular".
+[[nodiscard]] std::string to_string(UpdateStatus status);
+/// "stuck", "spike", "saturated", "impossible", "late".
+[[nodiscard]] std::string to_string(InputFault fault);
+
+/// The inputs since the frame before.
+struct InputReport {
+  InputStatus status = InputStatus::kNotNeeded;
+  double gap_s = 0.0;       ///< longest gap that the frame lies in or after, as far as it is known
+  InputFaultCounts faults;  ///< samples with each fault
+  std::optional<InputContradiction> contradiction;  ///< what the images said against them
+};
+
 /// What became of one frame.
 struct FrameReport {
   std::int64_t t_ns = 0;
-  UpdateStatus status = UpdateStatus::kEmpty;
+  UpdateStatus status = UpdateStatus::kEmpty;  ///< unless it is kUpdated, the frame corrected nothing
+  InputReport inputs;
+  bool reset = false;     ///< the filter had broken down and began anew, see StereoFilter::process
   double nis = 0.0;       ///< of the projected rows [-]
   Eigen::Index dof = 0;   ///< of nis
   Eigen::Index rank = 0;  ///< constrained directions that this frame's geometry can see
   std::size_t observed = 0;
-  std::size_t used = 0;
+  std::size_t used = 0;         ///< points of the update; zero if there was none
   std::size_t initialized = 0;  ///< new in the map
   std::size_t removed = 0;
-  bool gate_overruled = false;  ///< the gate would have refused most points, so it refused none
+  bool gate_overruled =
+      false;  ///< the gate would have refused most points, so it refused none but gross outliers
   std::vector<Refusal> refused;
   std::optional<HealthReport> health;  ///< if watched
   /// What the frame says against the rig that the filter takes for true (ekf-full, adaptive: its estimate).
+  /// Nothing while an input fault is active: the rig is not to blame.
   std::optional<HealthInput> evidence;
 };
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -22,7 +24,8 @@ namespace limber {
 /// happened and comes again with theta in doubt; when the second does, it takes over the parallel filter's
 /// state. From then on the filter learns how much theta stays wrong and how much of it is fresh in every
 /// frame. Where nothing but a young map fixes the scale, neither could be learned: there it goes on trusting
-/// the rig, and the health report says so.
+/// the rig, and the health report says so. Going back replays some seconds, a few frames at a time: until
+/// that has caught up the parallel filter answers.
 /// @note docs/derivations/adaptive.md
 class Navigator {
  public:
@@ -31,24 +34,28 @@ class Navigator {
   Navigator(const NavigatorOptions& options, const StereoCalibration& calibration,
             const InitialState& initial);
 
-  /// @throws std::invalid_argument if time does not increase or a value is not finite
+  /// @throws std::invalid_argument as StereoFilter::add_imu
   void add_imu(const ImuSample& sample);
   void add_odometry(const OdometrySample& sample);
 
   /// @brief Advances the state to the frame and corrects it.
-  /// @throws std::invalid_argument if the frame is older than the state, a pixel is not finite or an id comes
-  /// twice
+  /// @throws std::invalid_argument as StereoFilter::process
   FrameReport process(const StereoFrame& frame);
+
+  /// The body at t_ns with the inputs so far, for instance at the rate of the IMU; changes nothing.
+  [[nodiscard]] PredictedState predict(std::int64_t t_ns) const { return answering().predict(t_ns); }
 
   /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
   void assume_theta(const RigParameters& theta) { filter_.assume_theta(theta); }
 
   /// Mean and covariance of body, parameters and map. Invalidated by the next call.
-  [[nodiscard]] const Estimate& estimate() const { return filter_.estimate(); }
+  [[nodiscard]] const Estimate& estimate() const { return answering().estimate(); }
   /// The calibration that the filter takes for true: what was given, with what has been estimated.
   [[nodiscard]] const StereoCalibration& calibration() const { return filter_.calibration(); }
   [[nodiscard]] CalibrationEstimate calibration_estimate() const { return filter_.calibration_estimate(); }
   [[nodiscard]] const NavigatorOptions& options() const { return filter_.options(); }
+  /// Samples and frames that are kept to go back in time: some seconds of them, for `adaptive` alone.
+  [[nodiscard]] std::size_t events_kept() const;
   /// What the monitor made of the last frame; nothing before it, or if the calibration is not watched.
   [[nodiscard]] const std::optional<HealthReport>& health() const { return health_; }
 
@@ -56,6 +63,7 @@ class Navigator {
   using Event = std::variant<ImuSample, OdometrySample, StereoFrame>;
   struct Checkpoint {
     StereoFilter filter;
+    std::int64_t t_ns;
     std::vector<Event> events;  // since
   };
   struct Supervision {
@@ -67,16 +75,23 @@ class Navigator {
     int doubts = 0;               // in a row
     bool trusts = true;
     bool resigned = false;  // nobody can know how long a metre is: what is assumed stays as good as any
+    std::optional<std::deque<Event>> replay{};  // what filter_, come back from a checkpoint, has not seen yet
   };
 
   void log(const Event& event);
-  FrameReport go_back(const HealthReport& why);
+  void go_back(const HealthReport& why);
+  void replay();
+  void begin_checkpoints(std::int64_t t_ns);
+  /// The filter whose state counts.
+  [[nodiscard]] const StereoFilter& answering() const {
+    return supervision_ && supervision_->replay ? supervision_->parallel : filter_;
+  }
   [[nodiscard]] CalibrationPrior prior_after(const HealthReport& why) const;
   [[nodiscard]] bool knows_scale(std::int64_t t_ns) const;
-  void supervise(FrameReport& report, const FrameReport& parallel);
+  void supervise(const FrameReport& report, const FrameReport& parallel);
 
-  double baseline_;      // of the assumed calibration [m]
-  StereoFilter filter_;  // the one whose state counts
+  double baseline_;  // of the assumed calibration [m]
+  StereoFilter filter_;
   std::optional<HealthReport> health_;
   std::optional<Supervision> supervision_;  // adaptive
 };

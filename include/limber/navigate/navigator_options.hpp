@@ -15,6 +15,10 @@
 
 namespace limber {
 
+/// Table 1 of the paper, 'well estimated' (1e-6 rad^2 and 1 mm^2 per step of 10 ms), the translation in
+/// proportion to the baseline (the paper's is 2 m): variance per second [rad^2/s, m^2/s].
+[[nodiscard]] RigParameters default_theta_walk(double baseline);
+
 /// Everything a navigator is told before it starts. Defaults are those of a small visual-inertial rig.
 struct NavigatorOptions {
   Method method = Method::kLcekf;
@@ -36,9 +40,8 @@ struct NavigatorOptions {
   /// ekf-full, consider, soft: standard deviation of theta [rad, m]. Zero: one plausible error (0.1 deg, 5
   /// %).
   RigParameters theta_sigma = RigParameters::Zero();
-  /// ekf-full: random walk of theta, variance per second [rad^2/s, m^2/s]; Table 1, 'well estimated', at 100
-  /// Hz.
-  RigParameters theta_walk = (RigParameters() << 1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4).finished();
+  /// ekf-full: random walk of theta, variance per second [rad^2/s, m^2/s]. Nothing: default_theta_walk.
+  std::optional<RigParameters> theta_walk;
 
   LandmarkKind landmarks = LandmarkKind::kInverseDepth;
   LandmarkInitOptions landmark_init;  ///< mode and kind are set from method and landmarks

@@ -9,10 +9,12 @@
 #include <vector>
 
 #include "limber/health/health_monitor.hpp"
+#include "limber/health/input_alarm.hpp"
 #include "limber/health/white_size.hpp"
 #include "limber/navigate/frame_report.hpp"
 #include "limber/navigate/navigator_options.hpp"
 #include "limber/predict/input_buffer.hpp"
+#include "limber/predict/input_checks.hpp"
 #include "limber/stack/stack_frame.hpp"
 #include "limber/state/estimate.hpp"
 #include "limber/state/initial_state.hpp"
@@ -26,6 +28,12 @@ struct CalibrationPrior {
   WhiteSize::Vector6 fresh;  ///< at least that large is what changes in every frame [plausible errors]
 };
 
+/// The body at a time that no frame has: mean, and covariance of its error state.
+struct PredictedState {
+  NavigationState nav;
+  Eigen::MatrixXd body_covariance;  ///< StateLayout::body_size() wide
+};
+
 /// @brief One filter of any method, without what `adaptive` needs beside it: Navigator is what users want.
 ///
 /// Feed inputs up to (or beyond) a frame's time, then the frame. One filter, one thread.
@@ -36,17 +44,32 @@ class StereoFilter {
   StereoFilter(const NavigatorOptions& options, const StereoCalibration& calibration,
                const InitialState& initial);
 
-  /// @throws std::invalid_argument if time does not increase or a value is not finite
+  /// @brief One sample; samples that cannot be right are left out or doubted (InputChecks), those older than
+  /// the state are of no more use than to say what was measured last: both are counted in the next frame's
+  /// report.
+  /// @throws std::invalid_argument if time does not increase, lies hours ahead, or a value is not finite
   void add_imu(const ImuSample& sample);
   void add_odometry(const OdometrySample& sample);
 
   /// Advances the state to t_ns with the inputs so far; nothing happens if t_ns is not later.
   void predict_to(std::int64_t t_ns);
 
+  /// The body at t_ns with the inputs so far; changes nothing. The state itself if t_ns is not later.
+  [[nodiscard]] PredictedState predict(std::int64_t t_ns) const;
+
   /// @brief One stereo frame.
-  /// @throws std::invalid_argument if the frame is older than the state, a pixel is not finite or an id comes
-  /// twice
+  ///
+  /// A state that was never given a time (0) takes that of the first sample or frame, if that is more than a
+  /// minute ahead. If the covariance turns out to be broken or the state is not finite, the filter begins
+  /// anew: it keeps time, pose, velocity and biases of the last sound frame, forgets the map, and is as
+  /// unsure of the rest as of any start (docs/faults.md).
+  /// @throws std::invalid_argument if the frame is older than the state, not later than the frame before, or
+  /// hours ahead, a pixel is not finite or an id comes twice
   FrameReport process(const StereoFrame& frame);
+
+  /// Opens the state for what the images of a filter beside this one said against the inputs: velocity and
+  /// biases may be off by as much, and for some time the inputs are noisier by as much.
+  void distrust_inputs(const InputContradiction& found);
 
   /// adaptive: begins to estimate theta, as a constant that walks and a part that is fresh in every frame,
   /// instead of trusting it. Told by whoever found out (Navigator).
@@ -67,6 +90,11 @@ class StereoFilter {
   [[nodiscard]] const NavigatorOptions& options() const { return options_; }
 
  private:
+  /// What the images said against the inputs, as noise that they have for a while beyond what is assumed:
+  /// variance densities [unit^2 s].
+  struct InputDistrust {
+    double first = 0.0, second = 0.0;
+  };
   /// Landmarks that are new in this frame, with those of its rows that the update may still use.
   using NewLandmarks = std::unordered_map<std::int64_t, RemainingRows>;
   /// The rig at which a frame is linearised, and how far that is from the assumed one.
@@ -75,8 +103,14 @@ class StereoFilter {
     ParameterVector shift = ParameterVector::Zero();
   };
 
-  [[nodiscard]] Transition predict_step(const InputStep& step);
-  [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns);
+  void add(const InputSample& sample);
+  void start_at(std::int64_t t_ns);
+  [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns) const;
+  [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);
+  void judge_inputs(const PoseCorrection& correction, FrameReport& report);
+  [[nodiscard]] bool is_broken() const;
+  void begin_anew();
+  [[nodiscard]] std::size_t forget_after_blindness(const StereoFrame& frame);
   [[nodiscard]] bool initializes_before_update() const;
   [[nodiscard]] LinearizationPoint choose_linearization_point(const StereoFrame& frame) const;
   [[nodiscard]] NewLandmarks initialize_landmarks(const StereoFrame& frame, const MountedRig& rig);
@@ -105,8 +139,16 @@ class StereoFilter {
   RigParameters scale_;            // one plausible error of theta of the calibration that was given
   Estimate estimate_;
   InputBuffer inputs_;
+  InputChecks checks_;
+  std::size_t late_ = 0;  // samples since the last frame
+  InputAlarm input_alarm_;
+  InputDistrust distrust_;
+  std::int64_t trusted_again_ns_ = std::numeric_limits<std::int64_t>::min();
+  double blind_turn_ = 0.0;  // variance of attitude that predictions added since the last update [rad^2]
+  InitialState sound_;       // body after the last sound frame, to begin anew from
   Eigen::Vector3d omega_input_ = Eigen::Vector3d::Zero();  // [rad/s], of the last step: gyro or odometry
   std::optional<HealthMonitor> monitor_;
+  std::optional<HealthReport> last_health_;
   WhiteSize fresh_;  // adaptive: zero as long as theta is trusted
   std::int64_t last_frame_ns_ = std::numeric_limits<std::int64_t>::min();
 };

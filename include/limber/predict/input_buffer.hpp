@@ -6,6 +6,8 @@
 #include <deque>
 #include <vector>
 
+#include "limber/predict/motion_seen.hpp"
+
 namespace limber {
 
 /// Two 3-vectors that drive the prediction at one time: (omega, accel) of an IMU, (v, omega) of odometry.
@@ -13,6 +15,15 @@ struct InputSample {
   std::int64_t t_ns = 0;
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   Eigen::Vector3d second = Eigen::Vector3d::Zero();
+  /// Variance density of what the values may be off by beyond their noise, per axis [unit^2 s]: a saturated
+  /// sensor, a jump (InputChecks). Zero: nothing.
+  double first_density = 0.0, second_density = 0.0;
+};
+
+/// What is not known of one of the two inputs in a step.
+struct Unknown {
+  double memory = 1.0;   ///< correlation with the nearest samples: 0, they tell nothing of the step any more
+  double density = 0.0;  ///< variance density of what the input may have been else, per axis [unit^2 s]
 };
 
 /// One step of the prediction: means of the inputs over (t_begin, t_end].
@@ -21,33 +32,61 @@ struct InputStep {
   double dt = 0.0;  ///< [s]
   Eigen::Vector3d first = Eigen::Vector3d::Zero();
   Eigen::Vector3d second = Eigen::Vector3d::Zero();
-  /// How much longer than usual the samples on both sides stand apart, >= 1: what happened in a gap is
-  /// guessed, and its noise grows by this factor (in variance).
+  /// How much longer than usual the samples on both sides stand apart, >= 1: the noise of what is
+  /// interpolated grows by this factor (in variance).
   double gap = 1.0;
+  Unknown first_unknown{}, second_unknown{};  ///< of a step in a gap
 };
 
+/// What was seen of the two inputs before any sample, per axis: standard deviation and rate of change.
+struct InputPrior {
+  double first_spread, first_rate, second_spread, second_rate;
+};
+inline constexpr InputPrior kImuPrior = {0.5, 2.0, 3.0, 20.0};      ///< [rad/s], /s; [m/s^2], /s
+inline constexpr InputPrior kOdometryPrior = {2.0, 2.0, 0.5, 2.0};  ///< [m/s], /s; [rad/s], /s
+
 /// @brief Holds input samples and cuts them into steps that end where the caller wants.
-/// Between samples inputs are interpolated linearly; before the first and after the last they are held.
+///
+/// Between samples inputs are interpolated linearly; before the first and after the last they are held. In a
+/// gap (more than 1.5 usual intervals) each step also says how much the input may have changed since the
+/// nearest sample, bounded by the motion seen (MotionSeen): see docs/faults.md.
 class InputBuffer {
  public:
+  explicit InputBuffer(const InputPrior& prior = kImuPrior)
+      : first_seen_(prior.first_spread, prior.first_rate),
+        second_seen_(prior.second_spread, prior.second_rate) {}
+
   /// @throws std::invalid_argument if the time does not increase or a value is not finite
   void add(const InputSample& sample);
 
-  /// Steps from `begin_ns` to `end_ns`, one for each sample in between; forgets samples older than needed.
-  /// Empty if there is no sample at all or end <= begin.
-  [[nodiscard]] std::vector<InputStep> steps(std::int64_t begin_ns, std::int64_t end_ns);
+  /// @brief Steps from `begin_ns` to `end_ns`: one for each sample in between, and short ones in gaps.
+  /// Without any sample all of it is a gap. Empty if end <= begin.
+  [[nodiscard]] std::vector<InputStep> steps(std::int64_t begin_ns, std::int64_t end_ns) const;
+
+  /// Forgets the samples that no step from `begin_ns` on needs.
+  void forget_before(std::int64_t begin_ns);
 
   [[nodiscard]] bool empty() const { return samples_.empty(); }
+  [[nodiscard]] std::size_t size() const { return samples_.size(); }
+
+  /// Time of the newest sample; only if there is one.
+  [[nodiscard]] std::int64_t last_ns() const { return samples_.back().t_ns; }
 
   /// Usual time between samples [s]; 0 before the second sample.
   [[nodiscard]] double usual_interval_s() const { return 1e-9 * usual_interval_ns_; }
 
+  /// Longest gap that reaches into (begin, end], from sample to sample or as far as it is known [s]; 0: none.
+  [[nodiscard]] double longest_gap_s(std::int64_t begin_ns, std::int64_t end_ns) const;
+
  private:
+  [[nodiscard]] std::size_t first_after(std::int64_t t_ns) const;
   [[nodiscard]] InputSample at(std::int64_t t_ns, std::size_t next) const;
-  [[nodiscard]] double gap_around(std::size_t next, std::int64_t end_ns) const;
+  [[nodiscard]] double gap_around(std::size_t next, std::int64_t begin_ns, std::int64_t end_ns) const;
+  void doubt(InputStep& step, std::size_t next, std::int64_t begin_ns) const;
 
   std::deque<InputSample> samples_;
   double usual_interval_ns_ = 0.0;
+  MotionSeen first_seen_, second_seen_;
 };
 
 }  // namespace limber

@@ -15,6 +15,9 @@ inline constexpr double kWeakDirection = 1e-3;
 /// D: m×c, whitened and scaled; result m×rank, full column rank.
 [[nodiscard]] Eigen::MatrixXd strong_directions(const Eigen::Ref<const Eigen::MatrixXd>& D);
 
+/// T: c×rank with strong_directions(D) = D T.
+[[nodiscard]] Eigen::MatrixXd strong_combinations(const Eigen::Ref<const Eigen::MatrixXd>& D);
+
 /// @brief Takes a time-white dtheta ~ N(0, Sigma) out of an innovation: the stateless rows say what they can
 /// of it, S holds what is left.
 /// @param[in,out] innovation  afterwards S includes dtheta, and the rows are independent as before

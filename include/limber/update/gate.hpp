@@ -14,7 +14,8 @@ struct GateReport {
   std::vector<bool> accepted;     ///< one flag per group
   std::vector<double> distance;   ///< squared Mahalanobis distance when judged last [-], one per group
   std::vector<double> threshold;  ///< what it was compared with [-], one per group
-  /// More than half of the groups failed: then the model is wrong, not the points, and all are accepted.
+  /// More than half of the groups failed: then the model is wrong, not the points, and none of them is
+  /// refused but for gross outliers.
   bool overruled = false;
 
   [[nodiscard]] bool all_accepted() const;
@@ -25,9 +26,17 @@ struct GateReport {
 /// With dtheta_hat = (DᵀS⁻¹D)⁺DᵀS⁻¹r, group i is judged on (r − D dtheta_hat)_i with the diagonal block of
 /// S − D (DᵀS⁻¹D)⁺ Dᵀ; while the worst group exceeds the chi-square quantile it is dropped and all others are
 /// judged anew. Judging each group on its own residual would throw away the right camera.
+///
+/// One gross outlier spoils dtheta_hat for all others. So where a group fails, those that lie far from what
+/// most groups agree upon (find_consensus) go first, all at once, if they are less than half.
 /// @param groups       partition of the rows of the innovation
 /// @param probability  chance that a good point passes, in (0, 1)
+/// @note O(m³) for S⁻¹, then O(m²) for each group that is dropped and nothing for gross outliers.
 [[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
                               const ParameterErrorModel& treatment, double probability);
+
+/// Groups further than this many times their threshold (in squared distance) from the consensus are gross
+/// outliers.
+inline constexpr double kGrossOutlier = 4.0;
 
 }  // namespace limber

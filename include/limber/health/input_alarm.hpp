@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+
+namespace limber {
+
+/// How a frame corrected the predicted pose.
+struct PoseCorrection {
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+  std::int64_t t_ns = 0;
+  double dt = 0.0;     ///< since the frame before [s]
+  Vector6 dx;          ///< position [m], attitude [rad]
+  Matrix6 covariance;  ///< of dx, if the prediction was right: P before minus P after the update
+  double nis = 0.0;    ///< of all rows [-]
+  double dof = 0.0;    ///< of nis
+};
+
+/// What the images say that the inputs were off by.
+struct InputContradiction {
+  double turn = 0.0;       ///< [rad], within a frame
+  double shift = 0.0;      ///< [m]
+  double dt = 0.0;         ///< [s] of that frame
+  double statistic = 0.0;  ///< chi-square of 6 degrees of freedom
+};
+
+/// @brief Do the images contradict the inputs? A frame's correction of the pose is zero on average, with a
+/// known covariance, if the prediction was what it says of itself.
+///
+/// Two tests: each frame's correction, and the fading mean of the whitened corrections of some ten frames,
+/// which sees a small bias. Both are measured against the noise that the frame's other rows show (NIS / dof),
+/// if that is larger than assumed. For a filter that no calibration can lead astray.
+/// @note docs/faults.md
+class InputAlarm {
+ public:
+  /// @return whether a test rejects; then `found` says by how much
+  [[nodiscard]] bool judge(const PoseCorrection& correction, InputContradiction& found);
+
+  /// A test rejected less than `kCalm` seconds ago.
+  [[nodiscard]] bool active(std::int64_t t_ns) const;
+
+  static constexpr double kCalm = 2.0;          ///< [s]
+  static constexpr double kFalseAlarms = 1e-7;  ///< per frame and test
+
+ private:
+  Eigen::Matrix<double, 6, 1> mean_ = Eigen::Matrix<double, 6, 1>::Zero();  // of whitened corrections, fading
+  double weight_ = 0.0;                                                     // sum of squared weights of mean_
+  double noise_ = 1.0;                                                      // NIS / dof, smoothed
+  int frames_ = 0;
+  std::int64_t last_ns_ = std::numeric_limits<std::int64_t>::min();
+};
+
+}  // namespace limber

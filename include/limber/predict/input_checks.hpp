@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "limber/predict/input_buffer.hpp"
+
+namespace limber {
+
+/// What can be wrong with a stream of input samples by itself.
+enum class InputFault : std::uint8_t {
+  kStuck,       ///< the same numbers again and again, from a stream that varied before: left out, a gap
+  kSpike,       ///< one sample far from both neighbours: left out
+  kSaturated,   ///< numbers at the end of the sensor's range: taken with more noise
+  kImpossible,  ///< larger than any sensor can show: left out
+  kLate         ///< older than the state: comes too late to be used, except as the newest that is known
+};
+inline constexpr std::size_t kInputFaults = 5;
+
+/// Samples with each fault.
+struct InputFaultCounts {
+  std::array<std::size_t, kInputFaults> count{};
+
+  [[nodiscard]] std::size_t operator[](InputFault fault) const {
+    return count[static_cast<std::size_t>(fault)];
+  }
+  std::size_t& operator[](InputFault fault) { return count[static_cast<std::size_t>(fault)]; }
+  [[nodiscard]] bool any() const;
+};
+
+/// What a sensor cannot show, and jumps that are worth a second look; per axis, of the first and second
+/// input.
+struct InputLimits {
+  std::array<double, 2> impossible, jump, saturation;
+};
+/// [rad/s], [m/s^2]: twice the widest MEMS ranges; jumps of 2 rad/s and 2 g in one sample; nothing saturates
+/// below.
+inline constexpr InputLimits kImuLimits = {{200.0, 10000.0}, {2.0, 20.0}, {0.3, 12.0}};
+/// [m/s], [rad/s]
+inline constexpr InputLimits kOdometryLimits = {{1000.0, 200.0}, {5.0, 2.0}, {1.0, 0.3}};
+
+/// @brief Cheap checks of each sample against its neighbours, before it enters the buffer. Causal: a sample
+/// that jumps is held back until the next one says whether it was a spike.
+/// @note docs/faults.md
+class InputChecks {
+ public:
+  explicit InputChecks(const InputLimits& limits) : limits_(limits) {}
+
+  /// Puts what may be used of the stream so far into the buffer.
+  /// @throws std::invalid_argument if the time does not increase or a value is not finite
+  void add(const InputSample& sample, InputBuffer& buffer);
+
+  /// Counts since the last call.
+  [[nodiscard]] InputFaultCounts take_counts();
+
+ private:
+  using Six = Eigen::Matrix<double, 6, 1>;
+
+  [[nodiscard]] bool is_stuck(const Six& value);
+  [[nodiscard]] bool jumps(const InputSample& from, const InputSample& to) const;
+  void doubt_saturated(InputSample& sample, double dt);
+  void accept(InputSample sample, InputBuffer& buffer);
+
+  InputLimits limits_;
+  InputFaultCounts counts_;
+  std::optional<InputSample> last_, held_;  // accepted; held back
+  Six value_ = Six::Constant(-1e300);       // of the newest sample of all
+  std::int64_t newest_ns_ = 0;
+  std::size_t repeats_ = 0, varied_ = 0;           // in a row; samples that differed from the one before
+  std::array<double, 2> usual_change_{}, peak_{};  // between samples (mean of the norm); per axis
+  std::array<std::size_t, 2> plateau_{};           // samples in a row
+};
+
+}  // namespace limber

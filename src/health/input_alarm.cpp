@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "limber/health/input_alarm.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "limber/core/chi_square.hpp"
+#include "limber/core/time.hpp"
+
+namespace limber {
+namespace {
+
+using Vector6 = PoseCorrection::Vector6;
+using Matrix6 = PoseCorrection::Matrix6;
+
+constexpr double kShare = 0.1;     // of one frame in the fading mean
+constexpr double kWeakest = 1e-4;  // directions that are corrected by less, in correlation, say nothing
+constexpr double kNoiseShare = 0.05;
+constexpr int kYoung = 10;  // frames: the first ones are corrected by what the start did not know
+
+/// The correction in units of its standard deviations; directions that the frame did not see are zero.
+Vector6 whitened(const PoseCorrection& c) {
+  const Vector6 sigma = c.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
+  const Matrix6 correlation =
+      sigma.cwiseInverse().asDiagonal() * c.covariance * sigma.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(correlation);
+  Vector6 z = eigen.eigenvectors().transpose() * c.dx.cwiseQuotient(sigma);
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    z(k) = eigen.eigenvalues()(k) > kWeakest ? z(k) / std::sqrt(eigen.eigenvalues()(k)) : 0.0;
+  }
+  return eigen.eigenvectors() * z;
+}
+
+}  // namespace
+
+bool InputAlarm::judge(const PoseCorrection& c, InputContradiction& found) {
+  if (!c.dx.allFinite() || !c.covariance.allFinite() || c.dof <= 0.0) {
+    return false;
+  }
+  const Vector6 z = whitened(c);
+  // What the pose does not explain tells the noise.
+  const double rest = std::max(c.nis - z.squaredNorm(), 0.0) / std::max(c.dof - 6.0, 1.0);
+  noise_ += kNoiseShare * (rest - noise_);
+  const double noise = std::max({noise_, rest, 1.0});
+  mean_ = (1.0 - kShare) * mean_ + kShare * z;
+  weight_ = (1.0 - kShare) * (1.0 - kShare) * weight_ + kShare * kShare;
+  static const double threshold = chi_square_quantile(1.0 - kFalseAlarms, 6.0);
+  const double now = z.squaredNorm() / noise, lasting = mean_.squaredNorm() / (weight_ * noise);
+  if (++frames_ <= kYoung || std::max(now, lasting) <= threshold) {
+    return false;
+  }
+  const double share =
+      now > threshold ? 1.0 : std::min(std::sqrt(mean_.squaredNorm() / z.squaredNorm()), 1.0);
+  found = {share * c.dx.tail<3>().norm(), share * c.dx.head<3>().norm(), c.dt, std::max(now, lasting)};
+  mean_.setZero();
+  weight_ = 0.0;
+  last_ns_ = c.t_ns;
+  return true;
+}
+
+bool InputAlarm::active(std::int64_t t_ns) const {
+  return last_ns_ != std::numeric_limits<std::int64_t>::min() && seconds_between(last_ns_, t_ns) < kCalm;
+}
+
+}  // namespace limber

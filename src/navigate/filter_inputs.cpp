@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+// StereoFilter's inputs: samples in, prediction, what the images say against them, and a new beginning.
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "check_inputs.hpp"
+#include "limber/core/time.hpp"
+#include "limber/navigate/stereo_filter.hpp"
+#include "parameter_roles.hpp"
+#include "propagate.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using namespace detail;
+
+namespace {
+
+/// A state that was never given a time takes that of the first sample or frame if that is further ahead [s].
+constexpr double kNeverGivenATime = 60.0;
+/// Where theta is trusted or estimated a wrong rig moves the pose, too: only what no rig can do counts [-].
+constexpr double kTrustingFactor = 30.0;
+/// Largest biases that a contradiction opens [rad/s], [m/s^2].
+constexpr double kLargestBiasGyro = 0.2, kLargestBiasAccel = 2.0;
+constexpr double kFastest = 1e3;       // [m/s]: faster is broken
+constexpr double kFarthest = 1e8;      // [m]
+constexpr double kTooBlind = 0.15;     // [rad], of turn between two updates that nobody saw
+constexpr double kAnewAttitude = 0.1;  // [rad], least uncertainty after a new beginning
+constexpr double kAnewVelocity = 1.0;  // [m/s]
+constexpr double kAnewPosition = 1.0;  // [m]
+constexpr double kAnewRate = 0.5;      // [rad/s]
+constexpr double kAnewBiasGyro = 0.02, kAnewBiasAccel = 0.2;
+
+}  // namespace
+
+void StereoFilter::start_at(std::int64_t t_ns) {
+  std::int64_t& state_ns = estimate_.nav.t_ns;
+  if (state_ns == 0 && inputs_.empty() && last_frame_ns_ == std::numeric_limits<std::int64_t>::min() &&
+      seconds_between(0, t_ns) > kNeverGivenATime) {
+    state_ns = t_ns;
+  }
+}
+
+void StereoFilter::add(const InputSample& sample) {
+  start_at(sample.t_ns);
+  if (seconds_between(estimate_.nav.t_ns, sample.t_ns) > kLongestJump) {
+    throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) +
+                                " ns is hours ahead of the state, " + std::to_string(estimate_.nav.t_ns) +
+                                " ns: is that another clock?");
+  }
+  checks_.add(sample, inputs_);
+  late_ +=
+      sample.t_ns < estimate_.nav.t_ns && last_frame_ns_ != std::numeric_limits<std::int64_t>::min() ? 1 : 0;
+}
+
+std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {
+  const std::int64_t begin_ns = estimate_.nav.t_ns;
+  if (options_.motion != MotionModel::kConstantVelocity) {
+    return inputs_.steps(begin_ns, t_ns);
+  }
+  InputStep step;
+  step.t_end_ns = t_ns;
+  step.dt = seconds_between(begin_ns, t_ns);
+  return {step};
+}
+
+void StereoFilter::predict_to(std::int64_t t_ns) {
+  if (t_ns <= estimate_.nav.t_ns) {
+    return;
+  }
+  const double dt = seconds_between(estimate_.nav.t_ns, t_ns);
+  const bool distrusts = estimate_.nav.t_ns < trusted_again_ns_;
+  const Propagation to = propagate(estimate_.nav, steps_to(t_ns), options_, inputs_.usual_interval_s(),
+                                   distrusts ? distrust_.first : 0.0, distrusts ? distrust_.second : 0.0);
+  inputs_.forget_before(t_ns);
+  estimate_.nav = to.nav;
+  omega_input_ = to.omega_input;
+  estimate_.P.propagate_leading(to.whole.Phi, to.whole.Q);
+  blind_turn_ += to.whole.Q.diagonal().segment<3>(StateLayout::kAttitude).maxCoeff();
+  walk_parameters(dt);
+}
+
+PredictedState StereoFilter::predict(std::int64_t t_ns) const {
+  const Index k = estimate_.layout().body_size();
+  const MatrixXd P = estimate_.P.block(0, 0, k, k);
+  if (t_ns <= estimate_.nav.t_ns) {
+    return {estimate_.nav, P};
+  }
+  const bool distrusts = estimate_.nav.t_ns < trusted_again_ns_;
+  const Propagation to = propagate(estimate_.nav, steps_to(t_ns), options_, inputs_.usual_interval_s(),
+                                   distrusts ? distrust_.first : 0.0, distrusts ? distrust_.second : 0.0);
+  return {to.nav, to.whole.Phi * P * to.whole.Phi.transpose() + to.whole.Q};
+}
+
+/// What the prediction from the state to t_ns will rest on.
+InputReport StereoFilter::report_inputs(std::int64_t t_ns) {
+  InputReport out;
+  if (options_.motion == MotionModel::kConstantVelocity) {
+    return out;
+  }
+  out.faults = checks_.take_counts();
+  out.faults[InputFault::kLate] = std::exchange(late_, 0);
+  out.gap_s = inputs_.longest_gap_s(estimate_.nav.t_ns, t_ns);
+  out.status = inputs_.empty()    ? InputStatus::kNone
+               : out.gap_s > 0.0  ? InputStatus::kGap
+               : out.faults.any() ? InputStatus::kFaulty
+                                  : InputStatus::kSound;
+  return out;
+}
+
+/// chi^2 of the inputs against the images: what the frame corrected, beside what it could have had to
+/// correct.
+void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& report) {
+  if (options_.motion == MotionModel::kConstantVelocity || correction.dt <= 0.0) {
+    return;
+  }
+  const bool blind_to_rig =
+      (constrains(options_) && options_.constraints.kind == ConstraintSet::Kind::kFull) ||
+      options_.method == Method::kMonoLeft;
+  PoseCorrection counted = correction;
+  if (!blind_to_rig) {
+    counted.covariance *= kTrustingFactor;
+  }
+  InputContradiction found;
+  if (input_alarm_.judge(counted, found)) {
+    report.inputs.status = std::max(report.inputs.status, InputStatus::kContradicted);
+    report.inputs.contradiction = found;
+    distrust_inputs(found);
+  }
+}
+
+void StereoFilter::distrust_inputs(const InputContradiction& found) {
+  const double turn = found.turn / found.dt, speed = found.shift / found.dt;
+  const auto open = [&](Index at, double sigma) {
+    estimate_.P.set_diagonal_block(
+        at, estimate_.P.diagonal_block<3>(at) + sigma * sigma * Eigen::Matrix3d::Identity());
+  };
+  const bool imu = options_.motion == MotionModel::kImu;
+  open(StateLayout::kAttitude, found.turn);
+  if (imu) {
+    open(StateLayout::kVelocity, speed);
+    open(StateLayout::kBiasGyro, std::min(turn, kLargestBiasGyro));
+    open(StateLayout::kBiasAccel, std::min(speed / InputAlarm::kCalm, kLargestBiasAccel));
+  }
+  const double of_turn = turn * turn * found.dt;
+  const double of_speed = speed * speed * (imu ? 1.0 / InputAlarm::kCalm : found.dt);
+  if (estimate_.nav.t_ns >= trusted_again_ns_) {
+    distrust_ = {};  // an older quarrel is over
+  }
+  distrust_ = {std::max(distrust_.first, imu ? of_turn : of_speed),
+               std::max(distrust_.second, imu ? of_speed : of_turn)};
+  trusted_again_ns_ = estimate_.nav.t_ns + static_cast<std::int64_t>(1e9 * InputAlarm::kCalm);
+}
+
+/// Where nobody knows how the body turned, no landmark of before can be found in the image by a linear
+/// update: those of the frame are taken for new ones.
+std::size_t StereoFilter::forget_after_blindness(const StereoFrame& frame) {
+  std::size_t removed = 0;
+  if (blind_turn_ > kTooBlind * kTooBlind) {
+    for (const StereoObservation& o : frame.observations) {
+      if (estimate_.find(o.track_id) != nullptr) {
+        estimate_.remove_landmark(o.track_id);
+        ++removed;
+      }
+    }
+    blind_turn_ = frame.observations.empty() ? blind_turn_ : 0.0;
+  }
+  return removed;
+}
+
+bool StereoFilter::is_broken() const {
+  const NavigationState& nav = estimate_.nav;
+  const Index k = estimate_.layout().body_size();
+  const Eigen::VectorXd variance = estimate_.P.block(0, 0, k, k).diagonal();
+  return !nav.T_world_body.p.allFinite() || !nav.T_world_body.R.allFinite() ||
+         !nav.v_world_body.allFinite() || !variance.allFinite() || variance.minCoeff() < 0.0 ||
+         nav.T_world_body.p.norm() > kFarthest || nav.v_world_body.norm() > kFastest;
+}
+
+/// Time goes on; pose, velocity and biases of the last sound frame stay, with what that start cannot know.
+void StereoFilter::begin_anew() {
+  const std::int64_t t_ns = estimate_.nav.t_ns;
+  const double silence = std::max(seconds_between(sound_.nav.t_ns, t_ns), 0.0);
+  InitialState anew = sound_;
+  anew.nav.t_ns = t_ns;
+  anew.nav.T_world_body.p += silence * anew.nav.v_world_body;
+  MatrixXd P = MatrixXd(anew.body_covariance.diagonal().asDiagonal());
+  const auto widen = [&](Index at, double sigma) {
+    P.diagonal().segment<3>(at) = P.diagonal().segment<3>(at).cwiseMax(sigma * sigma).eval();
+  };
+  widen(StateLayout::kPosition, kAnewPosition + kAnewVelocity * silence);
+  widen(StateLayout::kAttitude, kAnewAttitude);
+  if (options_.motion != MotionModel::kOdometry) {
+    widen(StateLayout::kVelocity, kAnewVelocity);
+    widen(StateLayout::kRate, options_.motion == MotionModel::kImu ? kAnewBiasGyro : kAnewRate);
+  }
+  if (options_.motion == MotionModel::kImu) {
+    widen(StateLayout::kBiasAccel, kAnewBiasAccel);
+  }
+  anew.body_covariance = P;
+  sound_ = anew;
+  estimate_ = make_estimate(options_, given_, anew);
+  calibration_ = given_;
+  fresh_ = WhiteSize();
+  input_alarm_ = InputAlarm();
+  if (monitor_) {
+    monitor_.emplace(*options_.health, given_.baseline());
+  }
+}
+
+}  // namespace limber

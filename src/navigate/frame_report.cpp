@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include "limber/navigate/frame_report.hpp"
+
+namespace limber {
+
+std::string to_string(InputStatus status) {
+  switch (status) {
+    case InputStatus::kNotNeeded:
+      return "not needed";
+    case InputStatus::kSound:
+      return "sound";
+    case InputStatus::kFaulty:
+      return "faulty";
+    case InputStatus::kGap:
+      return "gap";
+    case InputStatus::kContradicted:
+      return "contradicted";
+    case InputStatus::kNone:
+      break;
+  }
+  return "none";
+}
+
+std::string to_string(UpdateStatus status) {
+  switch (status) {
+    case UpdateStatus::kUpdated:
+      return "updated";
+    case UpdateStatus::kEmpty:
+      return "no points";
+    case UpdateStatus::kSingularInnovation:
+      break;
+  }
+  return "singular";
+}
+
+std::string to_string(InputFault fault) {
+  switch (fault) {
+    case InputFault::kStuck:
+      return "stuck";
+    case InputFault::kSpike:
+      return "spike";
+    case InputFault::kSaturated:
+      return "saturated";
+    case InputFault::kImpossible:
+      return "impossible";
+    case InputFault::kLate:
+      break;
+  }
+  return "late";
+}
+
+}  // namespace limber

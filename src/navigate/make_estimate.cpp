@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#include <stdexcept>
+#include <string>
+
+#include "check_inputs.hpp"
+#include "parameter_roles.hpp"
+
+namespace limber::detail {
+
+using Eigen::MatrixXd;
+
+Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration& calibration,
+                       const InitialState& initial) {
+  if (!(calibration.baseline() > 0.0)) {
+    throw std::invalid_argument("navigator: the baseline is " + std::to_string(calibration.baseline()) +
+                                " m, expected a positive one");
+  }
+  check_initial(initial);
+  StateLayout layout{options.motion, has_theta(options), has_witness(options)};
+  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
+    layout.has_more[k] = (estimated(options) & parameters_of(kMoreBlocks[k])).any();
+  }
+  Estimate out(layout, initial.nav, initial.body_covariance, calibration.theta,
+               theta_prior(options, calibration).cwiseAbs2().asDiagonal());
+  const ParameterVector prior =
+      options.estimated.cwiseMax(kNotEstimated * plausible_errors(calibration)).cwiseAbs2();
+  for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
+    if (layout.has_more[k]) {
+      out.P.set_diagonal_block(layout.more(k),
+                               MatrixXd(prior.segment<6>(first_of(kMoreBlocks[k])).asDiagonal()));
+    }
+  }
+  if (has_witness(options)) {
+    out.restart_witness(kWidestErrors);
+  }
+  return out;
+}
+
+}  // namespace limber::detail

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "limber/navigate/navigator_options.hpp"
+#include "limber/predict/input_buffer.hpp"
+#include "limber/predict/motion.hpp"
+
+namespace limber::detail {
+
+/// A body's state carried through some steps.
+struct Propagation {
+  NavigationState nav;
+  Transition whole;             ///< of all steps
+  Eigen::Vector3d omega_input;  ///< [rad/s], of the last step
+};
+
+/// @brief Carries the body through the steps by the options' motion model.
+///
+/// Where samples are missing, an IMU's mean goes from what was measured last (or will be measured next) to
+/// none: no rotation and no acceleration, biases kept; odometry's stays what it was. What may have happened
+/// instead is noise.
+/// @param usual_interval_s   between samples; odometry only
+/// @param more_first_density, more_second_density  noise of the inputs beyond all that [unit^2 s]
+[[nodiscard]] Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& steps,
+                                    const NavigatorOptions& options, double usual_interval_s,
+                                    double more_first_density, double more_second_density);
+
+}  // namespace limber::detail

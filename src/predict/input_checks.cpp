@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "limber/predict/input_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "limber/core/time.hpp"
+
+namespace limber {
+namespace {
+
+constexpr std::size_t kRepeats = 2;        // in a row: more is stuck (some drivers hand out samples twice)
+constexpr std::size_t kVaried = 20;        // samples before a stream is known to vary
+constexpr double kUsualJump = 12.0;        // times the mean change between samples
+constexpr double kBack = 0.5;              // of the jump: then the next sample is back where it was
+constexpr double kUsualShare = 0.01;       // of one sample in the mean change
+constexpr double kLongestNeighbour = 0.1;  // [s]: further apart, samples are no neighbours
+constexpr double kEndOfRange = 0.999;      // of the largest value seen
+constexpr std::size_t kPlateau = 2;        // repeats of it in a row
+constexpr double kOvershoot = 0.1;         // of the range: what a saturated sensor may have missed, at least
+
+const Eigen::Vector3d& part(const InputSample& sample, std::size_t k) {
+  return k == 0 ? sample.first : sample.second;
+}
+
+double change(const InputSample& a, const InputSample& b, std::size_t k) {
+  return (part(a, k) - part(b, k)).norm();
+}
+
+}  // namespace
+
+bool InputFaultCounts::any() const {
+  return std::any_of(count.begin(), count.end(), [](std::size_t n) { return n > 0; });
+}
+
+InputFaultCounts InputChecks::take_counts() { return std::exchange(counts_, {}); }
+
+/// Six floating point numbers that all repeat themselves twice are no measurement of anything that moves.
+bool InputChecks::is_stuck(const Six& value) {
+  if (value == value_) {
+    ++repeats_;
+  } else {
+    repeats_ = 0;
+    ++varied_;
+  }
+  return repeats_ >= kRepeats && varied_ > kVaried;
+}
+
+bool InputChecks::jumps(const InputSample& from, const InputSample& to) const {
+  if (varied_ <= kVaried || seconds_between(from.t_ns, to.t_ns) > kLongestNeighbour) {
+    return false;
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (change(from, to, k) > std::max(limits_.jump[k], kUsualJump * usual_change_[k])) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// The largest value ever seen, several times in a row to the last digit: the end of the sensor's range.
+void InputChecks::doubt_saturated(InputSample& sample, double dt) {
+  bool saturated = false;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Eigen::Array3d size = part(sample, k).cwiseAbs();
+    const double peak = std::max(peak_[k], size.maxCoeff());
+    const bool flat = last_ &&
+                      (part(sample, k).array() == part(*last_, k).array() && size >= kEndOfRange * peak &&
+                       size > limits_.saturation[k])
+                          .any() &&
+                      usual_change_[k] > 0.0;
+    peak_[k] = peak;
+    plateau_[k] = flat ? plateau_[k] + 1 : 0;
+    if (plateau_[k] >= kPlateau) {
+      saturated = true;
+      const auto length = static_cast<double>(plateau_[k]);
+      const double missed = kOvershoot * peak + length * usual_change_[k];
+      (k == 0 ? sample.first_density : sample.second_density) = missed * missed * length * dt;
+    }
+  }
+  counts_[InputFault::kSaturated] += saturated ? 1 : 0;
+}
+
+void InputChecks::accept(InputSample sample, InputBuffer& buffer) {
+  if (last_) {
+    const double dt = seconds_between(last_->t_ns, sample.t_ns);
+    doubt_saturated(sample, dt);
+    if (dt <= kLongestNeighbour) {
+      for (std::size_t k = 0; k < 2; ++k) {
+        const double share = std::max(kUsualShare, 1.0 / static_cast<double>(varied_ + 1));
+        usual_change_[k] += share * (change(*last_, sample, k) - usual_change_[k]);
+      }
+    }
+  }
+  buffer.add(sample);
+  last_ = sample;
+}
+
+void InputChecks::add(const InputSample& sample, InputBuffer& buffer) {
+  Six value;
+  value << sample.first, sample.second;
+  const bool first = !last_ && !held_ && varied_ == 0;
+  if (!value.allFinite()) {
+    throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) + " ns is not finite");
+  }
+  if (!first && sample.t_ns <= newest_ns_) {
+    throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) +
+                                " ns does not come after the one at " + std::to_string(newest_ns_) + " ns");
+  }
+  newest_ns_ = sample.t_ns;
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (part(sample, k).cwiseAbs().maxCoeff() > limits_.impossible[k]) {
+      ++counts_[InputFault::kImpossible];
+      ++varied_;
+      return;
+    }
+  }
+  const bool stuck = is_stuck(value);
+  value_ = value;
+  if (stuck) {
+    ++counts_[InputFault::kStuck];
+    return;
+  }
+  if (held_) {
+    InputSample held = *std::exchange(held_, std::nullopt);
+    const bool back =
+        change(*last_, sample, 0) <= kBack * change(*last_, held, 0) + limits_.jump[0] * kBack &&
+        change(*last_, sample, 1) <= kBack * change(*last_, held, 1) + limits_.jump[1] * kBack;
+    if (back) {
+      ++counts_[InputFault::kSpike];
+      accept(sample, buffer);
+      return;
+    }
+    // It stays there: a jolt. While it was held back, frames may have gone by without it.
+    const double dt = seconds_between(last_->t_ns, held.t_ns);
+    const double jolt = change(*last_, held, 1), turn = change(*last_, held, 0);
+    held.first_density = turn * turn * dt;
+    held.second_density = jolt * jolt * dt;
+    accept(held, buffer);
+    accept(sample, buffer);
+    return;
+  }
+  if (last_ && jumps(*last_, sample)) {
+    held_ = sample;
+    return;
+  }
+  accept(sample, buffer);
+}
+
+}  // namespace limber

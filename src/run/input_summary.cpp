@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "limber/run/input_summary.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace limber {
+namespace {
+
+constexpr std::int64_t kSameEventNs = 1'000'000'000;
+constexpr std::size_t kMostRemarks = 8;
+constexpr double kWorthARemark = 0.05;  // [s], a shorter gap is a dropped sample or two
+
+double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
+
+/// The event of that kind to which a frame belongs: the last one, or a new one.
+RunEvent& event_at(std::vector<RunEvent>& events, const std::string& what, std::int64_t from_ns,
+                   std::int64_t t_ns) {
+  const auto last =
+      std::find_if(events.rbegin(), events.rend(), [&](const RunEvent& e) { return e.what == what; });
+  RunEvent& event = last != events.rend() && from_ns - last->to_ns <= kSameEventNs
+                        ? *last
+                        : events.emplace_back(RunEvent{what, from_ns});
+  event.to_ns = t_ns;
+  ++event.frames;
+  return event;
+}
+
+void count(const FrameReport& frame, InputSummary& out) {
+  out.updated += frame.status == UpdateStatus::kUpdated ? 1 : 0;
+  out.no_points += frame.status == UpdateStatus::kEmpty ? 1 : 0;
+  out.singular += frame.status == UpdateStatus::kSingularInnovation ? 1 : 0;
+  switch (frame.inputs.status) {
+    case InputStatus::kNotNeeded:
+      ++out.not_needed;
+      break;
+    case InputStatus::kSound:
+      ++out.sound;
+      break;
+    case InputStatus::kFaulty:
+      ++out.faulty;
+      break;
+    case InputStatus::kGap:
+      ++out.gap;
+      break;
+    case InputStatus::kContradicted:
+      ++out.contradicted;
+      break;
+    case InputStatus::kNone:
+      ++out.none;
+      break;
+  }
+}
+
+std::string in_words(const RunEvent& e) {
+  const std::string when =
+      e.to_ns - e.from_ns > 100'000'000
+          ? fmt::format("from {:.3f} s to {:.3f} s", seconds(e.from_ns), seconds(e.to_ns))
+          : fmt::format("at {:.3f} s", seconds(e.to_ns));
+  if (e.what == "gap") {
+    return fmt::format(
+        "{} up to {:.2f} s without a usable input sample: what could have happened counts as noise", when,
+        e.longest_s);
+  }
+  if (e.what == "contradicted") {
+    return fmt::format(
+        "{} the images contradict the inputs (a bias or clock that stepped, a fault): velocity and biases "
+        "were opened, "
+        "and the calibration not judged",
+        when);
+  }
+  if (e.what == "no inputs") {
+    return fmt::format("{} no input sample had come yet: the motion was guessed", when);
+  }
+  if (e.what == "no points") {
+    return fmt::format("{} no point could be used: dead reckoning", when);
+  }
+  if (e.what == "reset") {
+    return fmt::format("{} the filter had broken down and began anew, {} times", when, e.frames);
+  }
+  return fmt::format("{} {} input samples were {}{}", when, e.samples, e.what,
+                     e.what == "saturated" ? ": taken with more noise"
+                     : e.what == "late"    ? ": they came after the frame they belong to"
+                                           : ": left out");
+}
+
+}  // namespace
+
+InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
+  InputSummary out;
+  std::int64_t before_ns = frames.empty() ? 0 : frames.front().t_ns;
+  for (const FrameReport& frame : frames) {
+    count(frame, out);
+    const auto add = [&](const std::string& what) -> RunEvent& {
+      return event_at(out.events, what, before_ns, frame.t_ns);
+    };
+    if (frame.inputs.status == InputStatus::kNone && frame.t_ns > before_ns) {
+      add("no inputs");
+    } else if (frame.inputs.gap_s > 0.0) {
+      RunEvent& event = add("gap");
+      event.longest_s = std::max(event.longest_s, frame.inputs.gap_s);
+    }
+    for (std::size_t k = 0; k < kInputFaults; ++k) {
+      if (frame.inputs.faults.count[k] > 0) {
+        add(to_string(static_cast<InputFault>(k))).samples += frame.inputs.faults.count[k];
+      }
+    }
+    if (frame.inputs.contradiction) {
+      add("contradicted");
+    }
+    if (frame.status == UpdateStatus::kEmpty && frame.t_ns > before_ns) {
+      add("no points");
+    }
+    if (frame.reset) {
+      add("reset");
+      out.lost_since_ns = out.lost_since_ns.value_or(frame.t_ns);
+    }
+    before_ns = frame.t_ns;
+  }
+  // A gap is as long as its frames, in one piece, unless samples came between.
+  for (RunEvent& event : out.events) {
+    if (event.what == "gap" && event.frames > 1) {
+      event.longest_s = std::max(event.longest_s, seconds(event.to_ns - event.from_ns));
+    }
+  }
+  return out;
+}
+
+std::vector<std::string> remarks_on_inputs(const InputSummary& summary) {
+  std::vector<std::string> out;
+  std::size_t more = 0;
+  for (const RunEvent& event : summary.events) {
+    const bool trifle = (event.what == "gap" && event.longest_s < kWorthARemark) ||
+                        (event.what == "no points" && event.to_ns - event.from_ns < kSameEventNs);
+    if (trifle) {
+      continue;
+    }
+    if (out.size() < kMostRemarks) {
+      out.push_back(in_words(event));
+    } else {
+      ++more;
+    }
+  }
+  if (more > 0) {
+    out.push_back(fmt::format("{} more such events: see events in summary.json", more));
+  }
+  if (summary.lost_since_ns) {
+    out.push_back(
+        fmt::format("the run is lost since {:.3f} s: what follows is in another world than what was before",
+                    seconds(*summary.lost_since_ns)));
+  }
+  return out;
+}
+
+}  // namespace limber

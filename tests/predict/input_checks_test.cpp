@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "limber/predict/input_checks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include "check_covariance.hpp"
+
+namespace limber {
+namespace {
+
+using testing::Generator;
+using testing::random_normal;
+
+constexpr std::int64_t kMs = 1000000;
+
+/// A small drone: swings and trembles, with the noise of a MEMS IMU at 200 Hz.
+std::vector<InputSample> flight(double seconds, std::uint64_t seed = 1) {
+  Generator generator(seed);
+  std::vector<InputSample> out;
+  for (std::int64_t t = 0; t < static_cast<std::int64_t>(seconds * 1e9); t += 5 * kMs) {
+    const double s = 1e-9 * static_cast<double>(t);
+    const Eigen::Vector3d omega(std::sin(2.0 * s), 0.7 * std::cos(3.0 * s), 0.3);
+    const Eigen::Vector3d accel(2.0 * std::cos(3.0 * s), std::sin(300.0 * s), 9.81 + 2.0 * std::sin(s));
+    out.push_back(
+        {t, omega + 0.005 * random_normal(generator, 3), accel + 0.1 * random_normal(generator, 3)});
+  }
+  return out;
+}
+
+struct Outcome {
+  InputFaultCounts faults;
+  std::size_t taken = 0;
+};
+
+Outcome check(const std::vector<InputSample>& samples) {
+  InputChecks checks(kImuLimits);
+  InputBuffer buffer;
+  for (const InputSample& sample : samples) {
+    checks.add(sample, buffer);
+  }
+  return {checks.take_counts(), buffer.size()};
+}
+
+TEST(InputChecks, TakeASoundStreamAsItIs) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const std::vector<InputSample> samples = flight(20.0, seed);
+    const Outcome out = check(samples);
+    EXPECT_FALSE(out.faults.any());
+    EXPECT_EQ(out.taken, samples.size());
+  }
+}
+
+TEST(InputChecks, LeaveOutASpikeAndNothingElse) {
+  for (const double size : {98.1, 981.0}) {
+    std::vector<InputSample> samples = flight(5.0);
+    samples[500].second.x() += size;
+    const Outcome out = check(samples);
+    EXPECT_EQ(out.faults[InputFault::kSpike], 1U);
+    EXPECT_EQ(out.taken, samples.size() - 1);
+  }
+}
+
+TEST(InputChecks, TakeAJoltThatLastsWithNoiseOfItsSize) {
+  std::vector<InputSample> samples = flight(5.0);
+  for (std::size_t k = 500; k < 600; ++k) {
+    samples[k].second.x() += 80.0;
+  }
+  InputChecks checks(kImuLimits);
+  InputBuffer buffer;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    checks.add(samples[k], buffer);
+  }
+  EXPECT_EQ(checks.take_counts()[InputFault::kSpike], 0U);
+  EXPECT_EQ(buffer.size(), samples.size());
+  double density = 0.0;
+  for (const InputStep& step : buffer.steps(samples[490].t_ns, samples[510].t_ns)) {
+    density = std::max(density, step.second_unknown.density);
+  }
+  EXPECT_GE(density, 0.9 * 80.0 * 80.0 * 0.005);
+}
+
+TEST(InputChecks, TakeAStuckSensorForAGap) {
+  std::vector<InputSample> samples = flight(5.0);
+  for (std::size_t k = 501; k < 700; ++k) {
+    samples[k].first = samples[500].first;
+    samples[k].second = samples[500].second;
+  }
+  InputChecks checks(kImuLimits);
+  InputBuffer buffer;
+  for (const InputSample& sample : samples) {
+    checks.add(sample, buffer);
+  }
+  EXPECT_EQ(checks.take_counts()[InputFault::kStuck], 198U);
+  EXPECT_NEAR(buffer.longest_gap_s(samples[490].t_ns, samples[710].t_ns), 0.995, 1e-9);
+}
+
+TEST(InputChecks, TakeAStreamThatNeverVariedAsItIs) {
+  std::vector<InputSample> samples(1000);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    samples[k] = {static_cast<std::int64_t>(k) * 5 * kMs, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}};
+  }
+  const Outcome out = check(samples);
+  EXPECT_FALSE(out.faults.any());
+  EXPECT_EQ(out.taken, samples.size());
+}
+
+TEST(InputChecks, TakeSamplesThatADriverHandsOutTwice) {
+  std::vector<InputSample> samples = flight(5.0);
+  for (std::size_t k = 1; k < samples.size(); k += 2) {
+    samples[k].first = samples[k - 1].first;
+    samples[k].second = samples[k - 1].second;
+  }
+  EXPECT_FALSE(check(samples).faults.any());
+}
+
+TEST(InputChecks, GiveASaturatedGyroscopeMoreNoise) {
+  std::vector<InputSample> samples = flight(20.0);
+  for (InputSample& sample : samples) {
+    sample.first = sample.first.cwiseMax(-0.7).cwiseMin(0.7);
+  }
+  InputChecks checks(kImuLimits);
+  InputBuffer buffer;
+  for (const InputSample& sample : samples) {
+    checks.add(sample, buffer);
+  }
+  EXPECT_GE(checks.take_counts()[InputFault::kSaturated], samples.size() / 10);
+  double density = 0.0;
+  for (const InputStep& step : buffer.steps(0, samples.back().t_ns)) {
+    density = std::max(density, step.first_unknown.density);
+  }
+  EXPECT_GE(density, 1e-3 * 0.07 * 0.07);
+}
+
+TEST(InputChecks, LeaveOutWhatNoSensorCanShow) {
+  std::vector<InputSample> samples = flight(5.0);
+  samples[300].first.y() = 1e300;
+  samples[700].second.z() = -1e300;
+  const Outcome out = check(samples);
+  EXPECT_EQ(out.faults[InputFault::kImpossible], 2U);
+  EXPECT_EQ(out.taken, samples.size() - 2);
+}
+
+TEST(InputChecks, RefuseWhatIsNotFiniteOrOutOfOrder) {
+  InputChecks checks(kImuLimits);
+  InputBuffer buffer;
+  checks.add({10, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}, buffer);
+  EXPECT_THROW(checks.add({10, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}, buffer),
+               std::invalid_argument);
+  EXPECT_THROW(checks.add({5, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}, buffer),
+               std::invalid_argument);
+  const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THROW(checks.add({20, nan, Eigen::Vector3d::Zero()}, buffer), std::invalid_argument);
+  EXPECT_NO_THROW(checks.add({20, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}, buffer));
+}
+
+}  // namespace
+}  // namespace limber

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "limber/run/input_summary.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "limber/run/run_recording.hpp"
+#include "short_recording.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// Twenty frames a second, updated by sound inputs.
+std::vector<FrameReport> sound_frames(std::size_t count) {
+  std::vector<FrameReport> frames(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    frames[k].t_ns = static_cast<std::int64_t>(k) * 50'000'000;
+    frames[k].status = UpdateStatus::kUpdated;
+    frames[k].inputs.status = InputStatus::kSound;
+  }
+  return frames;
+}
+
+TEST(InputSummary, OfASoundRunHasNothingToSay) {
+  const InputSummary summary = summarize_inputs(sound_frames(100));
+  EXPECT_EQ(summary.updated, 100U);
+  EXPECT_EQ(summary.sound, 100U);
+  EXPECT_THAT(summary.events, IsEmpty());
+  EXPECT_THAT(remarks_on_inputs(summary), IsEmpty());
+  EXPECT_FALSE(summary.lost_since_ns);
+}
+
+TEST(InputSummary, FramesWithTheSameTroubleAreOneEvent) {
+  std::vector<FrameReport> frames = sound_frames(200);
+  for (std::size_t k = 20; k < 40; ++k) {
+    frames[k].inputs.status = InputStatus::kGap;
+    frames[k].inputs.gap_s = 0.05;
+    frames[k].inputs.faults[InputFault::kStuck] = 10;
+  }
+  frames[150].inputs.faults[InputFault::kStuck] = 3;
+  const InputSummary summary = summarize_inputs(frames);
+  EXPECT_EQ(summary.gap, 20U);
+  ASSERT_EQ(summary.events.size(), 3U);
+  EXPECT_EQ(summary.events[0].what, "gap");
+  EXPECT_NEAR(summary.events[0].longest_s, 1.0, 1e-9);
+  EXPECT_EQ(summary.events[1].what, "stuck");
+  EXPECT_EQ(summary.events[1].samples, 200U);
+  EXPECT_EQ(summary.events[2].samples, 3U);
+  EXPECT_THAT(remarks_on_inputs(summary),
+              Contains(HasSubstr("from 0.950 s to 1.950 s 200 input samples were stuck")));
+}
+
+TEST(InputSummary, SaysSinceWhenARunIsLost) {
+  std::vector<FrameReport> frames = sound_frames(100);
+  frames[60].status = UpdateStatus::kSingularInnovation;
+  frames[60].reset = true;
+  const InputSummary summary = summarize_inputs(frames);
+  EXPECT_EQ(summary.singular, 1U);
+  EXPECT_EQ(summary.lost_since_ns, frames[60].t_ns);
+  EXPECT_THAT(remarks_on_inputs(summary), Contains(HasSubstr("the run is lost since 3.000 s")));
+}
+
+TEST(InputSummary, OfARunWithAGapNamesItAndCountsItsFrames) {
+  Recording recording = testing::short_recording();
+  std::erase_if(recording.imu,
+                [](const ImuSample& s) { return s.t_ns > 500'000'000 && s.t_ns < 1'200'000'000; });
+  RunOptions options;
+  options.start = StartMode::kGroundTruth;
+  const RunRecord record = run_recording(recording, options, matched_frames(recording));
+  EXPECT_GE(summarize_inputs(record.frames).gap, 14U);
+  EXPECT_THAT(record.notes, Contains(HasSubstr("s without a usable input sample")));
+}
+
+}  // namespace
+}  // namespace limber
