@@ -12,6 +12,7 @@
 #include "limber/core/time.hpp"
 #include "limber/landmarks/landmark_initialization.hpp"
 #include "limber/landmarks/map_management.hpp"
+#include "limber/predict/input_noise.hpp"
 #include "limber/stack/linearization_point.hpp"
 #include "limber/update/gate.hpp"
 #include "parameter_roles.hpp"
@@ -92,22 +93,6 @@ void check(const StereoFrame& frame, std::int64_t state_t_ns) {
       fail("holds track " + std::to_string(o.track_id) + " twice");
     }
   }
-}
-
-/// Noise of a step in a gap between samples grows with the gap.
-ImuNoise inflated(ImuNoise noise, double gap) {
-  noise.gyro_density *= std::sqrt(gap);
-  noise.accel_density *= std::sqrt(gap);
-  return noise;
-}
-
-/// Per-sample noise as it acts over a step of dt: white, so that its variance goes with the sample interval
-/// over dt.
-OdometryNoise per_step(OdometryNoise noise, double sample_interval, double dt, double gap) {
-  const double factor = std::sqrt(gap * (sample_interval > 0.0 ? sample_interval / dt : 1.0));
-  noise.sigma_v *= factor;
-  noise.sigma_omega *= factor;
-  return noise;
 }
 
 }  // namespace

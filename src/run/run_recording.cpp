@@ -252,10 +252,10 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   const std::size_t first = first_frame(recording, options, setup.navigator.motion);
   const bool from_truth = options.start == StartMode::kGroundTruth;
   Lookahead ahead = look_ahead(recording, frames, first, !from_truth);
-  Navigator navigator(setup.navigator, setup.calibration,
-                      from_truth ? start_from_truth(recording, options, setup, frame_time(recording, first))
-                                 : start_from_sensors(recording, setup, ahead));
   RunRecord record;
+  record.start = from_truth ? start_from_truth(recording, options, setup, frame_time(recording, first))
+                            : start_from_sensors(recording, setup, ahead);
+  Navigator navigator(setup.navigator, setup.calibration, record.start);
   record.notes = setup.notes;
   record.motion = setup.navigator.motion;
   const auto remarks = detail::remarks_on_input(recording, record.motion, setup.navigator.gravity);
