@@ -120,7 +120,7 @@ SmootherOptions smoother_options(const SmoothOptions& options, const RunSetup& s
   out.rig_walk = navigator.theta_walk;
   out.estimated = options.run.estimated;
   out.loss = options.loss;
-  out.forget_after_s = navigator.map_management.forget_after_s;
+  out.forget_after_s = navigator.map.forget_after_s;
   out.max_iterations = kMaxIterations;
   out.threads = options.threads;
   return out;

@@ -11,6 +11,7 @@
 #include "least_squares.hpp"
 #include "limber/core/chi_square.hpp"
 #include "limber/core/time.hpp"
+#include "limber/measure/stereo_model.hpp"
 #include "limber/smooth/motion_between.hpp"
 #include "reduced_system.hpp"
 
@@ -25,8 +26,8 @@ namespace {
 /// A point of which more than this share of the pixels is refused is left out.
 constexpr double kRefusedShare = 0.5;
 constexpr int kRoundsOfRefusal = 3;
-constexpr double kFunctionTolerance = 1e-8;
-constexpr int kFirstIterations = 15;  // robust, before anything is refused
+constexpr double kFunctionTolerance = 1e-6;
+constexpr int kFirstIterations = 8;   // robust, before anything is refused
 
 class Progress : public ceres::IterationCallback {
  public:

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "limber/state/state.hpp"
-#include "limber/initialize/initial_state.hpp"
+#include "limber/state/initial_state.hpp"
 #include "limber/sensors/parameters.hpp"
 #include "limber/sensors/samples.hpp"
 #include "limber/smooth/motion_between.hpp"
