@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "limber/run/run_output.hpp"
+#include "limber/diagnose/run_summary.hpp"
 
 namespace limber::app {
 

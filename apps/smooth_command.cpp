@@ -9,8 +9,8 @@
 #include "commands.hpp"
 #include "frame_source.hpp"
 #include "limber/datasets/read_recording.hpp"
-#include "limber/run/run_output.hpp"
 #include "limber/run/smooth_recording.hpp"
+#include "limber/run_files/run_output.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
 #include "parsed_by.hpp"
@@ -93,11 +93,11 @@ void add_smooth_command(CLI::App& app) {
       ->check(CLI::IsMember({"huber", "cauchy", "none"}))
       ->capture_default_str();
   command
-      ->add_option("--guess", arguments->guess,
-                   "Filter that gives the first guess; auto: ekf or lcekf, whichever explains the pixels better")
-      ->check(parsed_by([](const std::string& name) {
-        return name == "auto" ? Method::kEkf : method_from_string(name);
-      }))
+      ->add_option(
+          "--guess", arguments->guess,
+          "Filter that gives the first guess; auto: ekf or lcekf, whichever explains the pixels better")
+      ->check(parsed_by(
+          [](const std::string& name) { return name == "auto" ? Method::kEkf : method_from_string(name); }))
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "Of the start error with --init groundtruth")
       ->check(whole_number())

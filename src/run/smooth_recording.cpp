@@ -26,7 +26,8 @@ using L = StateLayout;
 /// Frames that one problem may have: beyond, its covariance alone takes gigabytes.
 constexpr std::size_t kMostFrames = 2500;
 constexpr int kMaxIterations = 100;
-// What is known of an automatic start beforehand: where the world's origin and axes are, and plausible biases.
+// What is known of an automatic start beforehand: where the world's origin and axes are, and plausible
+// biases.
 constexpr double kUnknownTilt = 0.5;       // [rad]
 constexpr double kUnknownVelocity = 30.0;  // [m/s]
 constexpr double kUnknownRate = 10.0;      // [rad/s]
@@ -113,8 +114,7 @@ SmootherOptions smoother_options(const SmoothOptions& options, const RunSetup& s
   out.piece_s = options.piece_s;
   out.trust_length = options.rig != RigModel::kTrusted && !has_scale(navigator.motion);
   if (out.trust_length) {
-    notes.emplace_back(
-        "theta: nothing but the baseline's length fixes the scale, so it is trusted");
+    notes.emplace_back("theta: nothing but the baseline's length fixes the scale, so it is trusted");
   }
   out.rig_sigma = options.run.theta_sigma.value_or(RigParameters::Zero());
   out.rig_walk = navigator.theta_walk;
@@ -176,7 +176,8 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
     rows += static_cast<double>(frame.rows);
     squares += frame.squared_residuals;
   }
-  const double misfit = result.squared_residuals / static_cast<double>(std::max<std::ptrdiff_t>(1, result.dof));
+  const double misfit =
+      result.squared_residuals / static_cast<double>(std::max<std::ptrdiff_t>(1, result.dof));
   const double dof_per_row = rows > 0.0 && misfit > 0.0 ? std::min(1.0, squares / (misfit * rows)) : 0.0;
   for (const SmoothedFrame& frame : result.frames) {
     out.trajectory.push_back(trajectory_row(frame, options.motion));
@@ -187,16 +188,15 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
     }
   }
   for (const RefusedPixel& pixel : result.refused) {
-    out.frames[pixel.frame].refused.push_back(
-        {pixel.track_id, RefusalReason::kGate, pixel.distance,
-         chi_square_quantile(options.gate_probability, 2.0)});
+    out.frames[pixel.frame].refused.push_back({pixel.track_id, RefusalReason::kGate, pixel.distance,
+                                               chi_square_quantile(options.gate_probability, 2.0)});
   }
   out.landmarks = result.landmarks;
   out.theta = result.frames.back().theta;
   if (misfit > kLargestMisfit) {
     out.notes.push_back(fmt::format(
-        "squared residuals are {:.1f} times what the noise says: sigmas are too small by about {:.1f}", misfit,
-        std::sqrt(misfit)));
+        "squared residuals are {:.1f} times what the noise says: sigmas are too small by about {:.1f}",
+        misfit, std::sqrt(misfit)));
   }
   return out;
 }
@@ -288,17 +288,17 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
   const InitialState prior = options.run.start == StartMode::kGroundTruth
                                  ? best->record.start
                                  : without_data(best->record.start, how.motion);
-  const SmootherResult result =
-      smooth({frames, recording.imu, recording.odometry, best->states, prior}, setup.calibration, how,
-             [&](int iteration) {
-               told(kShareOfAll - (kShareOfAll - kShareOfGuess) * 10 / (10 + static_cast<std::size_t>(iteration)));
-             });
+  const SmootherResult result = smooth(
+      {frames, recording.imu, recording.odometry, best->states, prior}, setup.calibration, how,
+      [&](int iteration) {
+        told(kShareOfAll - (kShareOfAll - kShareOfGuess) * 10 / (10 + static_cast<std::size_t>(iteration)));
+      });
   if (!result.converged) {
     throw std::runtime_error(fmt::format("smooth: no solution after {} iterations", result.iterations));
   }
   RunRecord record = to_record(result, setup.calibration, how);
-  notes.push_back(fmt::format("smoothed over all {} frames at once, theta {}: {} iterations",
-                              frames.size(), to_string(options.rig), result.iterations));
+  notes.push_back(fmt::format("smoothed over all {} frames at once, theta {}: {} iterations", frames.size(),
+                              to_string(options.rig), result.iterations));
   notes.insert(notes.end(), record.notes.begin(), record.notes.end());
   record.notes = std::move(notes);
   record.start = best->record.start;

@@ -36,8 +36,8 @@ void write_attitude(const Matrix3d& predicted, const NavigationState& from, cons
 /// The part of the first state that turned the prediction: predicted = ... Exp(phi), phi = Phi x.
 void write_turned_prediction(const Vector3d& phi, const Matrix3d& J_phi, Index column, MotionError& out) {
   const Vector3d error = out.error.segment<3>(L::kAttitude);
-  out.J_from.block<3, 3>(L::kAttitude, column) = -so3_right_jacobian_inverse(error) *
-                                                 so3_exp(error).transpose() * so3_right_jacobian(phi) * J_phi;
+  out.J_from.block<3, 3>(L::kAttitude, column) =
+      -so3_right_jacobian_inverse(error) * so3_exp(error).transpose() * so3_right_jacobian(phi) * J_phi;
 }
 
 /// e = to − from.

@@ -107,8 +107,7 @@ bool PointFactor::Evaluate(double const* const* blocks, double* residuals, doubl
     J = W * *projection->J_more;
     // The mount is Exp(error) R: a further error turns what the first one has turned already.
     constexpr Eigen::Index kTurn = kMoreParameters - kBlockSize;
-    J.middleCols<3>(kTurn) *=
-        so3_right_jacobian(-Eigen::Map<const Eigen::Vector3d>(blocks[at.more] + kTurn));
+    J.middleCols<3>(kTurn) *= so3_right_jacobian(-Eigen::Map<const Eigen::Vector3d>(blocks[at.more] + kTurn));
   }
   return true;
 }

@@ -27,7 +27,7 @@ namespace {
 constexpr double kRefusedShare = 0.5;
 constexpr int kRoundsOfRefusal = 3;
 constexpr double kFunctionTolerance = 1e-6;
-constexpr int kFirstIterations = 8;   // robust, before anything is refused
+constexpr int kFirstIterations = 8;  // robust, before anything is refused
 
 class Progress : public ceres::IterationCallback {
  public:
@@ -79,8 +79,7 @@ class Smoothing {
             const std::function<void(int)>& progress)
       : input_(input), calibration_(calibration), options_(options), progress_(progress) {
     const MountedRig rig = mount(calibration);
-    tracks_ =
-        gather_tracks(input.frames, rig, options.forget_after_s, options.rig != RigModel::kTrusted);
+    tracks_ = gather_tracks(input.frames, rig, options.forget_after_s, options.rig != RigModel::kTrusted);
     place_states();
     place_rigs();
     place_landmarks(rig);
@@ -169,8 +168,8 @@ class Smoothing {
   }
 
   void solve(RobustLoss loss, int max_iterations) {
-    problem_ = std::make_unique<LeastSquares>(input_, calibration_, options_, between_, unknowns_, tracks_,
-                                              loss);
+    problem_ =
+        std::make_unique<LeastSquares>(input_, calibration_, options_, between_, unknowns_, tracks_, loss);
     ceres::Solver::Options solver;
     solver.linear_solver_type = ceres::SPARSE_SCHUR;
     solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;

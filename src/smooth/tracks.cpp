@@ -27,8 +27,7 @@ Landmark landmark_along(std::int64_t track_id, const Vector3d& bearing) {
 }
 
 bool says_something(const Track& track, bool lone_frames) {
-  return track.sights.size() >= 2 &&
-         (lone_frames || track.sights.front().frame != track.sights.back().frame);
+  return track.sights.size() >= 2 && (lone_frames || track.sights.front().frame != track.sights.back().frame);
 }
 
 /// How long the point had been away when it came back in frame n [s]; 0 if it was seen in the frame before.

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "limber/state/state.hpp"
 #include "limber/measure/rig.hpp"
 #include "limber/sensors/samples.hpp"
+#include "limber/state/state.hpp"
 
 /// Observations, sorted by point.
 namespace limber::detail {

@@ -189,7 +189,8 @@ TEST(PointFactor, DerivativesOfTheCalibrationMeetCentralDifferences) {
       auto blocks = scene.blocks();
       blocks.push_back(block_of(VectorXd(scene.calibration.theta)));
       VectorXd more = VectorXd::Zero(kMoreParameters);
-      more << 3.0, -2.0, 1.0, 2.0, 0.01, 0.004, -1.0, 2.0, 2.0, 1.0, -0.01, 0.002, 0.1, -0.2, 0.15, 0.01, 0.0, 0.02;
+      more << 3.0, -2.0, 1.0, 2.0, 0.01, 0.004, -1.0, 2.0, 2.0, 1.0, -0.01, 0.002, 0.1, -0.2, 0.15, 0.01, 0.0,
+          0.02;
       blocks.push_back(block_of(more));
       check(RiggedFactor(scene, camera), blocks, 1e-5);
     }

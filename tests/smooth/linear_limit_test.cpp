@@ -99,8 +99,9 @@ Step least_squares_step(OneFrame frame, const RigParameters& rig_sigma) {
   problem.AddResidualBlock(
       new BlockPrior(sizes, x0, whitener_of(frame.P.dense()), VectorXd::Zero(frame.P.size())), nullptr,
       columns.kept);
-  problem.AddResidualBlock(new BlockPrior({6}, theta, rig_sigma.cwiseInverse().asDiagonal(), VectorXd::Zero(6)),
-                           nullptr, theta.data());
+  problem.AddResidualBlock(
+      new BlockPrior({6}, theta, rig_sigma.cwiseInverse().asDiagonal(), VectorXd::Zero(6)), nullptr,
+      theta.data());
   columns.kept.push_back(theta.data());
   for (std::size_t k = 0; k < frame.uv.size(); ++k) {
     PointSight sight;

@@ -125,7 +125,8 @@ TEST(MotionBetween, CovarianceIsThatOfManyNoisyRuns) {
         s.bias_accel.setZero();
         return s;
       }();
-      measured[k].first += truth.bias_gyro + per_sample * noise.imu.gyro_density * random_normal(generator, 3);
+      measured[k].first +=
+          truth.bias_gyro + per_sample * noise.imu.gyro_density * random_normal(generator, 3);
       measured[k].second +=
           truth.bias_accel + per_sample * noise.imu.accel_density * random_normal(generator, 3);
       NavigationState next = unbiased;
@@ -134,7 +135,8 @@ TEST(MotionBetween, CovarianceIsThatOfManyNoisyRuns) {
       next.bias_accel = truth.bias_accel + per_step * noise.imu.accel_walk * random_normal(generator, 3);
       truth = next;
     }
-    errors.add(motion_error(between(MotionModel::kImu, measured, start, noise), start, truth, kGravity).error);
+    errors.add(
+        motion_error(between(MotionModel::kImu, measured, start, noise), start, truth, kGravity).error);
   }
   // Finite steps: the position's noise within a step is known to that accuracy only.
   errors.expect(summed.Q, 0.03);

@@ -10,6 +10,7 @@
 #include "check_covariance.hpp"
 #include "limber/core/chi_square.hpp"
 #include "limber/datasets/interpolate.hpp"
+#include "limber/run/draw_initial_state.hpp"
 #include "limber/simulate/simulator.hpp"
 
 namespace limber {
@@ -68,9 +69,10 @@ struct Case {
       start.push_back(state);
     }
     const InitialSigma sigma;
-    prior = make_initial_state(
-        state_of(draw_initial_state(*groundtruth_at(recording.groundtruth, truth.front().t_ns), sigma, 7, run)),
-        motion, sigma);
+    prior =
+        make_initial_state(state_of(draw_initial_state(
+                               *groundtruth_at(recording.groundtruth, truth.front().t_ns), sigma, 7, run)),
+                           motion, sigma);
   }
 
   [[nodiscard]] SmootherResult solve() const {
@@ -108,7 +110,8 @@ Scenario bent(Scenario scenario) {
 
 TEST(Smoother, IsConsistentForEveryModelOfTheRigThatCanBeTrue) {
   constexpr int kRuns = 8;
-  for (const RigModel rig : {RigModel::kTrusted, RigModel::kConstant, RigModel::kPiecewise, RigModel::kFree}) {
+  for (const RigModel rig :
+       {RigModel::kTrusted, RigModel::kConstant, RigModel::kPiecewise, RigModel::kFree}) {
     SCOPED_TRACE(static_cast<int>(rig));
     double middle = 0.0, last = 0.0, theta = 0.0, residuals = 0.0, dof = 0.0;
     for (int run = 0; run < kRuns; ++run) {
@@ -148,7 +151,8 @@ TEST(Smoother, OdometryAndConstantVelocityAreConsistentToo) {
     c.options.rig = RigModel::kConstant;
     c.options.loss = RobustLoss::kNone;
     const SmootherResult result = c.solve();
-    odometry += nees(pose_error(c.truth.back(), result.frames.back().nav), result.frames.back().pose_covariance);
+    odometry +=
+        nees(pose_error(c.truth.back(), result.frames.back().nav), result.frames.back().pose_covariance);
   }
   expect_chi_square(odometry, 6.0 * kRuns);
 

@@ -4,10 +4,10 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "limber/state/state.hpp"
 #include "limber/predict/input_buffer.hpp"
 #include "limber/predict/motion.hpp"
 #include "limber/sensors/calibration.hpp"
+#include "limber/state/state.hpp"
 
 /// @file
 /// What the inputs between two frames say of the two states: IMU (preintegrated), odometry, constant

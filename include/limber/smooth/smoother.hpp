@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "limber/state/state.hpp"
-#include "limber/state/initial_state.hpp"
 #include "limber/sensors/parameters.hpp"
 #include "limber/sensors/samples.hpp"
 #include "limber/smooth/motion_between.hpp"
+#include "limber/state/initial_state.hpp"
+#include "limber/state/state.hpp"
 
 /// @file
 /// Navigation as one least-squares problem: all states, landmarks and the rig of a window or of a whole
@@ -60,11 +60,11 @@ struct SmootherOptions {
 
 /// What is to be smoothed.
 struct SmootherInput {
-  std::span<const StereoFrame> frames;         ///< strictly increasing time; at least one
-  std::span<const ImuSample> imu;              ///< kImu: covers the frames
-  std::span<const OdometrySample> odometry;    ///< kOdometry: covers the frames
-  std::span<const NavigationState> start;      ///< one per frame: where the iteration begins
-  InitialState prior;                          ///< what is known of the first state beforehand
+  std::span<const StereoFrame> frames;       ///< strictly increasing time; at least one
+  std::span<const ImuSample> imu;            ///< kImu: covers the frames
+  std::span<const OdometrySample> odometry;  ///< kOdometry: covers the frames
+  std::span<const NavigationState> start;    ///< one per frame: where the iteration begins
+  InitialState prior;                        ///< what is known of the first state beforehand
 };
 
 struct SmoothedFrame {
