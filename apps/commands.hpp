@@ -19,6 +19,7 @@ void add_run_command(CLI::App& app);
 void add_health_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
+void add_smooth_command(CLI::App& app);  // LIMBER_WITH_SMOOTHER
 void add_study_command(CLI::App& app);
 void add_paper_command(CLI::App& app);
 void add_report_command(CLI::App& app);

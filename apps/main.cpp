@@ -97,6 +97,9 @@ int main(int argc, char** argv) {
       "\nExit codes: 0 done, 1 failed, 2 wrong usage. Messages go to stderr, results to stdout.\n"
       "Example:\n  limber evaluate runs/v101/trajectory.csv data/v101");
   limber::app::add_run_command(app);
+#ifdef LIMBER_WITH_SMOOTHER
+  limber::app::add_smooth_command(app);
+#endif
   limber::app::add_health_command(app);
   limber::app::add_simulate_command(app);
   limber::app::add_evaluate_command(app);

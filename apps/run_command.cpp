@@ -18,6 +18,7 @@
 #include "progress.hpp"
 #include "recording_options.hpp"
 #include "report_files.hpp"
+#include "run_summary_text.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
 
@@ -49,30 +50,6 @@ RunOptions to_options(const RunArguments& arguments, const Recording& recording)
   return options;
 }
 
-std::string text_of(const std::optional<double>& value, const char* unit, int digits = 4) {
-  return value ? fmt::format("{:.{}f}{}", *value, digits, unit) : std::string("unknown");
-}
-
-void print_summary(const RunSummary& s, const std::filesystem::path& folder) {
-  fmt::print("{} on {}\n", s.method, s.dataset);
-  fmt::print("  frames          {} in {:.1f} s, {:.1f} points a frame, {} refused in all\n", s.frames,
-             s.duration_s, s.points_per_frame, s.points_refused);
-  fmt::print("  path            {:.2f} m\n", s.path_length_m);
-  fmt::print("  ATE             SE(3) {}, Sim(3) {}, scale {}\n", text_of(s.ate_se3_m, " m"),
-             text_of(s.ate_sim3_m, " m"), text_of(s.scale, ""));
-  fmt::print("  RMSE            position {}, attitude {}\n", text_of(s.position_rmse_m, " m"),
-             text_of(s.attitude_rmse_deg, " deg"));
-  fmt::print("  consistency     ANEES {} (1 = consistent), NIS per d.o.f. {}\n", text_of(s.anees, "", 2),
-             text_of(s.nis_per_dof, "", 2));
-  if (s.health) {
-    fmt::print("  calibration     {} (limber health says more)\n", to_string(s.health->verdict));
-  }
-  fmt::print(
-      "  time            p50 {:.2f} ms, p99 {:.2f} ms, worst {:.2f} ms a frame, {:.1f} times real time\n",
-      s.ms_per_frame_p50, s.ms_per_frame_p99, s.ms_per_frame_worst, s.realtime_factor);
-  fmt::print("  results in      {}\n", folder.string());
-}
-
 void run(const RunArguments& arguments) {
   const Recording recording = read_recording(arguments.dataset);
   const RunOptions options = to_options(arguments, recording);
@@ -91,7 +68,7 @@ void run(const RunArguments& arguments) {
   for (const std::string& note : record.notes) {
     print_note(note);
   }
-  print_summary(summary, arguments.out);
+  print_run_summary(summary, arguments.out);
   make_report_beside(arguments.out);
   if (summary.inputs.lost_since_ns) {
     throw CLI::RuntimeError(1);  // the notes say from when

@@ -16,6 +16,8 @@ function(limber_package_of library out)
     set(package yaml-cpp)
   elseif(library MATCHES "^(fmt|spdlog|nlohmann_json|CLI11|TBB|MPI|Threads)::")
     set(package ${CMAKE_MATCH_1})
+  elseif(library STREQUAL "${LIMBER_CERES_LIBRARY}")
+    set(package "")  # a file, not a package
   elseif(library STREQUAL "SQLite::SQLite3")
     set(package SQLite3)
   else()

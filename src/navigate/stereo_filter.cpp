@@ -10,6 +10,7 @@
 #include "limber/core/time.hpp"
 #include "limber/landmarks/landmark_initialization.hpp"
 #include "limber/landmarks/map_management.hpp"
+#include "limber/predict/input_noise.hpp"
 #include "limber/stack/linearization_point.hpp"
 #include "limber/update/gate.hpp"
 #include "parameter_roles.hpp"

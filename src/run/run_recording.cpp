@@ -329,10 +329,10 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   if (!from_truth) {
     window = start_from_sensors(recording, setup, frames, first);
   }
-  Navigator navigator(setup.navigator, setup.calibration,
-                      from_truth ? start_from_truth(recording, options, setup, frame_time(recording, first))
-                                 : window.result.initial);
   RunRecord record;
+  record.start = from_truth ? start_from_truth(recording, options, setup, frame_time(recording, first))
+                            : window.result.initial;
+  Navigator navigator(setup.navigator, setup.calibration, record.start);
   record.notes = setup.notes;
   record.motion = motion;
   const auto remarks = detail::remarks_on_input(recording, record.motion, setup.navigator.gravity);

@@ -43,6 +43,7 @@ struct RunRecord {
   std::vector<CalibrationRow> calibration;            ///< one per row of the trajectory, if it is estimated
   std::vector<std::string> notes;                     ///< choices made on the user's behalf, in plain words
   MotionModel motion = MotionModel::kImu;
+  InitialState start;  ///< what the filter was told of its first state
 };
 
 /// @brief Runs one method over a recording. Estimators see what a rig would deliver; the truth is used for

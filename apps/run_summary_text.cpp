@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#include "run_summary_text.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+
+namespace limber::app {
+namespace {
+
+std::string text_of(const std::optional<double>& value, const char* unit, int digits = 4) {
+  return value ? fmt::format("{:.{}f}{}", *value, digits, unit) : std::string("unknown");
+}
+
+}  // namespace
+
+void print_run_summary(const RunSummary& s, const std::filesystem::path& folder) {
+  fmt::print("{} on {}\n", s.method, s.dataset);
+  fmt::print("  frames          {} in {:.1f} s, {:.1f} points a frame, {} refused in all\n", s.frames,
+             s.duration_s, s.points_per_frame, s.points_refused);
+  fmt::print("  path            {:.2f} m\n", s.path_length_m);
+  fmt::print("  ATE             SE(3) {}, Sim(3) {}, scale {}\n", text_of(s.ate_se3_m, " m"),
+             text_of(s.ate_sim3_m, " m"), text_of(s.scale, ""));
+  fmt::print("  RMSE            position {}, attitude {}\n", text_of(s.position_rmse_m, " m"),
+             text_of(s.attitude_rmse_deg, " deg"));
+  fmt::print("  consistency     ANEES {} (1 = consistent), NIS per d.o.f. {}\n", text_of(s.anees, "", 2),
+             text_of(s.nis_per_dof, "", 2));
+  if (s.health) {
+    fmt::print("  calibration     {} (limber health says more)\n", to_string(s.health->verdict));
+  }
+  fmt::print(
+      "  time            p50 {:.2f} ms, p99 {:.2f} ms, worst {:.2f} ms a frame, {:.1f} times real time\n",
+      s.ms_per_frame_p50, s.ms_per_frame_p99, s.ms_per_frame_worst, s.realtime_factor);
+  fmt::print("  results in      {}\n", folder.string());
+}
+
+}  // namespace limber::app

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// limber smooth: the whole recording as one least-squares problem.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "commands.hpp"
+#include "frame_source.hpp"
+#include "limber/datasets/read_recording.hpp"
+#include "limber/run/smooth_recording.hpp"
+#include "limber/run_files/run_output.hpp"
+#include "messages.hpp"
+#include "output_folder.hpp"
+#include "parsed_by.hpp"
+#include "progress.hpp"
+#include "recording_options.hpp"
+#include "report_files.hpp"
+#include "run_summary_text.hpp"
+#include "uninterrupted.hpp"
+#include "validators.hpp"
+
+namespace limber::app {
+namespace {
+
+struct SmoothArguments : RecordingArguments {
+  std::filesystem::path out;
+  std::string theta = "free", loss = "huber", guess = "auto";
+  std::uint64_t seed = 0, run = 0;
+};
+
+RobustLoss loss_from(const std::string& name) {
+  return name == "none" ? RobustLoss::kNone : name == "cauchy" ? RobustLoss::kCauchy : RobustLoss::kHuber;
+}
+
+SmoothOptions to_options(const SmoothArguments& arguments, const Recording& recording) {
+  SmoothOptions options;
+  options.run = to_run_options(arguments, recording);
+  options.run.seed = arguments.seed;
+  options.run.run = arguments.run;
+  const RigModelText theta = rig_model_from_string(arguments.theta);
+  options.rig = theta.rig;
+  options.piece_s = theta.piece_s;
+  options.loss = loss_from(arguments.loss);
+  if (arguments.guess != "auto") {
+    options.guess = method_from_string(arguments.guess);
+  }
+  return options;
+}
+
+void smooth(const SmoothArguments& arguments) {
+  const Recording recording = read_recording(arguments.dataset);
+  const SmoothOptions options = to_options(arguments, recording);
+  require_writable_folder(arguments.out);
+  RunRecord record;
+  {
+    Progress progress("smooth", 100);
+    record = smooth_recording(recording, options, frame_source(recording),
+                              [&](std::size_t percent) { progress.done(percent); });
+  }
+  RunSummary summary = summarize(recording, options.run, record);
+  summary.method = "smooth-" + to_string(options.rig);
+  {
+    const Uninterrupted until_written;
+    write_run_output(arguments.out, options.run, record, summary);
+  }
+  for (const std::string& note : record.notes) {
+    print_note(note);
+  }
+  print_run_summary(summary, arguments.out);
+  make_report_beside(arguments.out);
+}
+
+}  // namespace
+
+void add_smooth_command(CLI::App& app) {
+  auto arguments = std::make_shared<SmoothArguments>();
+  CLI::App* command = app.add_subcommand(
+      "smooth", "Least squares over a whole recording: every state from what all frames say");
+  add_recording_options(*command, *arguments);
+  // What a filter has and a batch has not.
+  for (const char* name : {"--soften", "--false-alarms"}) {
+    command->remove_option(command->get_option(name));
+  }
+  command->add_option("--out", arguments->out, "Folder for the results")->required()->check(not_empty());
+  command
+      ->add_option("--theta", arguments->theta,
+                   "What the rig does: trusted, constant, piecewise:SECONDS, walk, or free in every frame")
+      ->check(parsed_by(rig_model_from_string))
+      ->capture_default_str();
+  command->add_option("--loss", arguments->loss, "Of pixels: huber, cauchy or none (none refuses no pixel)")
+      ->check(CLI::IsMember({"huber", "cauchy", "none"}))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--guess", arguments->guess,
+          "Filter that gives the first guess; auto: ekf or lcekf, whichever explains the pixels better")
+      ->check(parsed_by(
+          [](const std::string& name) { return name == "auto" ? Method::kEkf : method_from_string(name); }))
+      ->capture_default_str();
+  command->add_option("--seed", arguments->seed, "Of the start error with --init groundtruth")
+      ->check(whole_number())
+      ->capture_default_str();
+  command->add_option("--run", arguments->run, "Which draw of the start error, as in limber simulate")
+      ->check(whole_number())
+      ->capture_default_str();
+  command->footer(
+      "\nWrites what limber run writes, without health.csv.\n"
+      "Example:\n  limber smooth data/v101 --theta constant --out runs/v101-smooth");
+  command->callback([arguments] { smooth(*arguments); });
+}
+
+}  // namespace limber::app

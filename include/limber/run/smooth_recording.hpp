@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "limber/run/run_recording.hpp"
+#include "limber/smooth/smoother.hpp"
+
+/// @file
+/// A recording through the smoother. There only if limber was built with Ceres (LIMBER_BUILD_SMOOTH).
+namespace limber {
+
+/// What a user chooses for smoothing; noise, motion model and the like follow from the recording as for a
+/// run.
+struct SmoothOptions {
+  RunOptions run;  ///< what is assumed, and how the filters that give the first guess start
+  RigModel rig = RigModel::kFree;
+  double piece_s = 5.0;  ///< kPiecewise [s]
+  RobustLoss loss = RobustLoss::kHuber;
+  /// The filter whose trajectory is the first guess; nothing: ekf and lcekf, the one that explains the pixels
+  /// better.
+  std::optional<Method> guess;
+  int threads = 1;
+};
+
+/// What to do with theta, as on the command line: trusted, constant, piecewise:SECONDS, walk or free.
+struct RigModelText {
+  RigModel rig = RigModel::kFree;
+  double piece_s = 5.0;
+};
+/// @throws std::invalid_argument for anything else
+[[nodiscard]] RigModelText rig_model_from_string(const std::string& text);
+[[nodiscard]] std::string to_string(RigModel rig);
+
+/// @brief Solves for the whole recording at once, as run_recording leaves it behind: a row for each frame,
+/// each with what all frames say of it.
+/// frames: nis and dof count the pixels used in a frame, dof less its share of the unknowns.
+/// @param progress  told of work in per cent; may be empty
+/// @throws as run_recording; std::runtime_error also if the solution is not found
+[[nodiscard]] RunRecord smooth_recording(const Recording& recording, const SmoothOptions& options,
+                                         const FrameSource& frames,
+                                         const std::function<void(std::size_t)>& progress = {});
+
+}  // namespace limber

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "limber/sensors/parameters.hpp"
+#include "limber/sensors/samples.hpp"
+#include "limber/smooth/motion_between.hpp"
+#include "limber/state/initial_state.hpp"
+#include "limber/state/state.hpp"
+
+/// @file
+/// Navigation as one least-squares problem: all states, landmarks and the rig of a window or of a whole
+/// recording at once, linearised where they end up. docs/derivations/smoother.md.
+namespace limber {
+
+/// What the rig theta does over time.
+enum class RigModel : std::uint8_t {
+  kTrusted,    ///< it is what the calibration says
+  kConstant,   ///< unknown, one and the same in all frames
+  kPiecewise,  ///< unknown, constant for `piece_s` at a time, one piece independent of the next
+  kWalk,       ///< a random walk from frame to frame
+  kFree        ///< unknown and new in every frame: the form of the constraint
+};
+
+enum class RobustLoss : std::uint8_t { kNone, kHuber, kCauchy };
+
+struct SmootherOptions {
+  MotionModel motion = MotionModel::kImu;
+  MotionNoise noise;
+  PixelNoise sigma_px = PixelNoise::Constant(0.5);
+  double gravity = 9.81;  ///< [m/s^2]
+
+  RigModel rig = RigModel::kFree;
+  double piece_s = 5.0;  ///< kPiecewise [s]
+  /// The baseline is as long as the calibration says: for recordings in which nothing else fixes the scale.
+  bool trust_length = false;
+  /// Standard deviation of theta before anything is seen (kFree: it is taken for unknown). Zero: 1 deg, 50 %
+  /// of the baseline.
+  RigParameters rig_sigma = RigParameters::Zero();
+  RigParameters rig_walk = RigParameters::Constant(1e-4);  ///< kWalk: variance per second [rad²/s, m²/s]
+  /// Parameters beyond theta to estimate as constants: standard deviations before anything is seen; zero: no.
+  ParameterVector estimated = ParameterVector::Zero();
+
+  RobustLoss loss = RobustLoss::kHuber;  ///< of each pixel; with kNone no pixel is refused either
+  double gate_probability = 0.9999;      ///< chance that a good pixel is kept
+  double forget_after_s = 3.0;           ///< a track that was away for longer is another point
+  int max_iterations = 50;
+  bool covariance = true;
+  int threads = 1;
+};
+
+/// What is to be smoothed.
+struct SmootherInput {
+  std::span<const StereoFrame> frames;       ///< strictly increasing time; at least one
+  std::span<const ImuSample> imu;            ///< kImu: covers the frames
+  std::span<const OdometrySample> odometry;  ///< kOdometry: covers the frames
+  std::span<const NavigationState> start;    ///< one per frame: where the iteration begins
+  InitialState prior;                        ///< what is known of the first state beforehand
+};
+
+struct SmoothedFrame {
+  NavigationState nav;
+  Eigen::Matrix<double, 6, 6> pose_covariance;   ///< position in the world, attitude local
+  RigParameters theta = RigParameters::Zero();   ///< the rig in this frame
+  Eigen::Matrix<double, 6, 6> theta_covariance;  ///< zero where it is trusted
+  std::size_t observed = 0, used = 0;            ///< points
+  double squared_residuals = 0.0;                ///< of the whitened pixels used [-]
+  std::size_t rows = 0;                          ///< of them
+};
+
+/// A pixel that was left out.
+struct RefusedPixel {
+  std::size_t frame = 0;
+  std::int64_t track_id = 0;
+  int camera = 0;
+  double distance = 0.0;  ///< squared, whitened [-]
+};
+
+struct SmootherResult {
+  std::vector<SmoothedFrame> frames;
+  std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< p_world_landmark [m]
+  ParameterVector error = ParameterVector::Zero();    ///< true minus given, beyond theta
+  ParameterVector error_sigma = ParameterVector::Zero();
+  std::vector<RefusedPixel> refused;
+  double squared_residuals = 0.0;  ///< of all rows, whitened [-]
+  std::ptrdiff_t dof = 0;          ///< rows less unknowns
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Half the squared residuals under Cauchy's loss with the states of the start and landmarks triangulated
+/// from them: how well a first guess explains what was measured. Throws as smooth does.
+[[nodiscard]] double cost_of_start(const SmootherInput& input, const StereoCalibration& calibration,
+                                   const SmootherOptions& options);
+
+/// @brief Solves for everything at once.
+/// @param progress  told of each iteration; what it throws ends the work and passes through; may be empty
+/// @throws std::invalid_argument if shapes disagree or the input does not cover the frames
+/// @throws std::runtime_error    if the problem cannot be solved: the message says why
+[[nodiscard]] SmootherResult smooth(const SmootherInput& input, const StereoCalibration& calibration,
+                                    const SmootherOptions& options,
+                                    const std::function<void(int)>& progress = {});
+
+}  // namespace limber

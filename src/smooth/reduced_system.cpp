@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include "reduced_system.hpp"
+
+#include <ceres/crs_matrix.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace limber::detail {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+namespace {
+
+constexpr Index kColumnsAtATime = 96;
+
+[[noreturn]] void fail(const char* what) {
+  throw std::runtime_error(std::string("smoother: ") + what + " not determined by the recording");
+}
+
+/// The Jacobian with its columns in order of elimination: [landmarks | chain | kept].
+struct Linearised {
+  ceres::CRSMatrix J;
+  VectorXd r;
+  int chain_begin = 0, kept_begin = 0;
+  std::map<const double*, int> begin;  // of kept blocks, from kept_begin
+};
+
+Linearised linearise(ceres::Problem& problem, const Columns& columns) {
+  Linearised out;
+  ceres::Problem::EvaluateOptions options;
+  int at = 0;
+  const auto add = [&](const std::vector<double*>& blocks) {
+    for (double* block : blocks) {
+      options.parameter_blocks.push_back(block);
+      at += problem.ParameterBlockTangentSize(block);
+    }
+    return at;
+  };
+  out.chain_begin = add(columns.landmarks);
+  out.kept_begin = add(columns.chain);
+  for (double* block : columns.kept) {
+    out.begin[block] = at - out.kept_begin;
+    add({block});
+  }
+  std::vector<double> residuals;
+  if (!problem.Evaluate(options, nullptr, &residuals, nullptr, &out.J)) {
+    fail("the residuals are");
+  }
+  out.r = Eigen::Map<VectorXd>(residuals.data(), static_cast<Index>(residuals.size()));
+  return out;
+}
+
+/// One landmark: its own information, and what couples it with kept unknowns.
+struct LandmarkPart {
+  Matrix3d own = Matrix3d::Zero();
+  Vector3d gradient = Vector3d::Zero();
+  std::map<int, Vector3d> coupling;  // by column of the kept part
+};
+
+/// Adds JᵀJ and Jᵀr of all rows.
+struct Accumulator {
+  explicit Accumulator(const Linearised& l)
+      : linearised(l),
+        landmarks(static_cast<std::size_t>(l.chain_begin / 3)),
+        chain(l.kept_begin - l.chain_begin, l.kept_begin - l.chain_begin),
+        kept_chain(l.J.num_cols - l.kept_begin, l.kept_begin - l.chain_begin),
+        chain_gradient(VectorXd::Zero(chain.rows())) {
+    system.information = MatrixXd::Zero(kept_chain.rows(), kept_chain.rows());
+    system.gradient = VectorXd::Zero(kept_chain.rows());
+    system.begin = l.begin;
+  }
+
+  void add_rows() {
+    std::vector<Eigen::Triplet<double>> of_chain, of_both;
+    const auto& J = linearised.J;
+    for (int row = 0; row < J.num_rows; ++row) {
+      const auto first = static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row)]);
+      const auto last = static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row) + 1]);
+      const double r = linearised.r(row);
+      for (std::size_t i = first; i < last; ++i) {
+        add_gradient(J.cols[i], J.values[i] * r);
+        for (std::size_t k = first; k < last; ++k) {
+          add_product(J.cols[i], J.cols[k], J.values[i] * J.values[k], of_chain, of_both);
+        }
+      }
+    }
+    chain.setFromTriplets(of_chain.begin(), of_chain.end());
+    kept_chain.setFromTriplets(of_both.begin(), of_both.end());
+  }
+
+  void add_gradient(int col, double value) {
+    if (col < linearised.chain_begin) {
+      landmarks[static_cast<std::size_t>(col / 3)].gradient(col % 3) += value;
+    } else if (col < linearised.kept_begin) {
+      chain_gradient(col - linearised.chain_begin) += value;
+    } else {
+      system.gradient(col - linearised.kept_begin) += value;
+    }
+  }
+
+  void add_product(int a, int b, double value, std::vector<Eigen::Triplet<double>>& of_chain,
+                   std::vector<Eigen::Triplet<double>>& of_both) {
+    const int chain_begin = linearised.chain_begin, kept_begin = linearised.kept_begin;
+    if (a >= kept_begin) {
+      if (b >= kept_begin && a >= b) {
+        system.information(a - kept_begin, b - kept_begin) += value;
+      } else if (b >= chain_begin && b < kept_begin) {
+        of_both.emplace_back(a - kept_begin, b - chain_begin, value);
+      } else if (b < chain_begin) {
+        landmarks[static_cast<std::size_t>(b / 3)]
+            .coupling.try_emplace(a - kept_begin, Vector3d::Zero())
+            .first->second(b % 3) += value;
+      }
+    } else if (a >= chain_begin) {
+      if (b >= chain_begin && b < kept_begin) {
+        of_chain.emplace_back(a - chain_begin, b - chain_begin, value);
+      }
+    } else if (b < chain_begin) {
+      landmarks[static_cast<std::size_t>(a / 3)].own(a % 3, b % 3) += value;
+    }
+  }
+
+  void eliminate_landmarks() {
+    for (const LandmarkPart& landmark : landmarks) {
+      const Eigen::LLT<Matrix3d> llt(landmark.own);
+      if (llt.info() != Eigen::Success) {
+        fail("the place of a point is");
+      }
+      const Vector3d g = llt.matrixL().solve(landmark.gradient);
+      std::vector<std::pair<int, Vector3d>> whitened;
+      for (const auto& [col, value] : landmark.coupling) {
+        whitened.emplace_back(col, llt.matrixL().solve(value));
+      }
+      for (std::size_t j = 0; j < whitened.size(); ++j) {
+        const auto& [col, y] = whitened[j];
+        system.gradient(col) -= y.dot(g);
+        for (std::size_t i = j; i < whitened.size(); ++i) {
+          system.information(whitened[i].first, col) -= whitened[i].second.dot(y);
+        }
+      }
+    }
+  }
+
+  void eliminate_chain() {
+    if (chain.rows() == 0) {
+      return;
+    }
+    const Eigen::SimplicialLDLT<Sparse> ldlt(chain);
+    if (ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 0.0)) {
+      fail("velocities or biases are");
+    }
+    system.gradient -= kept_chain * ldlt.solve(chain_gradient);
+    const Sparse chain_kept = kept_chain.transpose();
+    for (Index col = 0; col < kept_chain.rows(); col += kColumnsAtATime) {
+      const Index n = std::min(kColumnsAtATime, kept_chain.rows() - col);
+      const MatrixXd rhs = chain_kept.middleCols(col, n);
+      system.information.middleCols(col, n) -= kept_chain * ldlt.solve(rhs);
+    }
+  }
+
+  const Linearised& linearised;
+  std::vector<LandmarkPart> landmarks;
+  Sparse chain, kept_chain;
+  VectorXd chain_gradient;
+  ReducedSystem system;
+};
+
+}  // namespace
+
+ReducedSystem reduce(ceres::Problem& problem, const Columns& columns) {
+  const Linearised linearised = linearise(problem, columns);
+  Accumulator sums(linearised);
+  sums.add_rows();
+  sums.eliminate_landmarks();
+  sums.eliminate_chain();
+  return std::move(sums.system);
+}
+
+Marginals::Marginals(ReducedSystem system)
+    : system_(std::move(system)), scale_(system_.information.diagonal().cwiseSqrt().cwiseInverse()) {
+  MatrixXd& S = system_.information;
+  if (!scale_.allFinite()) {
+    fail("the states are");
+  }
+  S = (scale_.asDiagonal() * S * scale_.asDiagonal()).eval();
+  Eigen::LLT<Eigen::Ref<MatrixXd>> llt(S);
+  if (llt.info() != Eigen::Success) {
+    fail("the states are");
+  }
+  inverse_factor_ = MatrixXd::Identity(S.rows(), S.rows());
+  // L⁻¹ is lower triangular: columns in groups, each from its own row on.
+  for (Index col = 0; col < S.rows(); col += kColumnsAtATime) {
+    const Index rest = S.rows() - col, n = std::min(kColumnsAtATime, rest);
+    S.bottomRightCorner(rest, rest)
+        .triangularView<Eigen::Lower>()
+        .solveInPlace(inverse_factor_.block(col, col, rest, n));
+  }
+  S.resize(0, 0);
+}
+
+MatrixXd Marginals::of(const double* block, int size) const {
+  const Index at = system_.at(block);
+  const Index rest = inverse_factor_.rows() - at;
+  const auto part = inverse_factor_.block(at, at, rest, size);
+  const auto scale = scale_.segment(at, size);
+  return scale.asDiagonal() * (part.transpose() * part) * scale.asDiagonal();
+}
+
+}  // namespace limber::detail

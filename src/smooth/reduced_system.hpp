@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <ceres/problem.h>
+
+#include <Eigen/Core>
+#include <map>
+
+#include "least_squares.hpp"
+
+/// What a least-squares problem says of some of its unknowns, once all others are eliminated.
+namespace limber::detail {
+
+/// The problem at its present values: JᵀJ and Jᵀr of the kept unknowns after landmarks and chain are
+/// eliminated (Schur complements).
+struct ReducedSystem {
+  Eigen::MatrixXd information;         ///< K×K; lower triangle alone is set
+  Eigen::VectorXd gradient;            ///< K: of half the squared residuals
+  std::map<const double*, int> begin;  ///< where each block's tangent begins
+
+  [[nodiscard]] int at(const double* block) const { return begin.at(block); }
+};
+
+/// @throws std::runtime_error if what is eliminated is not determined
+[[nodiscard]] ReducedSystem reduce(ceres::Problem& problem, const Columns& columns);
+
+/// Blocks on the diagonal of the covariance of what is kept, each as wide as its tangent.
+/// @throws std::runtime_error if something kept is not determined
+class Marginals {
+ public:
+  explicit Marginals(ReducedSystem system);
+  [[nodiscard]] Eigen::MatrixXd of(const double* block, int size) const;
+
+ private:
+  ReducedSystem system_;
+  Eigen::MatrixXd inverse_factor_;  // L⁻¹, information = L Lᵀ in scaled units
+  Eigen::VectorXd scale_;
+};
+
+}  // namespace limber::detail

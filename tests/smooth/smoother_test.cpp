@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+#include "limber/smooth/smoother.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <vector>
+
+#include "check_covariance.hpp"
+#include "limber/core/chi_square.hpp"
+#include "limber/datasets/interpolate.hpp"
+#include "limber/run/draw_initial_state.hpp"
+#include "limber/simulate/simulator.hpp"
+
+namespace limber {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using testing::Generator;
+using testing::random_normal;
+
+constexpr double kFalseAlarm = 1e-4;
+
+/// Two seconds of a drone's rig in a small map; few points, so that it is quick.
+Scenario small_scenario() {
+  Scenario scenario;
+  scenario.name = "small";
+  scenario.duration = 2.0;
+  scenario.stereo_rate = 10.0;
+  scenario.world.points = 60;
+  scenario.rig.theta << 0.0, 0.0, 0.0, -0.5, 0.0, 0.0;
+  scenario.odometry = OdometryScenario{};
+  scenario.noise.accel_walk = 0.01;
+  scenario.noise.gyro_walk = 1e-3;
+  return scenario;
+}
+
+const RigParameters kBent = (RigParameters() << 0.004, -0.006, 0.003, 0.02, -0.01, 0.01).finished();
+
+NavigationState state_of(const GroundTruthState& truth) {
+  NavigationState out;
+  out.t_ns = truth.t_ns;
+  out.T_world_body = {truth.R_world_body, truth.p_world_body};
+  out.v_world_body = truth.v_world_body;
+  out.bias_gyro = truth.bias_gyro;
+  out.bias_accel = truth.bias_accel;
+  return out;
+}
+
+/// A recording with a start that is wrong, and the prior that its first state was drawn from.
+struct Case {
+  explicit Case(const Scenario& scenario, MotionModel motion, std::uint64_t run)
+      : recording(simulate(scenario, 7, run)) {
+    Generator generator(run);
+    options.motion = motion;
+    options.noise.imu = *recording.imu_noise;
+    options.noise.odometry = recording.odometry_noise.value_or(OdometryNoise{});
+    options.sigma_px = *recording.pixel_noise;
+    for (const StereoFrame& frame : recording.frames) {
+      truth.push_back(state_of(*groundtruth_at(recording.groundtruth, frame.t_ns)));
+      NavigationState state = truth.back();
+      state.T_world_body.p += 0.05 * random_normal(generator, 3);
+      state.T_world_body.R *= so3_exp(0.01 * random_normal(generator, 3));
+      state.v_world_body += 0.1 * random_normal(generator, 3);
+      state.bias_gyro.setZero();
+      state.bias_accel.setZero();
+      start.push_back(state);
+    }
+    const InitialSigma sigma;
+    prior =
+        make_initial_state(state_of(draw_initial_state(
+                               *groundtruth_at(recording.groundtruth, truth.front().t_ns), sigma, 7, run)),
+                           motion, sigma);
+  }
+
+  [[nodiscard]] SmootherResult solve() const {
+    return smooth({recording.frames, recording.imu, recording.odometry, start, prior}, recording.calibration,
+                  options);
+  }
+
+  Recording recording;
+  std::vector<NavigationState> truth, start;
+  InitialState prior;
+  SmootherOptions options;
+};
+
+VectorXd pose_error(const NavigationState& truth, const NavigationState& estimate) {
+  VectorXd out(6);
+  out << truth.T_world_body.p - estimate.T_world_body.p,
+      so3_log(estimate.T_world_body.R.transpose() * truth.T_world_body.R);
+  return out;
+}
+
+double nees(const VectorXd& error, const MatrixXd& covariance) {
+  return error.dot(covariance.llt().solve(error));
+}
+
+/// Whether a sum of squares is what so many independent normal numbers add up to.
+void expect_chi_square(double sum, double dof) {
+  EXPECT_GT(sum, chi_square_quantile(kFalseAlarm, dof));
+  EXPECT_LT(sum, chi_square_quantile(1.0 - kFalseAlarm, dof));
+}
+
+Scenario bent(Scenario scenario) {
+  scenario.decalibration = {{kBent, ConstantShape{}}};
+  return scenario;
+}
+
+TEST(Smoother, IsConsistentForEveryModelOfTheRigThatCanBeTrue) {
+  constexpr int kRuns = 8;
+  for (const RigModel rig :
+       {RigModel::kTrusted, RigModel::kConstant, RigModel::kPiecewise, RigModel::kFree}) {
+    SCOPED_TRACE(static_cast<int>(rig));
+    double middle = 0.0, last = 0.0, theta = 0.0, residuals = 0.0, dof = 0.0;
+    for (int run = 0; run < kRuns; ++run) {
+      const Scenario scenario = rig == RigModel::kTrusted ? small_scenario() : bent(small_scenario());
+      Case c(scenario, MotionModel::kImu, static_cast<std::uint64_t>(run));
+      c.options.rig = rig;
+      c.options.piece_s = 0.7;
+      c.options.loss = RobustLoss::kNone;
+      const SmootherResult result = c.solve();
+      ASSERT_TRUE(result.converged);
+      const auto at = [&](std::size_t k) {
+        return nees(pose_error(c.truth[k], result.frames[k].nav), result.frames[k].pose_covariance);
+      };
+      middle += at(result.frames.size() / 2);
+      last += at(result.frames.size() - 1);
+      residuals += result.squared_residuals;
+      dof += static_cast<double>(result.dof);
+      if (rig == RigModel::kConstant || rig == RigModel::kPiecewise) {
+        const SmoothedFrame& frame = result.frames[result.frames.size() / 2];
+        theta += nees(c.recording.calibration.theta + kBent - frame.theta, frame.theta_covariance);
+      }
+    }
+    expect_chi_square(middle, 6.0 * kRuns);
+    expect_chi_square(last, 6.0 * kRuns);
+    expect_chi_square(residuals, dof);
+    if (theta > 0.0) {
+      expect_chi_square(theta, 6.0 * kRuns);
+    }
+  }
+}
+
+TEST(Smoother, OdometryAndConstantVelocityAreConsistentToo) {
+  constexpr int kRuns = 8;
+  double odometry = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    Case c(bent(small_scenario()), MotionModel::kOdometry, static_cast<std::uint64_t>(run));
+    c.options.rig = RigModel::kConstant;
+    c.options.loss = RobustLoss::kNone;
+    const SmootherResult result = c.solve();
+    odometry +=
+        nees(pose_error(c.truth.back(), result.frames.back().nav), result.frames.back().pose_covariance);
+  }
+  expect_chi_square(odometry, 6.0 * kRuns);
+
+  Case c(small_scenario(), MotionModel::kConstantVelocity, 1);
+  c.options.rig = RigModel::kTrusted;
+  const SmootherResult result = c.solve();
+  ASSERT_TRUE(result.converged);
+  EXPECT_LT(nees(pose_error(c.truth.back(), result.frames.back().nav), result.frames.back().pose_covariance),
+            chi_square_quantile(1.0 - kFalseAlarm, 6.0));
+}
+
+TEST(Smoother, GrossMismatchesAreRefusedAndDoNoHarm) {
+  Case clean(bent(small_scenario()), MotionModel::kImu, 3);
+  clean.options.rig = RigModel::kConstant;
+  const SmootherResult good = clean.solve();
+  Case c = clean;
+  Generator generator(9);
+  std::size_t wrong = 0;
+  for (StereoFrame& frame : c.recording.frames) {
+    for (StereoObservation& seen : frame.observations) {
+      if (testing::random_scalar(generator, 0.0, 1.0) < 0.1) {
+        (testing::random_scalar(generator, 0.0, 1.0) < 0.5 ? seen.uv_cam0 : seen.uv_cam1) +=
+            30.0 * testing::random_direction(generator).head<2>().normalized();
+        ++wrong;
+      }
+    }
+  }
+  const SmootherResult robust = c.solve();
+  c.options.loss = RobustLoss::kNone;
+  const SmootherResult naive = c.solve();
+  const auto error = [&](const SmootherResult& r) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < r.frames.size(); ++k) {
+      sum += pose_error(c.truth[k], r.frames[k].nav).head<3>().squaredNorm();
+    }
+    return std::sqrt(sum / static_cast<double>(r.frames.size()));
+  };
+  EXPECT_LT(error(robust), 1.3 * error(good) + 0.002);
+  EXPECT_GT(error(naive), 2.0 * error(good));
+  EXPECT_GE(robust.refused.size(), wrong * 9 / 10);
+  EXPECT_LE(good.refused.size(), 10U);
+}
+
+TEST(Smoother, AWalkFollowsARigThatMoves) {
+  Scenario scenario = small_scenario();
+  scenario.decalibration = {{kBent, ConstantShape{}}};
+  Case c(scenario, MotionModel::kImu, 2);
+  c.options.rig = RigModel::kWalk;
+  c.options.rig_walk.setConstant(1e-6);
+  const SmootherResult result = c.solve();
+  const SmoothedFrame& frame = result.frames[result.frames.size() / 2];
+  const RigParameters error = c.recording.calibration.theta + kBent - frame.theta;
+  EXPECT_LT(nees(error, frame.theta_covariance), chi_square_quantile(1.0 - kFalseAlarm, 6.0));
+  EXPECT_LT(error.head<3>().norm(), 0.002);
+}
+
+TEST(Smoother, FindsAWrongFocalLength) {
+  Case c(small_scenario(), MotionModel::kImu, 4);
+  StereoCalibration& calibration = c.recording.calibration;
+  calibration.cam1.fu += 3.0;
+  calibration.cam1.fv += 3.0;
+  c.options.rig = RigModel::kTrusted;
+  c.options.estimated(12) = c.options.estimated(13) = 5.0;
+  const SmootherResult result = c.solve();
+  for (const Eigen::Index k : {12, 13}) {
+    EXPECT_GT(result.error_sigma(k), 0.0);
+    EXPECT_LT(result.error_sigma(k), 1.0);
+    EXPECT_NEAR(result.error(k), -3.0, 4.0 * result.error_sigma(k));
+  }
+}
+
+TEST(Smoother, RefusesWhatDoesNotFitTogether) {
+  Case c(small_scenario(), MotionModel::kImu, 5);
+  c.start.pop_back();
+  EXPECT_THROW((void)c.solve(), std::invalid_argument);
+  Case without(small_scenario(), MotionModel::kImu, 5);
+  without.recording.imu.clear();
+  EXPECT_THROW((void)without.solve(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace limber
