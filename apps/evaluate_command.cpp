@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "evaluation_report.hpp"
 #include "limber/io/atomic_file.hpp"
+#include "replaceable.hpp"
 #include "trajectory_input.hpp"
 #include "validators.hpp"
 
@@ -18,7 +19,7 @@ struct EvaluateOptions {
   std::filesystem::path estimate, truth, out;
   double max_time_difference = kMaxTimeDifference;
   RelativeErrorSettings settings;
-  bool json = false;
+  bool json = false, force = false;
 };
 
 // NEES needs a covariance with every pose that enters.
@@ -40,6 +41,9 @@ std::optional<ConsistencyReport> consistency_of(const TrajectoryInput& estimate,
 }
 
 void evaluate(const EvaluateOptions& options) {
+  if (!options.out.empty()) {
+    require_replaceable(options.out, kEvaluationMark, options.force, {options.estimate, options.truth});
+  }
   const TrajectoryInput estimate = load_trajectory(options.estimate);
   const TrajectoryInput truth = load_trajectory(options.truth);
   const Match matched = match(estimate, truth, options.max_time_difference);
@@ -85,6 +89,7 @@ void add_evaluate_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--json", options->json, "Print JSON instead of tables");
   command->add_option("--out", options->out, "Write the JSON to this file too")->check(not_empty());
+  add_force_option(*command, options->force);
   command->footer(
       "\nTrajectory files: TUM (t x y z qx qy qz qw), KITTI poses (12 numbers), EuRoC ground truth, "
       "limber's\n"

@@ -20,6 +20,7 @@
 #include "output_folder.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
+#include "replaceable.hpp"
 #include "report_files.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
@@ -30,7 +31,7 @@ namespace {
 struct HealthArguments : RecordingArguments {
   std::filesystem::path out;
   double gravity = RunOptions{}.gravity;
-  bool json = false;
+  bool json = false, force = false;
 };
 
 RunOptions to_options(const HealthArguments& arguments, const Recording& recording) {
@@ -106,6 +107,7 @@ void health(const HealthArguments& arguments) {
   const Recording recording = read_recording(arguments.dataset);
   const RunOptions options = to_options(arguments, recording);
   if (!arguments.out.empty()) {
+    require_replaceable_run(arguments.out, arguments.force);
     require_writable_folder(arguments.out);
   }
   const Diagnosis diagnosis = diagnose(arguments, recording, options);
@@ -133,6 +135,7 @@ void add_health_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("health", "Is the calibration the problem? What moved, and since when");
   add_options(*command, *arguments);
+  add_force_option(*command, arguments->force);
   command->footer(
       "\nNavigates with lcekf, which no calibration can lead astray, and watches what the right camera says\n"
       "against the assumed calibration. Also recognises swapped cameras, inverted transforms, a wrong\n"

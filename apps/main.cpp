@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
+#include "limber/core/nearest_word.hpp"
 #include "messages.hpp"
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -17,6 +22,19 @@ namespace {
 using limber::app::print_error;
 using limber::app::print_note;
 
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& known) {
+  const auto meant = limber::nearest_word(word, known);
+  return meant ? ", did you mean " + *meant + "?" : "";
+}
+
+std::vector<std::string> options_of(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    names.push_back(option->get_name());
+  }
+  return names;
+}
+
 // CLI11's message, or a plainer one.
 std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error) {
   const std::string message = error.what();
@@ -24,7 +42,9 @@ std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error)
     const auto extras = command.remaining();
     const auto option =
         std::find_if(extras.begin(), extras.end(), [](const std::string& text) { return text[0] == '-'; });
-    return option != extras.end() ? "unknown option " + *option : "unexpected argument: " + extras.front();
+    return option != extras.end()
+               ? "unknown option " + *option + did_you_mean(option->substr(0, option->find('=')), options_of(command))
+               : "unexpected argument: " + extras.front();
   }
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
     const std::string name = message.substr(0, message.find(':'));
@@ -39,13 +59,15 @@ std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error)
 int report_usage(const CLI::App& app, const CLI::ParseError& error) {
   const auto chosen = app.get_subcommands();
   std::string commands;
+  std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    commands += (commands.empty() ? "" : ", ") + command->get_name();
+    names.push_back(command->get_name());
+    commands += (commands.empty() ? "" : ", ") + names.back();
   }
   // CLI11 complains of the missing command before it looks at what stands in its place.
   const auto unexpected = app.remaining();
   print_error(chosen.empty() && !unexpected.empty()
-                  ? "unknown: " + unexpected.front()
+                  ? "unknown: " + unexpected.front() + did_you_mean(unexpected.front(), names)
                   : what_is_wrong(chosen.empty() ? app : *chosen.front(), error));
   if (chosen.empty()) {
     print_note("expected one of the commands: " + commands);
@@ -85,9 +107,20 @@ void keep_freed_memory() {
 #endif
 }
 
+// A standard stream that is closed would hand its number to the next file that is opened, and messages would
+// be written into a database. Writing to what stands in for it fails, as it should.
+void open_standard_streams() {
+  for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor) {
+    if (fcntl(descriptor, F_GETFD) == -1) {
+      (void)open("/dev/null", O_RDONLY);  // takes the lowest free number
+    }
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
   keep_freed_memory();
   CLI::App app{"limber: stereo navigation for rigs that bend", "limber"};
   app.set_version_flag("--version", "limber " LIMBER_VERSION, "Print the version and exit");

@@ -25,8 +25,7 @@ class Progress {
 
   ~Progress() {
     if (drawn_) {
-      fmt::print(stream_, "\r\x1b[K");
-      std::fflush(stream_);
+      write("\r\x1b[K");
     }
   }
   Progress(const Progress&) = delete;
@@ -43,14 +42,19 @@ class Progress {
     drawn_ = true;
     const double share = std::min(1.0, static_cast<double>(count) / static_cast<double>(total_));
     const auto filled = static_cast<std::size_t>(share * kWidth);
-    fmt::print(stream_, "\r\x1b[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}{}{}", label_, "", filled, "",
-               kWidth - filled, 100.0 * share, detail.empty() ? "" : ", ", detail, remaining(share, now));
-    std::fflush(stream_);
+    write(fmt::format("\r\x1b[K{} [{:#<{}}{:.<{}}] {:3.0f} %{}{}{}", label_, "", filled, "", kWidth - filled,
+                      100.0 * share, detail.empty() ? "" : ", ", detail, remaining(share, now)));
   }
 
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr std::size_t kWidth = 30;
+
+  /// A terminal that has gone away is no reason to stop.
+  void write(const std::string& text) const {
+    (void)std::fwrite(text.data(), 1, text.size(), stream_);
+    (void)std::fflush(stream_);
+  }
 
   static bool can_redraw(std::FILE* stream) {
     const char* terminal = std::getenv("TERM");

@@ -49,6 +49,17 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       ->check(CLI::IsMember({"auto", "groundtruth"}))
       ->capture_default_str();
   command
+      .add_option("--clean", arguments.clean,
+                  "End tracks and right matches that the front end has lost, as far as no jump of the rig "
+                  "explains them")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
+  command
+      .add_option("--max-points", arguments.max_points,
+                  "Of a frame; those beyond are left out, evenly over the image")
+      ->check(whole_number(10, 5000))
+      ->capture_default_str();
+  command
       .add_option("--false-alarms", arguments.false_alarms_per_hour,
                   "Of the calibration monitor, per hour of a sound rig")
       ->check(positive())
@@ -67,6 +78,7 @@ RunOptions to_run_options(const RecordingArguments& arguments, const Recording& 
     options.softened = parse_parameter_sigmas(arguments.soften, recording.calibration);
   }
   options.sigma_px = arguments.sigma_px;
+  options.cleaning = {arguments.clean == "on", arguments.max_points};
   options.start = arguments.start == "groundtruth" ? StartMode::kGroundTruth : StartMode::kAuto;
   options.false_alarms_per_hour = arguments.false_alarms_per_hour;
   return options;

@@ -13,7 +13,8 @@ namespace limber::app {
 
 struct RecordingArguments {
   std::filesystem::path dataset;
-  std::string assume_error, estimate, soften, start = "auto";
+  std::string assume_error, estimate, soften, start = "auto", clean = "on";
+  std::size_t max_points = CleaningOptions{}.max_points;
   std::optional<double> sigma_px;
   double false_alarms_per_hour = RunOptions{}.false_alarms_per_hour;
 };

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "replaceable.hpp"
 #include "report_files.hpp"
 
 namespace limber::app {
@@ -13,11 +14,13 @@ namespace {
 
 struct ReportArguments {
   std::filesystem::path results, out;
+  bool force = false;
 };
 
 void report(const ReportArguments& arguments) {
   const std::filesystem::path page =
       arguments.out.empty() ? default_report_path(arguments.results) : arguments.out;
+  require_replaceable(page, kPageMark, arguments.force, {arguments.results});
   make_report(arguments.results, page);
   fmt::print("{}\n", page.string());
 }
@@ -30,6 +33,7 @@ void add_report_command(CLI::App& app) {
   command->add_option("RESULTS", arguments->results, "Folder of a run, or database of a study")->required();
   command->add_option("--out", arguments->out,
                       "File to write; default: report.html in the folder, or study.html beside study.sqlite");
+  add_force_option(*command, arguments->force);
   command->footer(
       "\nPrints the name of the file. Made anew from the results as they are, also of a study that still "
       "runs.\nExample:\n  limber report runs/v101 --out v101.html");

@@ -6,10 +6,12 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "commands.hpp"
 #include "frame_source.hpp"
+#include "interrupt.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/run_files/run_output.hpp"
 #include "messages.hpp"
@@ -17,6 +19,7 @@
 #include "parsed_by.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
+#include "replaceable.hpp"
 #include "report_files.hpp"
 #include "run_summary_text.hpp"
 #include "uninterrupted.hpp"
@@ -30,6 +33,7 @@ struct RunArguments : RecordingArguments {
   std::string method = "lcekf", constraints, landmarks = "inverse-depth", gate = "on";
   std::size_t max_landmarks = 300;
   std::uint64_t seed = 0, run = 0;
+  bool force = false;
 };
 
 RunOptions to_options(const RunArguments& arguments, const Recording& recording) {
@@ -51,14 +55,22 @@ RunOptions to_options(const RunArguments& arguments, const Recording& recording)
 }
 
 void run(const RunArguments& arguments) {
-  const Recording recording = read_recording(arguments.dataset);
-  const RunOptions options = to_options(arguments, recording);
-  require_writable_folder(arguments.out);
+  Recording recording;
+  RunOptions options;
   RunRecord record;
   {
+    const Interrupt interrupt;
+    recording = read_recording(arguments.dataset);
+    options = to_options(arguments, recording);
+    require_replaceable_run(arguments.out, arguments.force);
+    require_writable_folder(arguments.out);
     Progress progress(arguments.method, frame_count(recording));
-    record =
-        run_recording(recording, options, frame_source(recording), [&](std::size_t n) { progress.done(n); });
+    record = run_recording(
+        recording, options, frame_source(recording), [&](std::size_t n) { progress.done(n); }, {},
+        Interrupt::asked);
+  }
+  if (record.frames.empty()) {
+    throw std::runtime_error("stopped before the first frame: nothing is written");
   }
   const RunSummary summary = summarize(recording, options, record);
   {
@@ -70,8 +82,8 @@ void run(const RunArguments& arguments) {
   }
   print_run_summary(summary, arguments.out);
   make_report_beside(arguments.out);
-  if (summary.inputs.lost_since_ns) {
-    throw CLI::RuntimeError(1);  // the notes say from when
+  if (record.stopped || summary.inputs.lost_since_ns) {
+    throw CLI::RuntimeError(kExitFailed);  // the notes say why
   }
 }
 
@@ -111,8 +123,12 @@ void add_run_command(CLI::App& app) {
                    "Size of the map; those unseen for longest go")
       ->check(whole_number(1, 100'000))
       ->capture_default_str();
+  add_force_option(*command, arguments->force);
   command->footer(
-      "\nWrites trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, health.csv, refusals.csv,\n"
+      "\nCtrl-C ends the run early: what was done by then is written, marked as partial, and the exit code "
+      "is "
+      "1.\n"
+      "Writes trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, health.csv, refusals.csv,\n"
       "summary.json, report.html, and truth.tum where the truth is known.\n"
       "Example:\n  limber run data/v101 --method lcekf --assume-error 0,0.5,0,5%,0,0 --out runs/v101");
   command->callback([arguments] { run(*arguments); });

@@ -12,6 +12,7 @@
 #include "limber/study/study_table.hpp"
 #include "messages.hpp"
 #include "parsed_by.hpp"
+#include "replaceable.hpp"
 #include "report_files.hpp"
 #include "scenario_options.hpp"
 #include "study_runner.hpp"
@@ -59,13 +60,16 @@ void add_merge_command(CLI::App& study_command) {
   struct Arguments {
     std::vector<fs::path> parts;
     fs::path out;
+    bool force = false;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = study_command.add_subcommand("merge", "Make one study from its shards");
   command->add_option("PART", arguments->parts, "Databases made with --shard")->required();
   command->add_option("--out", arguments->out, "The database to make")->required();
+  add_force_option(*command, arguments->force);
   command->footer("\nExample:\n  limber study merge part1.sqlite part2.sqlite --out study.sqlite");
   command->callback([arguments] {
+    require_replaceable_page(arguments->out, arguments->force);
     merge_studies(arguments->parts, arguments->out);
     fmt::print("{}", format_study_table(StudyDatabase(arguments->out)));
     make_report_beside(arguments->out);
@@ -76,6 +80,7 @@ void add_show_command(CLI::App& study_command) {
   struct Arguments {
     fs::path database;
     std::string format;
+    bool force = false;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = study_command.add_subcommand("show", "Print the tables of a study, finished or not");
@@ -83,8 +88,10 @@ void add_show_command(CLI::App& study_command) {
   command
       ->add_option("--export", arguments->format, "Also write the results beside the database: csv or json")
       ->check(CLI::IsMember({"csv", "json"}));
+  add_force_option(*command, arguments->force);
   command->footer("\nExample:\n  limber study show study.sqlite --export csv");
   command->callback([arguments] {
+    require_replaceable_export(arguments->database, arguments->format, arguments->force);
     fmt::print("{}", format_study_table(StudyDatabase(arguments->database)));
     export_study(arguments->database, arguments->format);
   });

@@ -10,6 +10,7 @@
 #include "messages.hpp"
 #include "parsed_by.hpp"
 #include "progress.hpp"
+#include "replaceable.hpp"
 
 namespace limber::app {
 namespace {
@@ -41,10 +42,13 @@ void add_runner_options(CLI::App& command, RunnerArguments& arguments) {
       .add_option("--export", arguments.export_format,
                   "Also write the results beside the database: csv or json")
       ->check(CLI::IsMember({"csv", "json"}));
+  add_force_option(command, arguments.force);
 }
 
 bool run_with_progress(const StudyPlan& plan, const std::filesystem::path& database,
                        const RunnerArguments& arguments, StudyRanks& ranks) {
+  require_replaceable_page(database, arguments.force);
+  require_replaceable_export(database, arguments.export_format, arguments.force);
   const auto begin = std::chrono::steady_clock::now();
   const auto seconds = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -14,6 +14,7 @@ struct RunnerArguments {
   int threads = 0;
   std::string shard = "1/1";
   std::string export_format;  ///< csv, json or nothing
+  bool force = false;
 };
 
 void add_runner_options(CLI::App& command, RunnerArguments& arguments);

@@ -7,7 +7,8 @@
 #include <optional>
 
 #include "formats.hpp"
-#include "image_size.hpp"
+#include "io/image_size.hpp"
+#include "io/numbers.hpp"
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/trajectory_files.hpp"
@@ -162,6 +163,9 @@ std::vector<ImageLine> read_image_list(const fs::path& camera) {
   std::vector<ImageLine> images;
   while (table.next()) {
     const fs::path name(table.field(1));
+    if (name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end()) {
+      table.fail("the name of an image within " + camera.string(), excerpt(table.field(1)));
+    }
     const fs::path in_data = camera / "data" / name;
     images.push_back({table.increasing_time(), fs::exists(in_data) ? in_data : camera / name, table.line()});
   }

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "formats.hpp"
-#include "image_size.hpp"
+#include "io/image_size.hpp"
 #include "io/numbers.hpp"
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"

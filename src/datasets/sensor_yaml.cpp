@@ -9,6 +9,7 @@
 
 #include "io/numbers.hpp"
 #include "io/text_file.hpp"
+#include "io/yaml_text.hpp"
 #include "io/yaml_words.hpp"
 #include "limber/core/errors.hpp"
 
@@ -51,11 +52,7 @@ Distortion read_distortion(const SensorYaml& yaml) {
 SensorYaml::SensorYaml(std::filesystem::path path) : path_(std::move(path)) {
   std::string text = load_text(path_);
   blank_out_opencv_directive(text);
-  try {
-    root_ = YAML::Load(text);
-  } catch (const YAML::Exception& e) {
-    throw DataError(path_.string(), line_of(e.mark), "valid YAML", e.msg);
-  }
+  root_ = parse_yaml(text, path_.string());
   if (!root_.IsMap()) {
     throw DataError(path_.string(), 0, "a YAML mapping (key: value)", in_words(root_));
   }

@@ -6,10 +6,8 @@
 
 #include "formats.hpp"
 #include "io/text_file.hpp"
-#include "leaping_matches.hpp"
 #include "limber/core/errors.hpp"
 #include "sensor_yaml.hpp"
-#include "stale_tracks.hpp"
 
 namespace limber::detail {
 namespace {
@@ -110,18 +108,6 @@ Recording read_track_log(const fs::path& mav0) {
   }
   table.require_a_row("frame");
   recording.frames = std::move(collector).frames();
-  if (const std::size_t stale = cut_stale_tracks(recording.frames); stale > 0) {
-    recording.notes.push_back(fmt::format(
-        "in {} of {} frames the old points stand on the pixels of the frame before, to the last digit: "
-        "they are taken for new points from there on",
-        stale, recording.frames.size()));
-  }
-  if (const std::size_t lost = end_leaping_matches(recording.frames, calibration); lost > 0) {
-    recording.notes.push_back(fmt::format(
-        "the right pixels of {} points leap, most of a frame at once, by more than depth can change from one "
-        "frame to the next: they are not used from there on",
-        lost));
-  }
   note_if_cut_off(path, recording.notes);
   read_pixel_noise(mav0 / "tracks0" / "sensor.yaml", recording);
   if (fs::exists(mav0 / "cam0" / "data.csv")) {

@@ -13,6 +13,7 @@
 
 #include "io/numbers.hpp"
 #include "io/table_text.hpp"
+#include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/io/atomic_file.hpp"
@@ -51,7 +52,10 @@ constexpr std::array<const char*, 8> kFolders = {
     "imu0",       "odometry0",         "cam0", "cam1", "tracks0", "state_groundtruth_estimate0",
     "landmarks0", "calibration_truth0"};
 
-// Nothing but what this writer makes; so that images or other people's files are never removed.
+// How this writer ends the line of the intrinsics: its mark.
+constexpr const char* kMark = "  # fu, fv, cu, cv\n";
+
+// Nothing but what this writer makes; so that images, other people's files or logs are never removed.
 void require_replaceable(const fs::path& mav0) {
   if (!fs::exists(mav0)) {
     return;
@@ -73,6 +77,9 @@ void require_replaceable(const fs::path& mav0) {
     if (!known.contains(entry)) {
       refuse(entry);
     }
+  }
+  if (!fs::is_empty(mav0) && detail::load_text(mav0 / "cam0" / "sensor.yaml").find(kMark) == std::string::npos) {
+    refuse("a log that limber did not write");
   }
 }
 
@@ -109,8 +116,8 @@ std::string camera_yaml(const Camera& camera, const Pose& T_body_cam) {
   const DistortionText distortion = distortion_text(camera.distortion);
   return fmt::format(
       "sensor_type: camera\n{}resolution: [{}, {}]\ncamera_model: pinhole\n"
-      "intrinsics: {}  # fu, fv, cu, cv\ndistortion_model: {}\ndistortion_coefficients: {}\n",
-      T_BS_text(T_body_cam), camera.width, camera.height, list_of(intrinsics.data(), 4), distortion.model,
+      "intrinsics: {}{}distortion_model: {}\ndistortion_coefficients: {}\n",
+      T_BS_text(T_body_cam), camera.width, camera.height, list_of(intrinsics.data(), 4), kMark, distortion.model,
       distortion.coefficients);
 }
 

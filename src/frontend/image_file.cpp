@@ -7,6 +7,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "io/image_size.hpp"
 #include "limber/core/errors.hpp"
 
 namespace limber::frontend {
@@ -38,6 +39,15 @@ cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera) {
   content << in.rdbuf();
   const std::string bytes = content.str();
   if (is_torn_png(bytes)) throw DataError(file.string(), 0, expected, "a PNG file that was cut off");
+  // Before the pixels are unpacked: a small file can hold a picture that fills the memory.
+  std::istringstream header(bytes);
+  if (const auto size = detail::image_size_of(header);
+      size && (size->width != camera.width || size->height != camera.height)) {
+    throw DataError(file.string(), 0, expected + " (the calibration's resolution)",
+                    size_text(size->width, size->height));
+  } else if (!size) {
+    throw DataError(file.string(), 0, expected, "nothing that can be decoded as an image: no PNG or JPEG");
+  }
   cv::Mat image;
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));

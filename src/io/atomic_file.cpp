@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "limber/io/atomic_file.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <random>
 #include <ranges>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -15,48 +19,131 @@
 
 namespace limber {
 
-std::filesystem::path temporary_name_beside(const std::filesystem::path& path) {
-  static std::atomic<unsigned> count = 0;
-  return path.parent_path() / fmt::format(".{}.{}-{}.partial", path.filename().string(), getpid(), count++);
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kEnding = ".partial";
+constexpr std::size_t kBuffer = std::size_t{1} << 16;  // [bytes]
+constexpr int kAttempts = 100;
+
+[[noreturn]] void fail_with_errno(const char* what, const fs::path& path) {
+  throw fs::filesystem_error(what, path, std::error_code(errno, std::generic_category()));
 }
 
-AtomicFile::AtomicFile(std::filesystem::path path)
-    : path_(std::move(path)), temporary_(temporary_name_beside(path_)) {
-  if (std::error_code error; std::filesystem::is_directory(path_, error)) {
+fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : "."; }
+
+std::string beginning_of(const fs::path& final_name) { return "." + final_name.filename().string() + "."; }
+
+/// Removes what killed processes left for the same final name: nobody holds its lock.
+void remove_abandoned(const fs::path& final_name) {
+  const std::string beginning = beginning_of(final_name);
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder_of(final_name), error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(beginning) || !name.ends_with(kEnding)) {
+      continue;
+    }
+    const int descriptor = open(entry.path().c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor >= 0 && flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
+      std::error_code ignored;
+      fs::remove_all(entry.path(), ignored);
+    }
+    if (descriptor >= 0) {
+      close(descriptor);
+    }
+  }
+}
+
+/// @return a descriptor of what was made; -1, and errno, if it cannot be
+int make_new(const fs::path& path, Temporary::Kind kind) {
+  if (kind == Temporary::Kind::kFile) {
+    return open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  }
+  return mkdir(path.c_str(), 0777) == 0 ? open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC)
+                                        : -1;
+}
+
+}  // namespace
+
+Temporary::Temporary(const fs::path& final_name, Kind kind) {
+  remove_abandoned(final_name);
+  std::random_device random;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    path_ = final_name.parent_path() /
+            fmt::format("{}{:08x}{:08x}{}", beginning_of(final_name), random(), random(), kEnding);
+    descriptor_ = make_new(path_, kind);
+    if (descriptor_ >= 0) {
+      flock(descriptor_, LOCK_EX);  // where locks do not exist nothing counts as abandoned either
+      if (fs::exists(path_)) {
+        return;
+      }
+      close(descriptor_);  // somebody took it for abandoned before it was locked
+    } else if (errno != EEXIST) {
+      break;
+    }
+  }
+  fail_with_errno("cannot be made", path_);
+}
+
+Temporary::~Temporary() {
+  if (!path_.empty()) {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  if (descriptor_ >= 0) {
+    close(descriptor_);
+  }
+}
+
+void Temporary::release() { path_.clear(); }
+
+AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path_, error);
+  if (fs::is_directory(status)) {
     throw DataError(path_.string(), 0, "a file name to write to", "a folder");
   }
-  stream_.open(temporary_, std::ios::binary | std::ios::trunc);
-  if (!stream_) {
-    throw DataError(path_.string(), 0, "a place where a file can be written", std::strerror(errno));
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    throw DataError(path_.string(), 0, "a regular file to replace, or none", "a device, a pipe or the like");
   }
-}
-
-AtomicFile::~AtomicFile() {
-  if (!temporary_.empty()) {
-    stream_.close();
-    std::error_code ignored;
-    std::filesystem::remove(temporary_, ignored);
+  try {
+    temporary_.emplace(path_, Temporary::Kind::kFile);
+  } catch (const fs::filesystem_error& e) {
+    throw DataError(path_.string(), 0, "a place where a file can be written", e.code().message());
   }
 }
 
 void AtomicFile::write(std::string_view content) {
-  stream_.write(content.data(), static_cast<std::streamsize>(content.size()));
-  if (!stream_) {
-    throw DataError(path_.string(), 0, "room to write the file", std::strerror(errno));
+  waiting_ += content;
+  if (waiting_.size() >= kBuffer) {
+    flush();
   }
 }
 
-void AtomicFile::commit() {
-  stream_.close();
-  if (!stream_) {
-    throw DataError(path_.string(), 0, "room to write the file", std::strerror(errno));
+void AtomicFile::flush() {
+  std::string_view rest = waiting_;
+  while (!rest.empty()) {
+    const ssize_t written = ::write(temporary_->descriptor(), rest.data(), rest.size());
+    if (written < 0 && errno == EINTR) {
+      continue;
+    }
+    if (written <= 0) {
+      throw DataError(path_.string(), 0, "room to write the file", std::strerror(errno));
+    }
+    rest.remove_prefix(static_cast<std::size_t>(written));
   }
+  waiting_.clear();
+}
+
+void AtomicFile::commit() {
+  flush();
   std::error_code error;
-  std::filesystem::rename(temporary_, path_, error);
+  fs::rename(temporary_->path(), path_, error);
   if (error) {
     throw DataError(path_.string(), 0, "a place where a file can be written", error.message());
   }
-  temporary_.clear();
+  temporary_->release();
 }
 
 FolderUnlessEmpty::FolderUnlessEmpty(const std::filesystem::path& path) : FolderUnlessEmpty() {
@@ -77,30 +164,28 @@ FolderUnlessEmpty::~FolderUnlessEmpty() {
 }
 
 StagedFolder::StagedFolder(std::filesystem::path final_name)
-    : final_name_(std::move(final_name)), staging_(temporary_name_beside(final_name_)) {
-  std::filesystem::create_directory(staging_);
-}
-
-StagedFolder::~StagedFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(staging_, ignored);
-}
+    : final_name_(std::move(final_name)), staging_(final_name_, Temporary::Kind::kFolder) {}
 
 void StagedFolder::replace() {
-  const std::filesystem::path old = temporary_name_beside(final_name_);
-  const bool replaces = std::filesystem::exists(final_name_);
-  if (replaces) {
-    std::filesystem::rename(final_name_, old);
+  if (!fs::exists(final_name_)) {
+    fs::rename(staging_.path(), final_name_);
+  } else {
+    const Temporary aside(final_name_, Temporary::Kind::kFolder);  // goes away with what stood there
+    const fs::path old = aside.path() / "old";
+    fs::rename(final_name_, old);
+    try {
+      fs::rename(staging_.path(), final_name_);
+    } catch (...) {
+      fs::rename(old, final_name_);
+      throw;
+    }
   }
-  std::filesystem::rename(staging_, final_name_);
-  if (replaces) {
-    std::filesystem::remove_all(old);
-  }
+  staging_.release();
 }
 
 void StagedFolder::move_files(const std::vector<std::string>& names, const std::filesystem::path& folder) {
   for (const std::string& name : names) {
-    std::filesystem::rename(staging_ / name, folder / name);
+    std::filesystem::rename(staging_.path() / name, folder / name);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "limber/core/nearest_word.hpp"
 #include "limber/core/split.hpp"
 
 namespace limber {
@@ -58,13 +59,17 @@ std::string to_string(Method method) {
 
 Method method_from_string(const std::string& name) {
   std::string known;
+  std::vector<std::string> names;
   for (const Method method : kAllMethods) {
-    if (to_string(method) == name) {
+    names.push_back(to_string(method));
+    if (names.back() == in_lower_case(name)) {
       return method;
     }
-    known += (known.empty() ? "" : ", ") + to_string(method);
+    known += (known.empty() ? "" : ", ") + names.back();
   }
-  throw std::invalid_argument("unknown method '" + name + "', expected one of " + known);
+  const auto meant = nearest_word(name, names);
+  throw std::invalid_argument("unknown method '" + name + "'" +
+                              (meant ? " (did you mean " + *meant + "?)" : "") + ", expected one of " + known);
 }
 
 ConstraintSet constraint_set_from_string(const std::string& text) {

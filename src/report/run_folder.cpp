@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "io/json_text.hpp"
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/landmarks_ply.hpp"
@@ -17,13 +18,8 @@ namespace fs = std::filesystem;
 constexpr double kSameTime = 1e-9;  // [s]
 
 Json read_summary(const fs::path& path) {
-  Json json;
-  try {
-    json = Json::parse(load_text(path));
-  } catch (const Json::parse_error& error) {
-    throw DataError(path.string(), 0, "JSON", error.what());
-  }
-  if (!json.is_object() || !json.contains("method") || !json["method"].is_string()) {
+  const Json json = parse_json<Json>(load_text(path), path.string());
+  if (!json.is_object() || !json.contains("method") || !json.at("method").is_string()) {
     throw DataError(path.string(), 0, "an object with the string 'method'", "other JSON");
   }
   return json;

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "limber/core/divergence_error.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/initialize/sensor_start.hpp"
 #include "limber/navigate/navigator.hpp"
@@ -189,15 +190,14 @@ void take_map(const Navigator& navigator, RunRecord& record) {
   record.theta = navigator.estimate().theta;
 }
 
-[[noreturn]] void fail_diverged(Method method, std::size_t frame, std::int64_t t_ns,
+[[noreturn]] void fail_diverged(Method method, std::size_t frame, std::int64_t t_ns, const std::string& what,
                                 const std::vector<std::string>& remarks) {
   std::string message =
-      fmt::format("{} diverged: the state after frame {} at {} ns is not finite, or further than {:g} m away",
-                  to_string(method), frame, t_ns, kLargestPosition);
+      fmt::format("{} diverged at frame {}, {} ns: {}", to_string(method), frame, t_ns, what);
   for (const std::string& remark : remarks) {
     message += "; " + remark;
   }
-  throw std::runtime_error(message);
+  throw DivergenceError(message);
 }
 
 void count(const StereoFrame& frame, detail::PointCount& points) {
@@ -207,8 +207,13 @@ void count(const StereoFrame& frame, detail::PointCount& points) {
   }
 }
 
+/// Each note once.
 void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
-  notes.insert(notes.end(), more.begin(), more.end());
+  for (const std::string& note : more) {
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) {
+      notes.push_back(note);
+    }
+  }
 }
 
 /// A frame that was read, and how long that took.
@@ -319,10 +324,13 @@ FrameSource matched_frames(const Recording& recording) {
   return [&recording](std::size_t n) { return recording.frames[n]; };
 }
 
-RunRecord run_recording(const Recording& recording, const RunOptions& options, const FrameSource& frames,
-                        const std::function<void(std::size_t)>& progress, const FrameObserver& observe) {
+RunRecord run_recording(const Recording& recording, const RunOptions& options, const FrameSource& source,
+                        const std::function<void(std::size_t)>& progress, const FrameObserver& observe,
+                        const std::function<bool()>& stop) {
   const RunSetup setup = set_up_run(recording, options);
   const MotionModel motion = setup.navigator.motion;
+  FrameCleaner cleaner(setup.calibration, options.cleaning);
+  const FrameSource frames = [&](std::size_t n) { return cleaner.clean(source(n)); };
   const std::size_t first = first_frame(recording, options, motion);
   const bool from_truth = options.start == StartMode::kGroundTruth;
   SensorWindow window;
@@ -335,6 +343,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   Navigator navigator(setup.navigator, setup.calibration, record.start);
   record.notes = setup.notes;
   record.motion = motion;
+  record.frames_of_recording = frame_count(recording);
   const auto remarks = detail::remarks_on_input(recording, record.motion, setup.navigator.gravity);
   append(record.notes, remarks);
   if (first > 0) {
@@ -345,6 +354,10 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   detail::PointCount points = window.points;
   InputFeed feed(recording);
   for (std::size_t n = first + record.frames.size(); n < frame_count(recording); ++n) {
+    if (stop && stop()) {
+      record.stopped = true;
+      break;
+    }
     const ReadFrame read = window.ahead.empty() ? read_frame(frames, n) : std::move(window.ahead.front());
     const StereoFrame& frame = read.frame;
     if (!window.ahead.empty()) {
@@ -357,12 +370,23 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     if (options.method == Method::kOracle) {
       navigator.assume_theta(calibration_at(recording.calibration_true, frame.t_ns));
     }
-    record.frames.push_back(navigator.process(frame));
+    try {
+      record.frames.push_back(navigator.process(frame));
+    } catch (const DivergenceError& error) {
+      fail_diverged(options.method, n, frame.t_ns, error.what(), remarks);
+    } catch (const std::exception& error) {
+      if (!is_sane(row_of(navigator))) {  // whatever trips over such numbers is their fault
+        fail_diverged(options.method, n, frame.t_ns, error.what(), remarks);
+      }
+      throw;
+    }
     record.trajectory.push_back(row_of(navigator));
     keep_calibration(navigator, record);
     record.frame_ms.push_back(milliseconds(begin_filter, Clock::now()));
     if (!is_sane(record.trajectory.back()) || (record.frames.back().reset && options.stop_when_lost)) {
-      fail_diverged(options.method, n, frame.t_ns, remarks);
+      fail_diverged(options.method, n, frame.t_ns,
+                    fmt::format("the state is not finite, or further than {:g} m away", kLargestPosition),
+                    remarks);
     }
     if (observe) {
       observe(navigator, record.frames.back());
@@ -373,6 +397,12 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   }
   take_map(navigator, record);
   append(record.notes, remarks_on_inputs(summarize_inputs(record.frames)));
+  record.cleaning = cleaner.report();
+  append(record.notes, in_words(record.cleaning));
+  if (record.stopped) {
+    record.notes.push_back(fmt::format("stopped after {} of {} frames: these are partial results",
+                                       record.frames.size(), record.frames_of_recording - first));
+  }
   append(record.notes, detail::remarks_on_measurements(record, options.method, points));
   return record;
 }

@@ -68,6 +68,8 @@ Json to_json(const RunOptions& options) {
           {"landmarks", options.landmarks == LandmarkKind::kCartesian ? "cartesian" : "inverse-depth"},
           {"gate", options.gate},
           {"max_landmarks", options.max_landmarks},
+          {"clean", options.cleaning.clean},
+          {"max_points", options.cleaning.max_points},
           {"false_alarms_per_hour", options.false_alarms_per_hour},
           {"seed", options.seed},
           {"run", options.run}};
@@ -83,6 +85,12 @@ Json to_json(const std::vector<RunEvent>& events) {
                    {"samples", e.samples}});
   }
   return out;
+}
+
+Json to_json(const CleaningReport& report) {
+  return {{"stale_frames", report.stale_frames},     {"stale_points", report.stale_points},
+          {"leapt_matches", report.leapt_matches},   {"rig_jumps", report.rig_jumps},
+          {"thinned_frames", report.thinned_frames}, {"thinned_points", report.thinned_points}};
 }
 
 Json to_json(const RunOptions& options, const RunRecord& record, const RunSummary& s) {
@@ -128,6 +136,9 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
   json["theta"] = std::vector<double>(record.theta.data(), record.theta.data() + 6);
   json["estimated"] = estimated_parameters(record);
+  json["complete"] = !record.stopped;
+  json["frames_of_recording"] = record.frames_of_recording;
+  json["cleaning"] = to_json(record.cleaning);
   json["notes"] = record.notes;
   return json;
 }
@@ -162,6 +173,13 @@ std::string refusals_csv(const RunRecord& record) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& run_file_names() {
+  static const std::vector<std::string> kNames = {"trajectory.tum",  "trajectory.csv", "landmarks.ply",
+                                                  "frames.csv",      "refusals.csv",   "health.csv",
+                                                  "calibration.csv", "truth.tum",      "summary.json"};
+  return kNames;
+}
 
 void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
                       const RunSummary& summary) {

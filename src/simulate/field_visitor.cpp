@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "io/numbers.hpp"
+#include "io/yaml_text.hpp"
 #include "io/yaml_words.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/simulate/decalibration.hpp"
@@ -364,23 +365,12 @@ void FieldVisitor::path(const std::string& key, std::filesystem::path& value) {
 }
 
 void read_fields(const std::string& text, const std::string& file, const FieldVisitor::Visit& visit) {
-  std::vector<YAML::Node> documents;
-  try {
-    documents = YAML::LoadAll(text);
-  } catch (const YAML::Exception& e) {
-    throw DataError(file, line_of(e.mark), "valid YAML", e.msg);
+  const YAML::Node root = parse_yaml(text, file);
+  if (!root.IsMap()) {
+    throw DataError(file, line_of(root.Mark()), "a YAML mapping (key: value)",
+                    root.IsDefined() && !root.IsNull() ? in_words(root) : "an empty file");
   }
-  if (documents.empty()) {
-    throw DataError(file, 0, "a YAML mapping (key: value)", "an empty file");
-  }
-  if (documents.size() > 1) {
-    throw DataError(file, 0, "one YAML document", fmt::format("{}", documents.size()));
-  }
-  if (!documents.front().IsMap()) {
-    throw DataError(file, line_of(documents.front().Mark()), "a YAML mapping (key: value)",
-                    in_words(documents.front()));
-  }
-  Reader reader(file, documents.front(), "");
+  Reader reader(file, root, "");
   visit(reader);
   reader.finish();
 }

@@ -6,6 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "limber/core/divergence_error.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/state/estimate.hpp"
 
@@ -60,7 +61,7 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
   }
   const std::size_t slept_before = passive_blocks_.size();
   if (!passive_.change_epoch(P, layout_.map_begin(), change)) {
-    return;  // P is not positive definite: nothing can be said about what it holds
+    throw DivergenceError("map: the covariance is not positive definite where an epoch ends");
   }
   for (std::size_t k = 0; k < slept_before; ++k) {
     retract_triplet(passive[k].block, passive[k].displacement);

@@ -12,7 +12,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "databases hold sums in little endian");
 
-constexpr std::size_t kBytesPerFrame = sizeof(Int128) + sizeof(std::uint64_t);
 constexpr int kTermBits = std::bit_width(kMaxTerms) - 1;
 
 void check_frames(std::size_t expected, std::size_t found) {

@@ -145,25 +145,37 @@ class Merger {
   SqliteTransaction transaction_;
 };
 
+/// Every curve of a part can be read.
+void check_part(const std::filesystem::path& part) {
+  const StudyDatabase study(part);
+  for (std::size_t c = 0; c < study.info().cases.size(); ++c) {
+    for (std::size_t m = 0; m < study.info().cases[c].methods.size(); ++m) {
+      for (std::size_t q = 0; q < kCurveQuantities; ++q) {
+        (void)study.curve(c, m, static_cast<CurveQuantity>(q));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void merge_studies(const std::vector<std::filesystem::path>& parts, const std::filesystem::path& out) {
   if (std::filesystem::exists(out)) {
     throw DataError(out.string(), 0, "a name that is not taken", "a file");
   }
-  const std::filesystem::path temporary = temporary_name_beside(out);
   try {
-    Merger merger(temporary);
+    Temporary temporary(out, Temporary::Kind::kFile);
+    Merger merger(temporary.path());
     for (const std::filesystem::path& part : parts) {
+      check_part(part);
       merger.add(part);
     }
     merger.commit();
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw;
+    std::filesystem::rename(temporary.path(), out);
+    temporary.release();
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw DataError(out.string(), 0, "a place where a database can be made", error.code().message());
   }
-  std::filesystem::rename(temporary, out);
 }
 
 }  // namespace limber

@@ -40,7 +40,7 @@ Divergence RunObserver::divergence(const std::string& reason) const {
 
 void RunObserver::set(CurveQuantity quantity, double value) {
   if (!std::isnan(value) && !to_fixed(value, fraction_bits(quantity))) {
-    throw LostFilter{fmt::format("{} is {:.3g}", name_of(quantity), value)};
+    throw DivergenceError(fmt::format("{} is {:.3g}", name_of(quantity), value));
   }
   frame_[quantity] = value;
 }
@@ -68,10 +68,10 @@ void RunObserver::observe_pose(const Navigator& navigator) {
   const PoseErrorVector error = pose_error(nav.T_world_body, {truth.R_world_body, truth.p_world_body});
   const PoseCovariance P = pose_covariance(navigator);
   if (!error.allFinite() || !P.allFinite() || P.diagonal().minCoeff() < 0.0) {
-    throw LostFilter{"the pose or its covariance is not finite, or a variance is negative"};
+    throw DivergenceError("the pose or its covariance is not finite, or a variance is negative");
   }
   if (error.head<3>().norm() > kAbsurdPositionError) {
-    throw LostFilter{fmt::format("the position is {:.3g} m off", error.head<3>().norm())};
+    throw DivergenceError(fmt::format("the position is {:.3g} m off", error.head<3>().norm()));
   }
   set(CurveQuantity::kPositionSquaredError, error.head<3>().squaredNorm());
   set(CurveQuantity::kPositionVariance, P.diagonal().head<3>().sum());

@@ -12,11 +12,6 @@
 
 namespace limber::detail {
 
-/// Thrown by a RunObserver when a filter is lost.
-struct LostFilter {
-  std::string reason;
-};
-
 /// Mean squared error of the points of a map that have a place.
 struct MapError {
   std::size_t points = 0;
@@ -30,7 +25,8 @@ class RunObserver {
   /// @param recording with truth; must outlive this
   RunObserver(const Recording& recording, const Scenario& scenario);
 
-  /// Takes down what the filter says after a frame. @throws LostFilter: nothing of this frame is kept then
+  /// Takes down what the filter says after a frame. @throws DivergenceError: nothing of this frame is kept
+  /// then
   void observe(const Navigator& navigator);
 
   /// A divergence at the frame that was being processed.

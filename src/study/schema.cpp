@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <map>
+#include <string>
 #include <type_traits>
 
 #include "figures_table.hpp"
@@ -51,6 +53,42 @@ std::string runs_table() {
          columns + ", PRIMARY KEY(case_id, run, method)) WITHOUT ROWID;";
 }
 
+/// Tables, views, triggers and indices by name, each as its SQL; what SQLite keeps for itself is left out.
+std::map<std::string, std::string> objects_of(const SqliteFile& file) {
+  std::map<std::string, std::string> objects;
+  SqliteStatement rows = file.prepare(
+      "SELECT type || ' ' || name, sql FROM sqlite_master WHERE name NOT LIKE 'sqlite\\_%' ESCAPE '\\'");
+  while (rows.step()) {
+    std::string name;
+    rows.get(name);
+    rows.get(objects[name]);
+  }
+  return objects;
+}
+
+/// A view in place of a table, a trigger or another table's constraint may do anything: nothing but the
+/// tables that create_schema makes is read or written.
+void check_objects(const SqliteFile& file) {
+  static const std::map<std::string, std::string> kExpected = [] {
+    SqliteFile memory(":memory:", SqliteFile::Mode::kCreate);
+    create_schema(memory);
+    return objects_of(memory);
+  }();
+  const std::map<std::string, std::string> found = objects_of(file);
+  for (const auto& [name, sql] : found) {
+    const auto expected = kExpected.find(name);
+    if (expected == kExpected.end() || expected->second != sql) {
+      throw DataError(file.path().string(), 0, "the tables of a study and nothing else",
+                      fmt::format("the {}{}", name, expected == kExpected.end() ? "" : " of another form"));
+    }
+  }
+  for (const auto& [name, sql] : kExpected) {
+    if (!found.contains(name)) {
+      throw DataError(file.path().string(), 0, fmt::format("the {} of a study", name), "none");
+    }
+  }
+}
+
 }  // namespace
 
 bool is_empty(const SqliteFile& file) {
@@ -67,6 +105,7 @@ void check_schema(const SqliteFile& file) {
     throw DataError(file.path().string(), 0, fmt::format("a study of version {}", kSchemaVersion),
                     fmt::format("one of version {}, which another version of limber made", version));
   }
+  check_objects(file);
 }
 
 void create_schema(SqliteFile& file) {

@@ -47,6 +47,9 @@ SqliteFile::SqliteFile(std::filesystem::path path, Mode mode) : path_(std::move(
   }
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_timeout(handle, kPatienceMs);
+  // A file from elsewhere may not run functions of its choice, nor change its own tables' description.
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   if (mode == Mode::kRead) {
     execute("PRAGMA query_only = ON");
   }

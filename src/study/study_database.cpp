@@ -21,6 +21,8 @@ namespace {
 using detail::SqliteFile;
 using detail::SqliteStatement;
 
+constexpr std::size_t kBytesPerPosition = 3 * sizeof(double);
+
 std::vector<std::string> labels_of(const SqliteFile& file, std::int64_t id) {
   std::vector<std::string> labels;
   SqliteStatement rows = file.prepare("SELECT label FROM methods WHERE case_id = ? ORDER BY method");
@@ -34,7 +36,7 @@ std::vector<std::string> labels_of(const SqliteFile& file, std::int64_t id) {
 std::vector<Eigen::Vector3d> positions_from(std::string_view bytes) {
   std::vector<Eigen::Vector3d> positions;
   detail::ByteReader in(bytes);
-  for (std::size_t n = bytes.size() / (3 * sizeof(double)); n > 0; --n) {
+  for (std::size_t n = bytes.size() / kBytesPerPosition; n > 0; --n) {
     const auto x = in.get<double>(), y = in.get<double>(), z = in.get<double>();
     positions.emplace_back(x, y, z);
   }
@@ -72,6 +74,10 @@ class StudyDatabase::Impl {
     return ids_[study_case];
   }
 
+  [[noreturn]] void fail(const std::string& expected, const std::string& found) const {
+    throw DataError(file_.path().string(), 0, expected, found);
+  }
+
  private:
   void add_case(SqliteStatement& row) {
     StudyCaseInfo info;
@@ -80,10 +86,21 @@ class StudyDatabase::Impl {
     row.get(info.runs);
     row.get(info.scenario_text);
     row.get(info.finished);
+    if (info.runs > kMaxTerms || info.finished > info.runs) {
+      fail(fmt::format("at most {} runs of '{}', and no more finished than planned", kMaxTerms, info.name),
+           fmt::format("{} planned, {} finished", info.runs, info.finished));
+    }
     info.scenario = parse_scenario(info.scenario_text, file_.path());
     info.labels = labels_of(file_, ids_.back());
     for (const std::string& label : info.labels) {
-      info.methods.push_back(method_variant_from_string(label));
+      try {
+        info.methods.push_back(method_variant_from_string(label));
+      } catch (const std::invalid_argument& error) {
+        fail(fmt::format("methods of '{}' that this version knows", info.name), error.what());
+      }
+    }
+    if (info.methods.empty()) {
+      fail(fmt::format("at least one method of '{}'", info.name), "none");
     }
     info.frame_times = frame_times(info.scenario);
     info_.cases.push_back(std::move(info));
@@ -120,7 +137,15 @@ std::optional<StudyCurve> StudyDatabase::curve(std::size_t study_case, std::size
   if (!row.step()) {
     return std::nullopt;
   }
-  return CurveSum(quantity, row.get_bytes()).curve();
+  const StudyCaseInfo& info = this->info().cases[study_case];
+  const std::string_view bytes = row.get_bytes();
+  if (bytes.size() != kBytesPerFrame * info.frame_times.size()) {
+    impl_->fail(
+        fmt::format("sums of the {} frames of '{}' in the curve {}", info.frame_times.size(), info.name,
+                    name_of(quantity)),
+        fmt::format("{} bytes instead of {}", bytes.size(), kBytesPerFrame * info.frame_times.size()));
+  }
+  return CurveSum(quantity, bytes).curve();
 }
 
 ExampleRun StudyDatabase::example(std::size_t study_case) const {
@@ -138,7 +163,13 @@ ExampleRun StudyDatabase::example(std::size_t study_case) const {
     SqliteStatement row =
         impl_->file().prepare("SELECT positions FROM examples WHERE case_id = ? AND method = ?");
     row.put(impl_->id_of(study_case, method)).put(method);
-    out.estimate.push_back(row.step() ? positions_from(row.get_bytes()) : std::vector<Eigen::Vector3d>());
+    const std::string_view bytes = row.step() ? row.get_bytes() : std::string_view();
+    if (bytes.size() % kBytesPerPosition != 0 || bytes.size() > kBytesPerPosition * info.frame_times.size()) {
+      impl_->fail(
+          fmt::format("a position for each of at most {} frames of '{}'", info.frame_times.size(), info.name),
+          fmt::format("{} bytes", bytes.size()));
+    }
+    out.estimate.push_back(positions_from(bytes));
   }
   return out;
 }

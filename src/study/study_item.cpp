@@ -4,9 +4,11 @@
 #include <cmath>
 #include <new>
 #include <stdexcept>
+#include <string>
 
 #include "bytes.hpp"
 #include "figures_table.hpp"
+#include "limber/core/divergence_error.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "run_observer.hpp"
@@ -60,13 +62,9 @@ MethodResult compute_method(const Recording& recording, const Scenario& scenario
   try {
     const RunRecord record = run_recording(recording, options, matched_frames(recording), {}, observe);
     out.run.figures = figures_of(summarize(recording, options, record), observer.map_error());
-  } catch (const detail::LostFilter& lost) {
-    out.run.diverged = observer.divergence(lost.reason);
-  } catch (const std::bad_alloc&) {
-    throw;  // the machine's fault
-  } catch (const std::exception& error) {
+  } catch (const DivergenceError& error) {
     out.run.diverged = observer.divergence(error.what());
-  }
+  }  // whatever else goes wrong is no result: it ends the study
   out.series = observer.take_series();
   if (options.run == 0) {
     out.positions = observer.take_positions();
@@ -128,8 +126,15 @@ ItemResult compute_item(const StudyPlan& plan, std::size_t study_case, std::uint
   const Recording recording = simulate(what.scenario, plan.seed, run);
   ItemResult out{study_case, run, {}};
   for (const MethodVariant& variant : what.methods) {
-    out.methods.push_back(compute_method(recording, what.scenario,
-                                         run_options(what.scenario, variant, plan.seed, run), frame_done));
+    try {
+      out.methods.push_back(compute_method(recording, what.scenario,
+                                           run_options(what.scenario, variant, plan.seed, run), frame_done));
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw std::runtime_error("case '" + what.scenario.name + "', run " + std::to_string(run) + ", method " +
+                               to_string(variant) + ": " + error.what());
+    }
   }
   return out;
 }

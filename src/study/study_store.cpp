@@ -126,7 +126,12 @@ void add_to_curve(const SqliteFile& file, std::int64_t case_id, std::size_t meth
   stored.put(case_id).put(method).put(name_of(quantity));
   CurveSum sum = terms;
   if (stored.step()) {
-    sum.add(CurveSum(quantity, stored.get_bytes()));
+    try {
+      sum.add(CurveSum(quantity, stored.get_bytes()));
+    } catch (const std::invalid_argument& error) {
+      throw DataError(file.path().string(), 0, fmt::format("sums of every frame in {}", name_of(quantity)),
+                      error.what());
+    }
   }
   file.prepare("INSERT OR REPLACE INTO curves VALUES(?, ?, ?, ?, ?)")
       .put(case_id)
@@ -200,6 +205,10 @@ void StudyStore::take_up_case(std::size_t index, const StudyCase& study_case) {
         "'name:'",
         file_.path().string(), name, differing_lines(text, definition)));
   }
+  if (runs > kMaxTerms) {
+    throw DataError(file_.path().string(), 0, fmt::format("at most {} runs of '{}'", kMaxTerms, name),
+                    fmt::format("{}", runs));
+  }
   if (runs < study_case.runs) {
     file_.prepare("UPDATE cases SET runs = ? WHERE id = ?").put(study_case.runs).put(ids_.back()).run();
   }
@@ -212,7 +221,13 @@ void StudyStore::load_finished(std::size_t index) {
   SqliteStatement rows = file_.prepare("SELECT run FROM runs WHERE case_id = ? AND method = 0");
   rows.put(ids_[index]);
   while (rows.step()) {
-    finished_[index].at(rows.get<std::uint64_t>()) = true;
+    const auto run = rows.get<std::uint64_t>();
+    if (run >= finished_[index].size()) {
+      throw DataError(file_.path().string(), 0,
+                      fmt::format("runs of case {} below {}", ids_[index], finished_[index].size()),
+                      fmt::format("run {}", run));
+    }
+    finished_[index][run] = true;
   }
 }
 

@@ -9,6 +9,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "limber/core/divergence_error.hpp"
+
 namespace limber {
 
 using Eigen::Index;
@@ -52,8 +54,8 @@ void check(const Covariance& P, const LinearMeasurement& z) {
                                   std::to_string(block.col) + ") lies outside: " + shapes());
     }
     if (!block.value.allFinite()) {
-      throw std::invalid_argument("measurement: block of H at (" + std::to_string(block.row) + ", " +
-                                  std::to_string(block.col) + ") is not finite");
+      throw DivergenceError("measurement: block of H at (" + std::to_string(block.row) + ", " +
+                            std::to_string(block.col) + ") is not finite");
     }
   }
   if (z.stateless.D.rows() != z.stateless.residual.size() ||
@@ -64,9 +66,12 @@ void check(const Covariance& P, const LinearMeasurement& z) {
                                 std::to_string(z.stateless.D.cols()) + ", the others' has " +
                                 std::to_string(z.D.cols()) + " columns");
   }
-  if (!z.residual.allFinite() || !(z.sigma.array() > 0.0).all() || !z.sigma.allFinite() || !z.D.allFinite() ||
-      !z.stateless.residual.allFinite() || !z.stateless.D.allFinite()) {
-    throw std::invalid_argument("measurement: expected finite r and D and positive sigma");
+  if (!(z.sigma.array() > 0.0).all() || !z.sigma.allFinite()) {
+    throw std::invalid_argument("measurement: expected positive sigma");
+  }
+  if (!z.residual.allFinite() || !z.D.allFinite() || !z.stateless.residual.allFinite() ||
+      !z.stateless.D.allFinite()) {
+    throw DivergenceError("measurement: r or D is not finite");
   }
   if (!z.groups.empty()) {
     check_groups(z);

@@ -4,6 +4,8 @@
 #include <Eigen/Cholesky>
 #include <array>
 
+#include "limber/core/divergence_error.hpp"
+
 namespace limber {
 
 using Eigen::Index;
@@ -24,7 +26,7 @@ VectorXd learn(Covariance& P, Index at, const Eigen::Ref<const VectorXd>& mean, 
   S.diagonal().array() += 1.0;
   const Eigen::LLT<MatrixXd> llt(0.5 * (S + S.transpose()));
   if (llt.info() != Eigen::Success) {
-    return VectorXd::Zero(kWitnessSize);
+    throw DivergenceError("witness: the covariance of its innovation is not positive definite");
   }
   const MatrixXd K = llt.solve(C.middleRows<kWitnessSize>(at).transpose()).transpose();
   columns.noalias() -= C * K.transpose();

@@ -99,6 +99,9 @@ TEST_F(ImageFolder, IsRefusedWhereAnImageIsNoneOrOfAnotherSize) {
   const cv::Mat small(100, 120, CV_8U, cv::Scalar(9));
   cv::imwrite(image("cam1", 4).string(), small);
   expect_refused(image("cam1", 4), "found 120 x 100 px");
+  // Small as a file, 900 million pixels unpacked: refused by its header.
+  write_text(image("cam1", 4), testing::png_header(30'000, 30'000) + std::string(1000, '\0') + "IEND1234");
+  expect_refused(image("cam1", 4), "found 30000 x 30000 px");
 }
 
 }  // namespace

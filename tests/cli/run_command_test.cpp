@@ -4,6 +4,7 @@
 #include <regex>
 #include <sstream>
 
+#include "cli/child_process.hpp"
 #include "cli/small_log.hpp"
 #include "limber/datasets/trajectory_files.hpp"
 
@@ -181,7 +182,7 @@ TEST_F(RunCommand, RefusesOptionsThatMakeNoSenseAsWrongUsage) {
     std::string words;
   };
   for (const BadOption& bad : {
-           BadOption{{"--method", "ekff"}, "unknown method 'ekff', expected one of ekf, ekf-full, lcekf"},
+           BadOption{{"--method", "ekff"}, "unknown method 'ekff' (did you mean ekf?), expected one of ekf, ekf-full, lcekf"},
            {{"--constraints", "bx"}, "unknown constraint set 'bx', expected full, none, rotation"},
            {{"--constraints", ""}, "unknown constraint set ''"},
            {{"--method", "ekf", "--constraints", "full"}, "lcekf alone has constraints, not ekf"},
@@ -284,17 +285,42 @@ TEST_F(RunCommand, LeavesNothingAndOlderResultsAloneWhenItFails) {
   EXPECT_FALSE(fs::exists(folder() / "new"));
 }
 
-TEST(KilledRun, LeavesNothingBehind) {
-  const testing::TemporaryFolder folder;
-  Scenario scenario = testing::short_scenario();
-  scenario.duration = 60.0;  // takes seconds
-  write_track_log(simulate(scenario, 1), folder.path() / "log");
-  const fs::path out = folder.path() / "new" / "out";
-  for (const int signal : {SIGKILL, SIGTERM, SIGINT}) {
-    ASSERT_TRUE(testing::start_and_kill_limber(
-        {"run", (folder.path() / "log").string(), "--out", out.string()}, signal, 500));
-    EXPECT_FALSE(fs::exists(folder.path() / "new"));
+/// A run that takes seconds.
+class LongRun : public ::testing::Test {
+ protected:
+  LongRun() {
+    Scenario scenario = testing::short_scenario();
+    scenario.duration = 60.0;
+    write_track_log(simulate(scenario, 1), folder_.path() / "log");
   }
+  [[nodiscard]] fs::path out() const { return folder_.path() / "new" / "out"; }
+  [[nodiscard]] std::vector<std::string> arguments() const {
+    return {"run", (folder_.path() / "log").string(), "--out", out().string()};
+  }
+
+ private:
+  const testing::TemporaryFolder folder_;
+};
+
+TEST_F(LongRun, LeavesNothingBehindWhenItIsKilled) {
+  ASSERT_TRUE(testing::start_and_kill_limber(arguments(), SIGKILL, 1000));
+  EXPECT_FALSE(fs::exists(out().parent_path()));
+}
+
+TEST_F(LongRun, KeepsWhatIsDoneOnCtrlCAndSaysThatItIsPartial) {
+  // How long reading takes differs: too early nothing is done yet, too late all is.
+  for (useconds_t delay = 500'000; !fs::exists(out() / "summary.json") && delay < 10'000'000; delay *= 2) {
+    testing::ChildProcess run(arguments());
+    usleep(delay);
+    run.signal(SIGINT);
+    EXPECT_EQ(run.wait(), 1);
+    EXPECT_THAT(run.err(), ::testing::AnyOf(HasSubstr("these are partial results"),
+                                            HasSubstr("stopped before the first frame: nothing is written")));
+  }
+  const Json summary = Json::parse(read_text(out() / "summary.json"));
+  EXPECT_EQ(summary["complete"], false);
+  EXPECT_LT(summary["frames"], summary["frames_of_recording"]);
+  EXPECT_EQ(lines_of(read_text(out() / "frames.csv")).size(), summary["frames"].get<std::size_t>() + 1);
 }
 
 }  // namespace

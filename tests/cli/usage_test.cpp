@@ -48,7 +48,7 @@ TEST(Usage, NoCommandIsWrongUsage) {
 TEST(Usage, AnUnknownCommandIsNamed) {
   const auto result = run_limber({"evalute"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("unknown: evalute"));
+  EXPECT_THAT(result.err, HasSubstr("unknown: evalute, did you mean evaluate?"));
   EXPECT_THAT(result.err, HasSubstr("expected one of the commands: run, health, simulate, evaluate"));
 }
 

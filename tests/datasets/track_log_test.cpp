@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <limits>
 
 #include "files.hpp"
@@ -176,128 +175,6 @@ TEST_F(TrackLog, SaysWhatItDoesNotGive) {
   EXPECT_NE(actual.notes[0].find("gyroscope_random_walk"), std::string::npos);
   EXPECT_NE(actual.notes[1].find("sigma_v"), std::string::npos);
   EXPECT_NE(actual.notes[2].find("sigma_px"), std::string::npos);
-}
-
-/// Six tracks over a few frames; those of a frame in `stale` stand where they stood before, and a new one
-/// comes.
-Recording with_stale_frames(const std::vector<std::size_t>& stale, std::size_t frames) {
-  Recording recording = small_recording();
-  recording.frames.clear();
-  recording.landmarks_true.clear();
-  double moved = 0.0;
-  for (std::size_t k = 0; k < frames; ++k) {
-    const bool is_stale = std::find(stale.begin(), stale.end(), k) != stale.end();
-    moved += is_stale ? 0.0 : 1.25;
-    StereoFrame frame{recording.imu.front().t_ns + static_cast<std::int64_t>(k) * 50'000'000, {}};
-    for (std::int64_t id = 0; id < 6; ++id) {
-      const Eigen::Vector2d uv(20.0 + moved, 10.0 * static_cast<double>(id));
-      frame.observations.push_back({id, uv, uv, true, true});
-    }
-    if (is_stale) {
-      frame.observations.push_back(
-          {static_cast<std::int64_t>(100 + k), {50.0, 50.0}, {45.0, 50.0}, true, true});
-    }
-    recording.frames.push_back(frame);
-  }
-  return recording;
-}
-
-std::vector<std::int64_t> tracks_of(const StereoFrame& frame) {
-  std::vector<std::int64_t> out;
-  for (const StereoObservation& point : frame.observations) {
-    out.push_back(point.track_id);
-  }
-  return out;
-}
-
-TEST(TrackLogReader, EndsTracksThatWereNotTrackedIntoAFrame) {
-  const TemporaryFolder folder;
-  write_track_log(with_stale_frames({2, 4}, 6), folder.path());
-  const Recording actual = read_recording(folder.path());
-  using Tracks = std::vector<std::int64_t>;
-  ASSERT_EQ(actual.frames.size(), 6U);
-  EXPECT_EQ(tracks_of(actual.frames[1]), (Tracks{0, 1, 2, 3, 4, 5}));
-  EXPECT_EQ(tracks_of(actual.frames[2]), (Tracks{102}));
-  EXPECT_EQ(tracks_of(actual.frames[3]), (Tracks{105, 106, 107, 108, 109, 110}));
-  EXPECT_EQ(tracks_of(actual.frames[4]), (Tracks{104}));
-  EXPECT_EQ(tracks_of(actual.frames[5]), (Tracks{111, 112, 113, 114, 115, 116}));
-  EXPECT_EQ(std::count_if(actual.notes.begin(), actual.notes.end(),
-                          [](const std::string& note) { return note.starts_with("in 2 of 6 frames"); }),
-            1);
-}
-
-TEST(TrackLogReader, LeavesARigAloneThatStandsStillWithoutNoise) {
-  const TemporaryFolder folder;
-  const Recording still = with_stale_frames({1, 2, 3, 4}, 6);
-  write_track_log(still, folder.path());
-  const Recording actual = read_recording(folder.path());
-  for (std::size_t k = 0; k < 6; ++k) {
-    EXPECT_EQ(tracks_of(actual.frames[k]), tracks_of(still.frames[k])) << k;
-  }
-}
-
-/// Eight points that move slowly; the right pixels of `count` of them leap in frame 2 and stay there.
-Recording with_leaping_matches(std::int64_t count, double factor, std::int64_t step_ns = 50'000'000) {
-  Recording recording = small_recording();
-  recording.frames.clear();
-  recording.landmarks_true.clear();
-  const Eigen::Matrix3d R_cam1_cam0 = pose_from_rig(recording.calibration.theta).R;
-  for (std::size_t k = 0; k < 5; ++k) {
-    StereoFrame frame{recording.imu.front().t_ns + static_cast<std::int64_t>(k) * step_ns, {}};
-    for (std::int64_t id = 0; id < 8; ++id) {
-      const bool leapt = k >= 2 && id < count;
-      const double depth =
-          (2.0 + 0.2 * static_cast<double>(id) - 0.01 * static_cast<double>(k)) / (leapt ? factor : 1.0);
-      const Eigen::Vector2d uv(30.0 + static_cast<double>(2 * id), 20.0 + static_cast<double>(id));
-      const Eigen::Vector3d X_cam0 = depth * unproject(recording.calibration.cam0, uv).value();
-      const auto right =
-          project(recording.calibration.cam1, R_cam1_cam0 * X_cam0 + recording.calibration.theta.tail<3>());
-      frame.observations.push_back({id, uv, right.value().uv, true, true});
-    }
-    recording.frames.push_back(frame);
-  }
-  return recording;
-}
-
-std::vector<std::int64_t> matched_in(const StereoFrame& frame) {
-  std::vector<std::int64_t> out;
-  for (const StereoObservation& point : frame.observations) {
-    if (point.in_cam1) {
-      out.push_back(point.track_id);
-    }
-  }
-  return out;
-}
-
-TEST(TrackLogReader, EndsMatchesThatLeapTogether) {
-  for (const double factor : {2.1, 0.4}) {
-    const TemporaryFolder folder;
-    write_track_log(with_leaping_matches(6, factor), folder.path());
-    const Recording actual = read_recording(folder.path());
-    ASSERT_EQ(actual.frames.size(), 5U);
-    for (std::size_t k = 0; k < 5; ++k) {
-      EXPECT_EQ(actual.frames[k].observations.size(), 8U);
-      EXPECT_EQ(matched_in(actual.frames[k]), k < 2 ? (std::vector<std::int64_t>{0, 1, 2, 3, 4, 5, 6, 7})
-                                                    : (std::vector<std::int64_t>{6, 7}));
-    }
-    EXPECT_EQ(std::count_if(actual.notes.begin(), actual.notes.end(),
-                            [](const std::string& note) {
-                              return note.starts_with("the right pixels of 6 points leap");
-                            }),
-              1);
-  }
-}
-
-/// Few at once are left to the gate, and after a gap of a second anything may have come near.
-TEST(TrackLogReader, LeavesMatchesAloneThatMayHaveLeaptForAReason) {
-  for (const Recording& recording :
-       {with_leaping_matches(4, 2.1), with_leaping_matches(6, 2.1, 1'000'000'000)}) {
-    const TemporaryFolder folder;
-    write_track_log(recording, folder.path());
-    for (const StereoFrame& frame : read_recording(folder.path()).frames) {
-      EXPECT_EQ(matched_in(frame).size(), 8U);
-    }
-  }
 }
 
 TEST_F(TrackLog, NotesALastLineWithoutEnd) {

@@ -24,11 +24,12 @@ TEST(Method, NamesComeBackFromTheirStrings) {
     EXPECT_EQ(method_from_string(to_string(method)), method);
   }
   EXPECT_EQ(method_from_string("ekf-full"), Method::kEkfFull);
+  EXPECT_EQ(method_from_string("LCEKF"), Method::kLcekf);
   EXPECT_EQ(to_string(Method::kMonoLeft), "mono-left");
 }
 
 TEST(Method, AnUnknownNameIsRefusedWithTheKnownOnes) {
-  for (const std::string name : {"", "EKF", "lcekf ", "kalman"}) {
+  for (const std::string name : {"", "EKV", "lcekf ", "kalman"}) {
     const std::string message = message_of([&] { (void)method_from_string(name); });
     EXPECT_NE(message.find("'" + name + "'"), std::string::npos) << message;
     for (const Method method : kAllMethods) {

@@ -131,6 +131,18 @@ TEST(ComputeItem, RecordsWhenAndWhyAMethodDivergedAndGoesOnWithTheOthers) {
   }
 }
 
+/// What is not the filter's fault is no result: it ends the study, and says where.
+TEST(ComputeItem, TakesNothingElseForADivergence) {
+  StudyPlan plan = tiny_plan(1, "ekf");
+  plan.cases[0].methods[0] = method_variant_from_string("ekf:assume=tx=100");  // turns the baseline around
+  try {
+    (void)compute_item(plan, 0, 0);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("case 'tiny', run 0, method ekf:assume=tx=100: --assume-error"));
+  }
+}
+
 TEST(ComputeItem, TakesAnAbsurdErrorForADivergence) {
   StudyPlan plan = tiny_plan(1, "ekf");
   plan.cases[0].scenario.initial.position = 5000.0;

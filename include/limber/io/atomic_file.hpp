@@ -2,21 +2,42 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace limber {
 
+/// A file or a folder under a name that nobody can foresee, beside its final one: `.NAME.RANDOM.partial`. It
+/// is made new (an old file or link of that name is never followed) and locked while this process works on
+/// it. What killed processes left is recognised by its missing lock, and removed when the next one is made.
+class Temporary {
+ public:
+  enum class Kind { kFile, kFolder };
+  /// @throws std::filesystem::filesystem_error if it cannot be made
+  Temporary(const std::filesystem::path& final_name, Kind kind);
+  ~Temporary();  ///< removes it, unless release() was called
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] int descriptor() const { return descriptor_; }  ///< kFile: open for writing
+  void release();                                               ///< it has got its final name
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+};
+
 /// @brief A file that appears complete or not at all.
-/// What is written goes to a temporary name in the same folder, which commit() renames. Without commit(),
-/// for instance when an exception passes, the temporary file is removed and an older file keeps its content.
+/// What is written goes to a Temporary, which commit() renames. Without commit(), for instance when an
+/// exception passes, the temporary file is removed and an older file keeps its content. What the name stands
+/// for must be a regular file, a link to one, or nothing: devices and pipes are refused.
 /// @throws DataError from every member if the place cannot be written; the message names the path.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
-  ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
@@ -24,8 +45,11 @@ class AtomicFile {
   void commit();                         ///< call once, last
 
  private:
-  std::filesystem::path path_, temporary_;
-  std::ofstream stream_;
+  void flush();
+
+  std::filesystem::path path_;
+  std::optional<Temporary> temporary_;
+  std::string waiting_;  ///< not handed to the system yet
 };
 
 /// Writes `content` to `path` in one go, see AtomicFile. The folder must exist.
@@ -53,11 +77,10 @@ class FolderUnlessEmpty {
 class StagedFolder {
  public:
   explicit StagedFolder(std::filesystem::path final_name);
-  ~StagedFolder();
   StagedFolder(const StagedFolder&) = delete;
   StagedFolder& operator=(const StagedFolder&) = delete;
 
-  [[nodiscard]] const std::filesystem::path& path() const { return staging_; }  ///< where to write
+  [[nodiscard]] const std::filesystem::path& path() const { return staging_.path(); }  ///< where to write
 
   /// Commits the folder: it takes the place of an older one of the final name.
   void replace();
@@ -65,11 +88,8 @@ class StagedFolder {
   void move_files(const std::vector<std::string>& names, const std::filesystem::path& folder);
 
  private:
-  std::filesystem::path final_name_, staging_;
+  std::filesystem::path final_name_;
+  Temporary staging_;
 };
-
-/// A name beside `path`, hidden and not used yet by this process: where something is prepared before it is
-/// renamed.
-[[nodiscard]] std::filesystem::path temporary_name_beside(const std::filesystem::path& path);
 
 }  // namespace limber

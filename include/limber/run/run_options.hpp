@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "limber/clean/frame_cleaner.hpp"
 #include "limber/datasets/recording.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/state/initial_state.hpp"
@@ -33,6 +34,7 @@ struct RunOptions {
   LandmarkKind landmarks = LandmarkKind::kInverseDepth;
   bool gate = true;
   std::size_t max_landmarks = 300;
+  CleaningOptions cleaning;  ///< of every frame, before the navigator sees it
   std::optional<RigParameters>
       theta_sigma;  ///< ekf-full, soft, consider; nothing: 0.1 deg and 5 % of the baseline
   std::optional<RigParameters>

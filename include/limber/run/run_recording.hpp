@@ -44,6 +44,9 @@ struct RunRecord {
   std::vector<std::string> notes;                     ///< choices made on the user's behalf, in plain words
   MotionModel motion = MotionModel::kImu;
   InitialState start;  ///< what the filter was told of its first state
+  CleaningReport cleaning;  ///< what was taken out of the frames before the navigator saw them
+  std::size_t frames_of_recording = 0;
+  bool stopped = false;  ///< before the last frame, because the caller asked to
 };
 
 /// @brief Runs one method over a recording. Estimators see what a rig would deliver; the truth is used for
@@ -51,12 +54,14 @@ struct RunRecord {
 /// Frames before the first IMU or odometry sample are skipped, and said so.
 /// @param progress  told the number of frames done; may be empty
 /// @param observe   may be empty
+/// @param stop      asked before every frame: true ends the run with what it has by then; may be empty
 /// @throws std::invalid_argument if the recording cannot be run like that (no usable frame, no truth to start
 /// from)
-/// @throws std::runtime_error if the state is not finite after a frame
+/// @throws DivergenceError if the filter's numbers are no estimate any more
 [[nodiscard]] RunRecord run_recording(const Recording& recording, const RunOptions& options,
                                       const FrameSource& frames,
                                       const std::function<void(std::size_t)>& progress = {},
-                                      const FrameObserver& observe = {});
+                                      const FrameObserver& observe = {},
+                                      const std::function<bool()>& stop = {});
 
 }  // namespace limber

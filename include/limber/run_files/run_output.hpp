@@ -2,11 +2,16 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
 
 namespace limber {
+
+/// Names of all files that write_run_output may make.
+[[nodiscard]] const std::vector<std::string>& run_file_names();
 
 /// @brief Writes trajectory.tum, trajectory.csv, truth.tum (where the truth is known), landmarks.ply,
 /// frames.csv, health.csv (where the calibration was watched), calibration.csv (where it was estimated),

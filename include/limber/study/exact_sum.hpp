@@ -19,6 +19,9 @@ __extension__ typedef __int128 Int128;
 /// Terms that a sum has room for.
 inline constexpr std::uint64_t kMaxTerms = std::uint64_t{1} << 24;
 
+/// Of a sum as bytes, see CurveSum::to_bytes.
+inline constexpr std::size_t kBytesPerFrame = sizeof(Int128) + sizeof(std::uint64_t);
+
 /// b: values of a quantity are multiples of 2^-b. 80 for what is metres or radians (multiples of 8e-25, below
 /// 8e6); 40 for what may grow without bound (multiples of 9e-13, below 9e18).
 [[nodiscard]] int fraction_bits(CurveQuantity quantity);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <istream>
+#include <optional>
 
 namespace limber::detail {
 
@@ -11,5 +13,8 @@ struct ImageSize {
 
 /// Size from the header of a PNG or JPEG file. @throws DataError if it is missing or neither.
 [[nodiscard]] ImageSize read_image_size(const std::filesystem::path& path);
+
+/// The same of a file's content; nothing if it is neither.
+[[nodiscard]] std::optional<ImageSize> image_size_of(std::istream& content);
 
 }  // namespace limber::detail

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "image_size.hpp"
+#include "io/image_size.hpp"
 
 #include <array>
 #include <cstdint>
@@ -72,17 +72,21 @@ std::optional<ImageSize> jpeg_size(std::istream& stream) {
 
 }  // namespace
 
+std::optional<ImageSize> image_size_of(std::istream& content) {
+  if (const auto size = png_size(content)) {
+    return size;
+  }
+  content.clear();
+  content.seekg(0);
+  return jpeg_size(content);
+}
+
 ImageSize read_image_size(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) {
     throw DataError(path.string(), 0, "an image", "no such file, or not readable");
   }
-  auto size = png_size(stream);
-  if (!size) {
-    stream.clear();
-    stream.seekg(0);
-    size = jpeg_size(stream);
-  }
+  const auto size = image_size_of(stream);
   if (!size) {
     throw DataError(path.string(), 0, "a PNG or JPEG image", "another or a damaged header");
   }

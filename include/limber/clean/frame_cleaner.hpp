@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/samples.hpp"
+
+/// What stands between a front end and the navigator: the same for every source of frames.
+namespace limber {
+
+struct CleaningOptions {
+  /// Tracks that were not tracked and matches that leapt are ended. What a jump of the rig explains never is.
+  bool clean = true;
+  /// Points of a frame beyond that many are left out, evenly over the image: the cost of a frame grows with
+  /// the cube of their number. >= 1
+  std::size_t max_points = 500;
+};
+
+/// What was taken out of the frames so far.
+struct CleaningReport {
+  std::size_t frames = 0;
+  std::size_t stale_frames = 0, stale_points = 0;  ///< see FrameCleaner
+  std::size_t leapt_matches = 0;                   ///< tracks whose right pixels are not used any more
+  std::size_t rig_jumps = 0;  ///< frames that leap as one change of the rig has them leap: left as they are
+  std::size_t thinned_frames = 0, thinned_points = 0;
+};
+
+/// Each thing that was done, as a sentence with numbers; none if nothing was.
+[[nodiscard]] std::vector<std::string> in_words(const CleaningReport& report);
+
+/// @brief Cleans one frame after another.
+///
+/// - Stale tracks: where every point that a frame shares with the one before stands on the very same pixels,
+///   noise and all, the front end has handed out the old positions once more; what it follows from there on
+///   is other texture. Such points are taken out of that frame and get new ids afterwards. Not while at least
+///   half of the frames so far are so: a rig that stands still in a world without noise.
+/// - Leaping matches: from one frame to the next the parallax between the cameras changes as the depth does,
+///   by a fraction. Where that of more than half of the points grows or shrinks by more than a factor of 1.5
+///   within half a second, the front end has lost the right image, and the points that leapt go on in the
+///   left one alone; unless one change of theta explains the leap of (nearly) all points: then the rig has
+///   jumped, which is the health monitor's business, and nothing is removed.
+/// - Thinning: of more than max_points those that were kept before stay, and the free places go to the
+///   emptiest cells of a grid over the left image (the right one for points that the left does not see).
+class FrameCleaner {
+ public:
+  FrameCleaner(const StereoCalibration& assumed, const CleaningOptions& options);
+  ~FrameCleaner();
+  FrameCleaner(const FrameCleaner&) = delete;
+  FrameCleaner& operator=(const FrameCleaner&) = delete;
+
+  /// @param frame  the next one in time
+  [[nodiscard]] StereoFrame clean(StereoFrame frame);
+  [[nodiscard]] const CleaningReport& report() const { return report_; }
+
+ private:
+  struct Steps;
+  CleaningOptions options_;
+  CleaningReport report_;
+  std::unique_ptr<Steps> steps_;
+};
+
+}  // namespace limber

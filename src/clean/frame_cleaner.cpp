@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#include "limber/clean/frame_cleaner.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "clean/leaping_matches.hpp"
+#include "clean/stale_tracks.hpp"
+#include "clean/thin_points.hpp"
+
+namespace limber {
+
+struct FrameCleaner::Steps {
+  detail::StaleTracks stale;
+  detail::LeapingMatches leaping;
+  detail::PointThinner thinner;
+};
+
+FrameCleaner::FrameCleaner(const StereoCalibration& assumed, const CleaningOptions& options)
+    : options_(options),
+      steps_(
+          new Steps{{}, detail::LeapingMatches(assumed), detail::PointThinner(assumed, options.max_points)}) {
+  if (options.max_points == 0) {
+    throw std::invalid_argument("cleaning: expected at least one point a frame");
+  }
+}
+
+FrameCleaner::~FrameCleaner() = default;
+
+StereoFrame FrameCleaner::clean(StereoFrame frame) {
+  ++report_.frames;
+  if (options_.clean) {
+    const std::size_t stale = steps_->stale.end(frame);
+    report_.stale_frames += stale > 0 ? 1 : 0;
+    report_.stale_points += stale;
+    const auto leaps = steps_->leaping.end(frame);
+    report_.leapt_matches += leaps.lost;
+    report_.rig_jumps += leaps.rig_jumped ? 1 : 0;
+  }
+  const std::size_t thinned = steps_->thinner.thin(frame);
+  report_.thinned_frames += thinned > 0 ? 1 : 0;
+  report_.thinned_points += thinned;
+  return frame;
+}
+
+std::vector<std::string> in_words(const CleaningReport& report) {
+  const std::string of_frames = " of " + std::to_string(report.frames) + " frames";
+  std::vector<std::string> out;
+  if (report.stale_points > 0) {
+    out.push_back("in " + std::to_string(report.stale_frames) + of_frames +
+                  " the old points stand on the pixels of the frame before, to the last digit: " +
+                  std::to_string(report.stale_points) + " points are taken for new ones from there on");
+  }
+  if (report.leapt_matches > 0) {
+    out.push_back(
+        "the right pixels of " + std::to_string(report.leapt_matches) +
+        " points leap, most of a frame at once, by more than depth can change from one frame to the "
+        "next: they are not used from there on");
+  }
+  if (report.rig_jumps > 0) {
+    out.push_back("in " + std::to_string(report.rig_jumps) + of_frames +
+                  " the right pixels leap as one jump of the rig would have them: nothing was removed");
+  }
+  if (report.thinned_points > 0) {
+    out.push_back(std::to_string(report.thinned_frames) + of_frames +
+                  " hold more points than --max-points: " + std::to_string(report.thinned_points) +
+                  " sightings are left out, evenly over the image");
+  }
+  return out;
+}
+
+}  // namespace limber
