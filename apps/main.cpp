@@ -43,7 +43,8 @@ std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error)
     const auto option =
         std::find_if(extras.begin(), extras.end(), [](const std::string& text) { return text[0] == '-'; });
     return option != extras.end()
-               ? "unknown option " + *option + did_you_mean(option->substr(0, option->find('=')), options_of(command))
+               ? "unknown option " + *option +
+                     did_you_mean(option->substr(0, option->find('=')), options_of(command))
                : "unexpected argument: " + extras.front();
   }
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {

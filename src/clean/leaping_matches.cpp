@@ -19,12 +19,12 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-constexpr std::size_t kFewestLeaping = 5;     // points that leap together by no chance
-constexpr double kLargestRatio = 1.5;  // of the parallax in two successive frames
-constexpr double kLongestStep = 0.5;   // [s], after a longer one anything may have come near
-constexpr double kNoise = 5e-3;        // [rad], about 3 px: a smaller change may be noise
-constexpr double kExplained = 0.8;     // share of the points that a jump of the rig moves as it must
-constexpr double kDepthChange = 0.15;  // from frame to frame, relative, of most points
+constexpr std::size_t kFewestLeaping = 5;  // points that leap together by no chance
+constexpr double kLargestRatio = 1.5;      // of the parallax in two successive frames
+constexpr double kLongestStep = 0.5;       // [s], after a longer one anything may have come near
+constexpr double kNoise = 5e-3;            // [rad], about 3 px: a smaller change may be noise
+constexpr double kExplained = 0.8;         // share of the points that a jump of the rig moves as it must
+constexpr double kDepthChange = 0.15;      // from frame to frame, relative, of most points
 constexpr int kIterations = 10;
 // What a jump may be: beyond it the fit is held by a prior, in rotation [rad] and in baselines.
 constexpr double kRotationSigma = 0.05, kTranslationSigma = 0.2;

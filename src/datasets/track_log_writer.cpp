@@ -78,7 +78,8 @@ void require_replaceable(const fs::path& mav0) {
       refuse(entry);
     }
   }
-  if (!fs::is_empty(mav0) && detail::load_text(mav0 / "cam0" / "sensor.yaml").find(kMark) == std::string::npos) {
+  if (!fs::is_empty(mav0) &&
+      detail::load_text(mav0 / "cam0" / "sensor.yaml").find(kMark) == std::string::npos) {
     refuse("a log that limber did not write");
   }
 }
@@ -117,8 +118,8 @@ std::string camera_yaml(const Camera& camera, const Pose& T_body_cam) {
   return fmt::format(
       "sensor_type: camera\n{}resolution: [{}, {}]\ncamera_model: pinhole\n"
       "intrinsics: {}{}distortion_model: {}\ndistortion_coefficients: {}\n",
-      T_BS_text(T_body_cam), camera.width, camera.height, list_of(intrinsics.data(), 4), kMark, distortion.model,
-      distortion.coefficients);
+      T_BS_text(T_body_cam), camera.width, camera.height, list_of(intrinsics.data(), 4), kMark,
+      distortion.model, distortion.coefficients);
 }
 
 void write_cameras(const StereoCalibration& calibration, const TrackLogFolder& mav0) {

@@ -69,7 +69,8 @@ Method method_from_string(const std::string& name) {
   }
   const auto meant = nearest_word(name, names);
   throw std::invalid_argument("unknown method '" + name + "'" +
-                              (meant ? " (did you mean " + *meant + "?)" : "") + ", expected one of " + known);
+                              (meant ? " (did you mean " + *meant + "?)" : "") + ", expected one of " +
+                              known);
 }
 
 ConstraintSet constraint_set_from_string(const std::string& text) {

@@ -121,9 +121,8 @@ InitialState without_data(const NavigationState& first, MotionModel motion) {
 
 /// What is known of the first state beside the data.
 InitialState prior_of(const Guess& guess, const RunOptions& options) {
-  return options.start == StartMode::kGroundTruth
-             ? guess.record.start
-             : without_data(guess.states.front(), guess.record.motion);
+  return options.start == StartMode::kGroundTruth ? guess.record.start
+                                                  : without_data(guess.states.front(), guess.record.motion);
 }
 
 SmootherOptions smoother_options(const SmoothOptions& options, const RunSetup& setup,
@@ -289,10 +288,9 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
         told(kShareOfGuess * (k * frame_count(recording) + n) / (methods.size() * frame_count(recording)));
       });
       const std::vector<StereoFrame> frames = kept.from(guess.record.trajectory.front().t_ns);
-      const double cost =
-          cost_of_start({frames, recording.imu, recording.odometry, guess.states,
-                         prior_of(guess, options.run)},
-                        setup.calibration, how);
+      const double cost = cost_of_start(
+          {frames, recording.imu, recording.odometry, guess.states, prior_of(guess, options.run)},
+          setup.calibration, how);
       if (!best_cost || cost < *best_cost) {
         best_cost = cost;
         best = std::move(guess);

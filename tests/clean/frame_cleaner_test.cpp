@@ -128,7 +128,8 @@ Frames with_leap(const StereoCalibration& rig, const Leap& leap) {
     for (std::int64_t id = 0; id < 30; ++id) {
       const double x = static_cast<double>(id % 6), y = static_cast<double>(id / 6);
       const Vector2d uv(60.0 + 90.0 * x + 1.5 * static_cast<double>(k), 60.0 + 70.0 * y);
-      const double depth = 2.0 + 28.0 * static_cast<double>(id * 7 % 30) / 30.0 - 0.02 * static_cast<double>(k);
+      const double depth =
+          2.0 + 28.0 * static_cast<double>(id * 7 % 30) / 30.0 - 0.02 * static_cast<double>(k);
       const double shown = k >= 2 && id < leap.leaping ? depth / leap.factor : depth;
       const Vector3d bearing = unproject(rig.cam0, uv).value();
       const auto right = project(rig.cam1, T_cam1_cam0 * Vector3d(bearing * shown / bearing.z()));
@@ -187,8 +188,8 @@ TEST(FrameCleaner, NeverRemovesWhatAJumpOfTheRigExplains) {
 /// Few at once are left to the gate, and after a gap of a second anything may have come near.
 TEST(FrameCleaner, LeavesMatchesAloneThatMayHaveLeaptForAReason) {
   const StereoCalibration rig = rig_of(0.5);
-  for (const Leap& leap : {Leap{.leaping = 12, .factor = 2.1},
-                           Leap{.leaping = 25, .factor = 2.1, .step_ns = 1'000'000'000}}) {
+  for (const Leap& leap :
+       {Leap{.leaping = 12, .factor = 2.1}, Leap{.leaping = 25, .factor = 2.1, .step_ns = 1'000'000'000}}) {
     for (const StereoFrame& frame : cleaned(with_leap(rig, leap), rig).frames) {
       EXPECT_EQ(matched_in(frame).size(), 30u);
     }

@@ -10,8 +10,8 @@ namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
 using testing::expect_refused;
+using ::testing::HasSubstr;
 using testing::read_text;
 using testing::run_command;
 using testing::run_limber;
@@ -26,8 +26,8 @@ class CarefulOutput : public testing::SmallLog {
     return write_text(folder() / "s.yaml", "duration: 0.5\nworld: {points: 60}\n");
   }
   [[nodiscard]] std::vector<std::string> study(const std::string& out) const {
-    return {"study", scenario().string(), "--methods", "ekf", "--runs", "1", "--out",
-            (folder() / out).string()};
+    return {"study", scenario().string(),      "--methods", "ekf", "--runs", "1",
+            "--out", (folder() / out).string()};
   }
 };
 

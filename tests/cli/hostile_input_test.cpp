@@ -11,8 +11,8 @@ namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
 using testing::expect_refused;
+using ::testing::HasSubstr;
 using testing::read_text;
 using testing::rows_of;
 using testing::run_limber;
@@ -35,9 +35,9 @@ TEST(HostileYaml, EndsWithAMessage) {
 class HostileStudy : public ::testing::Test {
  protected:
   HostileStudy() {
-    const fs::path scenario =
-        write_text(folder_.path() / "s.yaml", "duration: 0.5\nworld: {points: 60}\n");
-    arguments_ = {"study", scenario.string(), "--methods", "ekf", "--runs", "2", "--out", database().string()};
+    const fs::path scenario = write_text(folder_.path() / "s.yaml", "duration: 0.5\nworld: {points: 60}\n");
+    arguments_ = {"study", scenario.string(), "--methods",        "ekf", "--runs",
+                  "2",     "--out",           database().string()};
     EXPECT_EQ(run_limber(arguments_).exit_code, 0);
   }
   [[nodiscard]] fs::path database() const { return folder_.path() / "s.sqlite"; }
@@ -47,8 +47,8 @@ class HostileStudy : public ::testing::Test {
     const std::string before = read_text(database());
     rows_of(database(), sql);
     ASSERT_NE(read_text(database()), before) << sql;
-    std::vector<std::vector<std::string>> commands = {{"study", "show", database().string(), "--export", "csv"},
-                                                      {"report", database().string()}};
+    std::vector<std::vector<std::string>> commands = {
+        {"study", "show", database().string(), "--export", "csv"}, {"report", database().string()}};
     if (by_study) {
       commands = {arguments_};
     }
@@ -89,8 +89,9 @@ TEST_F(HostileStudy, IsRefusedWithViewsOrTriggers) {
   for (const bool by_study : {false, true}) {
     expect_refused_after("CREATE TRIGGER t AFTER INSERT ON runs BEGIN DELETE FROM runs; END",
                          "found the trigger t", by_study);
-    expect_refused_after("CREATE VIEW v AS WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x FROM c) SELECT x FROM c",
-                         "found the view v", by_study);
+    expect_refused_after(
+        "CREATE VIEW v AS WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x FROM c) SELECT x FROM c",
+        "found the view v", by_study);
     expect_refused_after("CREATE TABLE more(x)", "found the table more", by_study);
     expect_refused_after("ALTER TABLE curves ADD COLUMN more", "of another form", by_study);
   }

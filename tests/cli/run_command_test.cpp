@@ -182,7 +182,8 @@ TEST_F(RunCommand, RefusesOptionsThatMakeNoSenseAsWrongUsage) {
     std::string words;
   };
   for (const BadOption& bad : {
-           BadOption{{"--method", "ekff"}, "unknown method 'ekff' (did you mean ekf?), expected one of ekf, ekf-full, lcekf"},
+           BadOption{{"--method", "ekff"},
+                     "unknown method 'ekff' (did you mean ekf?), expected one of ekf, ekf-full, lcekf"},
            {{"--constraints", "bx"}, "unknown constraint set 'bx', expected full, none, rotation"},
            {{"--constraints", ""}, "unknown constraint set ''"},
            {{"--method", "ekf", "--constraints", "full"}, "lcekf alone has constraints, not ekf"},

@@ -11,8 +11,8 @@ namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::ElementsAre;
 using testing::data_error_of;
+using ::testing::ElementsAre;
 using testing::files_in;
 using testing::read_text;
 using testing::TemporaryFolder;

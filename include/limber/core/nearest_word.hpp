@@ -41,9 +41,8 @@ namespace limber {
   const auto distance = [&word](const std::string& other) {
     return edit_distance(in_lower_case(word), in_lower_case(other));
   };
-  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-    return distance(a) < distance(b);
-  });
+  const auto nearest = std::min_element(
+      known.begin(), known.end(), [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
   if (nearest == known.end() || distance(*nearest) > 2 || 2 * distance(*nearest) >= word.size()) {
     return std::nullopt;
   }

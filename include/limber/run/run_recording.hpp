@@ -43,7 +43,7 @@ struct RunRecord {
   std::vector<CalibrationRow> calibration;            ///< one per row of the trajectory, if it is estimated
   std::vector<std::string> notes;                     ///< choices made on the user's behalf, in plain words
   MotionModel motion = MotionModel::kImu;
-  InitialState start;  ///< what the filter was told of its first state
+  InitialState start;       ///< what the filter was told of its first state
   CleaningReport cleaning;  ///< what was taken out of the frames before the navigator saw them
   std::size_t frames_of_recording = 0;
   bool stopped = false;  ///< before the last frame, because the caller asked to
