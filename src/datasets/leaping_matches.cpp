@@ -14,10 +14,10 @@
 namespace limber::detail {
 namespace {
 
-constexpr std::size_t kFewestLeaping = 5;     // points that leap together by no chance
-constexpr double kLargestRatio = 1.5;  // of the parallax in two successive frames
-constexpr double kLongestStep = 0.5;   // [s], after a longer one anything may have come near
-constexpr double kNoise = 5e-3;        // [rad], about 3 px: a smaller change may be noise
+constexpr std::size_t kFewestLeaping = 5;  // points that leap together by no chance
+constexpr double kLargestRatio = 1.5;      // of the parallax in two successive frames
+constexpr double kLongestStep = 0.5;       // [s], after a longer one anything may have come near
+constexpr double kNoise = 5e-3;            // [rad], about 3 px: a smaller change may be noise
 
 using Parallaxes = std::unordered_map<std::int64_t, double>;  // by track [rad]
 

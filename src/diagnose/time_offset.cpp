@@ -29,7 +29,7 @@ constexpr double kHuber = 2.0;  // robust standard deviations
 constexpr double kMadToSigma = 1.4826;
 constexpr int kReweightings = 5, kShifts = 8;
 constexpr double kDerivativeStep = 1e-6;  // of numerical derivatives [rad, shares of the baseline]
-constexpr double kLargestOffset = 1.0;  // [s]
+constexpr double kLargestOffset = 1.0;    // [s]
 
 /// Rows of y = A x + noise; rows of one cluster share their noise. Z are the instruments: the same as A, but
 /// where A is measured with noise, something that goes with it and has noise of its own. Without them noise
@@ -136,7 +136,8 @@ Rows epipolar_rows(const StereoCalibration& calibration, std::span<const StereoF
       const double error = detail::epipolar_error(pair, T_cam1_cam0);
       VectorXd row(6);
       for (std::size_t k = 0; k < 5; ++k) {
-        row(static_cast<Eigen::Index>(k)) = (detail::epipolar_error(pair, moved[k]) - error) / kDerivativeStep;
+        row(static_cast<Eigen::Index>(k)) =
+            (detail::epipolar_error(pair, moved[k]) - error) / kDerivativeStep;
       }
       const Vector3d line = detail::epipolar_line(pair.cam0, T_cam1_cam0);
       row(5) = line.dot(b->second.cam1 - a->second.cam1) / dt;

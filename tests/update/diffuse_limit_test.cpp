@@ -59,9 +59,9 @@ double difference(const Updated& a, const Updated& b, const VectorXd& sigma) {
   return std::max(relative_difference(a.report.dx, b.report.dx, sigma), relative_difference(a.P, b.P, sigma));
 }
 
-/// The range in which theory speaks alone. Below a variance of 100 the prior of theta still counts. Rounding grows in
-/// proportion to the variance, about 1e-14 of a sigma times it, while the difference falls: they meet at 1e7, on some
-/// processors at 1e6; at 1e5 rounding is a thousandth of the difference.
+/// The range in which theory speaks alone. Below a variance of 100 the prior of theta still counts. Rounding
+/// grows in proportion to the variance, about 1e-14 of a sigma times it, while the difference falls: they
+/// meet at 1e7, on some processors at 1e6; at 1e5 rounding is a thousandth of the difference.
 constexpr double kFirstVariance = 1e2;
 constexpr std::array kVariances = {1e3, 1e4, 1e5};
 

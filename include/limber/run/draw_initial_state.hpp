@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "limber/state/initial_sigma.hpp"
 #include "limber/sensors/samples.hpp"
+#include "limber/state/initial_sigma.hpp"
 
 namespace limber {
 
