@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
+#include <cmath>
 
 #include "limber/core/so3.hpp"
 #include "limber/datasets/read_recording.hpp"
@@ -177,7 +177,8 @@ TEST(FrameCleaner, NeverRemovesWhatAJumpOfTheRigExplains) {
         EXPECT_EQ(matched_in(frame).size(), 30u) << baseline << " m, " << degrees << " deg";
       }
       EXPECT_EQ(out.report.leapt_matches, 0u);
-      if (baseline < 0.2) {
+      // Half a degree makes most points leap in one direction only: in the other their parallax changes sign.
+      if (baseline < 0.2 && std::abs(degrees) >= 1.0) {
         EXPECT_EQ(out.report.rig_jumps, 1u) << degrees;
         EXPECT_THAT(in_words(out.report), ElementsAre(HasSubstr("one jump of the rig")));
       }
