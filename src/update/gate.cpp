@@ -211,7 +211,8 @@ GateReport gate_robustly(const Judged& judged, GateReport flagged, std::size_t g
   const Judged rest = judged.subset(flagged.accepted);
   Judge judge(rest, probability);
   GateReport inner = nothing_refused(rest.groups.size());
-  const std::size_t most = judged.groups.size() / 2 - gross;
+  const std::size_t half = judged.groups.size() / 2;
+  const std::size_t most = gross <= half ? half - gross : rest.groups.size() / 4;
   if (judge.valid() && !eliminate(judge, rest.groups, most, inner)) {
     inner.accepted.assign(rest.groups.size(), true);
     flagged.overruled = true;
@@ -251,7 +252,9 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   }
   GateReport flagged = nothing_refused(groups.size());
   const std::size_t gross = flag_gross(judged, probability, flagged);
-  if (gross > 0 && 2 * gross <= groups.size()) {
+  // What is constrained cannot put most points far from each other; what is trusted can.
+  const bool trusts = treatment.constrained.cols() == 0;
+  if (gross > 0 && (trusts ? 2 : 3) * gross <= (trusts ? 1 : 2) * groups.size()) {
     return gate_robustly(judged, std::move(flagged), gross, probability);
   }
   if (!eliminate(judge, groups, groups.size() / 2, report)) {

@@ -114,7 +114,8 @@ bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel
   }
 }
 
-/// The groups that lie far from what most agree upon; none if these are more than half.
+/// The groups that lie far from what most agree upon; none if these are more than half (two thirds of what is
+/// constrained).
 std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErrorModel& treatment) {
   const Innovation innovation = form_innovation(problem.P, problem.z);
   MatrixXd S = innovation.S;
@@ -132,7 +133,8 @@ std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErr
         consensus.distance[g] >
         kGrossOutlier * chi_square_quantile(kProbability, static_cast<double>(problem.z.groups[g].rows));
   }
-  if (2 * std::count(gross.begin(), gross.end(), true) > static_cast<std::ptrdiff_t>(gross.size())) {
+  const auto count = static_cast<std::size_t>(std::count(gross.begin(), gross.end(), true));
+  if (treatment.constrained.cols() > 0 ? 3 * count > 2 * gross.size() : 2 * count > gross.size()) {
     gross.assign(gross.size(), false);
   }
   return gross;
@@ -149,7 +151,8 @@ GateReport obvious_gate(const StereoProblem& problem, const ParameterErrorModel&
   kept.flip();
   report.accepted = kept;
   const auto gross = static_cast<std::size_t>(std::count(kept.begin(), kept.end(), false));
-  if (!obvious_elimination(problem, treatment, n / 2 - gross, report)) {
+  const std::size_t most = gross <= n / 2 ? n / 2 - gross : (n - gross) / 4;
+  if (!obvious_elimination(problem, treatment, most, report)) {
     report.accepted = kept;
     report.overruled = true;
   }
