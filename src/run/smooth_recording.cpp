@@ -28,13 +28,13 @@ constexpr std::size_t kMostFrames = 2500;
 constexpr int kMaxIterations = 100;
 // What is known of an automatic start beforehand: where the world's origin and axes are, and plausible
 // biases.
-constexpr double kUnknownTilt = 0.5;       // [rad]
-constexpr double kUnknownVelocity = 30.0;  // [m/s]
-constexpr double kUnknownRate = 10.0;      // [rad/s]
-constexpr double kUnknownBiasGyro = 0.1;   // [rad/s]
-constexpr double kUnknownBiasAccel = 0.1;  // [m/s^2]
-constexpr double kYaw = 1e-4;              // [rad], by convention zero
-constexpr double kLargestMisfit = 4.0;     // squared residuals per degree of freedom that are said
+constexpr double kPriorTilt = 0.5;       // [rad]
+constexpr double kPriorVelocity = 30.0;  // [m/s]
+constexpr double kPriorRate = 10.0;      // [rad/s]
+constexpr double kPriorBiasGyro = 0.1;   // [rad/s]
+constexpr double kPriorBiasAccel = 0.1;  // [m/s^2]
+constexpr double kYaw = 1e-4;            // [rad], by convention zero
+constexpr double kLargestMisfit = 4.0;   // squared residuals per degree of freedom that are said
 constexpr std::size_t kShareOfGuess = 30, kShareOfAll = 100;  // [%] of the work
 
 /// A filter's states, where the iteration begins.
@@ -105,14 +105,14 @@ Guess guess_by(Method method, const Recording& recording, RunOptions options, Ke
 InitialState without_data(const NavigationState& first, MotionModel motion) {
   InitialSigma sigma;
   sigma.attitude = kYaw;
-  sigma.velocity = kUnknownVelocity;
-  sigma.bias_gyro = kUnknownBiasGyro;
-  sigma.bias_accel = kUnknownBiasAccel;
-  sigma.rate = kUnknownRate;
+  sigma.velocity = kPriorVelocity;
+  sigma.bias_gyro = kPriorBiasGyro;
+  sigma.bias_accel = kPriorBiasAccel;
+  sigma.rate = kPriorRate;
   InitialState start = make_initial_state(first, motion, sigma);
   if (motion == MotionModel::kImu) {
     const Eigen::Matrix3d& R = first.T_world_body.R;
-    const Eigen::Vector3d world(kUnknownTilt, kUnknownTilt, kYaw);
+    const Eigen::Vector3d world(kPriorTilt, kPriorTilt, kYaw);
     start.body_covariance.block<3, 3>(L::kAttitude, L::kAttitude) =
         R.transpose() * world.cwiseAbs2().asDiagonal() * R;
   }
@@ -140,7 +140,7 @@ SmootherOptions smoother_options(const SmoothOptions& options, const RunSetup& s
     notes.emplace_back("theta: nothing but the baseline's length fixes the scale, so it is trusted");
   }
   out.rig_sigma = options.run.theta_sigma.value_or(RigParameters::Zero());
-  out.rig_walk = navigator.theta_walk;
+  out.rig_walk = navigator.theta_walk.value_or(default_theta_walk(setup.calibration.baseline()));
   out.estimated = options.run.estimated;
   out.loss = options.loss;
   out.forget_after_s = navigator.map.forget_after_s;

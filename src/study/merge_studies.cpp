@@ -9,6 +9,7 @@
 
 #include "limber/core/errors.hpp"
 #include "limber/io/atomic_file.hpp"
+#include "limber/study/study_database.hpp"
 #include "schema.hpp"
 #include "study_store.hpp"
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "limber/core/divergence_error.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/evaluate/consistency.hpp"
 #include "limber/study/exact_sum.hpp"
