@@ -28,7 +28,7 @@ constexpr double kTrustingFactor = 30.0;
 constexpr double kLargestBiasGyro = 0.2, kLargestBiasAccel = 2.0;
 constexpr double kFastest = 1e3;       // [m/s]: faster is broken
 constexpr double kFarthest = 1e8;      // [m]
-constexpr double kTooBlind = 0.5;      // [rad], of turn between two updates that nobody saw
+constexpr double kTooBlind = 0.15;     // [rad], of turn between two updates that nobody saw
 constexpr double kAnewAttitude = 0.1;  // [rad], least uncertainty after a new beginning
 constexpr double kAnewVelocity = 1.0;  // [m/s]
 constexpr double kAnewPosition = 1.0;  // [m]
