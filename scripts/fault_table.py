@@ -180,7 +180,7 @@ FAULTS = {
     "10 g in one sample": spike(98.1),
     "100 g in one sample": spike(981.0),
     "3 g for 50 ms": spike(29.4, 0.05),
-    "saturated at 0.7 of the peak": None,
+    "gyroscope saturated at 0.7 of its peak": None,
     "gyro bias step 0.05 rad/s": gyro_step(0.05),
     "accelerometer bias step 0.5 m/s^2": accel_step(0.5),
     "IMU clock +0.1 s": clock(0.1),
@@ -200,11 +200,11 @@ FAULTS = {
 
 def saturate_at_peak(log, t0, rng):
     _, rows = read(log / IMU)
-    peak = [max(abs(float(r[k])) for r in rows for k in ks) for ks in (range(1, 4), range(4, 7))]
-    saturated(0.7 * peak[0], 0.7 * peak[1])(log, t0, rng)
+    peak = max(abs(float(x)) for r in rows for x in r[1:4])
+    saturated(0.7 * peak, 1e9)(log, t0, rng)
 
 
-FAULTS["saturated at 0.7 of the peak"] = saturate_at_peak
+FAULTS["gyroscope saturated at 0.7 of its peak"] = saturate_at_peak
 
 
 def figures(program, log, method, init, out):

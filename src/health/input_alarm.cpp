@@ -17,7 +17,8 @@ using Matrix6 = PoseCorrection::Matrix6;
 constexpr double kShare = 0.1;     // of one frame in the fading mean
 constexpr double kWeakest = 1e-4;  // directions that are corrected by less, in correlation, say nothing
 constexpr double kNoiseShare = 0.05;
-constexpr int kYoung = 10;  // frames: the first ones are corrected by what the start did not know
+constexpr double kDoubtful = 22.46;  // 0.999 quantile of chi-square with 6 degrees of freedom
+constexpr int kYoung = 10;           // frames: the first ones are corrected by what the start did not know
 
 /// The correction in units of its standard deviations; directions that the frame did not see are zero.
 Vector6 whitened(const PoseCorrection& c) {
@@ -47,6 +48,7 @@ bool InputAlarm::judge(const PoseCorrection& c, InputContradiction& found) {
   weight_ = (1.0 - kShare) * (1.0 - kShare) * weight_ + kShare * kShare;
   static const double threshold = chi_square_quantile(1.0 - kFalseAlarms, 6.0);
   const double now = z.squaredNorm() / noise, lasting = mean_.squaredNorm() / (weight_ * noise);
+  doubtful_ = std::max(now, lasting) > kDoubtful;
   if (++frames_ <= kYoung || std::max(now, lasting) <= threshold) {
     return false;
   }
@@ -60,7 +62,8 @@ bool InputAlarm::judge(const PoseCorrection& c, InputContradiction& found) {
 }
 
 bool InputAlarm::active(std::int64_t t_ns) const {
-  return last_ns_ != std::numeric_limits<std::int64_t>::min() && seconds_between(last_ns_, t_ns) < kCalm;
+  return doubtful_ ||
+         (last_ns_ != std::numeric_limits<std::int64_t>::min() && seconds_between(last_ns_, t_ns) < kCalm);
 }
 
 }  // namespace limber

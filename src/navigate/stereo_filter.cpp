@@ -32,6 +32,8 @@ NavigatorOptions completed(NavigatorOptions options) {
   return options;
 }
 
+constexpr double kLongFrame = 0.2;  // [s] without an image: the state was blind meanwhile
+
 /// The frame as a method sees it: mono-left does not look through the right camera.
 StereoFrame visible(const StereoFrame& frame, Method method) {
   StereoFrame out = frame;
@@ -232,9 +234,10 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   report.observed = frame.observations.size();
   report.inputs = report_inputs(frame.t_ns);
 
+  const bool was_blind = blind_turn_ > 0.0 || dt > kLongFrame;
   predict_to(frame.t_ns);                                             // Eqs. (4), (7)
   update_active_set(estimate_, frame, last_frame_ns_, options_.map);  // compressed filter
-  report.removed = forget_after_blindness(frame);
+  report.removed = was_blind ? forget_after_blindness(frame) : 0;
   const LinearizationPoint at = choose_linearization_point(frame);  // for Eq. (16)
   report.removed += forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);
   NewLandmarks fresh;

@@ -14,8 +14,9 @@ using L = StateLayout;
 
 namespace {
 
-/// Standard deviation of a bias over the time between two frames below which it does not walk [rad/s, m/s²].
-constexpr double kLeastBiasWalk = 1e-8;
+/// A bias walks at least that much between two frames [rad/s, m/s²]: one that never did would be coupled with
+/// the next so tightly that rounding takes what the prior says of it.
+constexpr double kLeastBiasWalk = 1e-6;
 
 MotionError zero_error(MotionModel motion) {
   const Index n = StateLayout{motion}.body_size();

@@ -10,6 +10,7 @@
 
 #include "datasets/files.hpp"
 #include "limber/core/so3.hpp"
+#include "limber/run_files/calibration_file.hpp"
 #include "limber/run_files/frames_file.hpp"
 #include "run/short_recording.hpp"
 

@@ -40,7 +40,8 @@ class InputAlarm {
   /// @return whether a test rejects; then `found` says by how much
   [[nodiscard]] bool judge(const PoseCorrection& correction, InputContradiction& found);
 
-  /// A test rejected less than `kCalm` seconds ago.
+  /// A test rejected less than `kCalm` seconds ago, or the last frame alone is doubtful (one of a thousand
+  /// sound ones is): a fault begins to show before it is proven.
   [[nodiscard]] bool active(std::int64_t t_ns) const;
 
   static constexpr double kCalm = 2.0;          ///< [s]
@@ -51,6 +52,7 @@ class InputAlarm {
   double weight_ = 0.0;                                                     // sum of squared weights of mean_
   double noise_ = 1.0;                                                      // NIS / dof, smoothed
   int frames_ = 0;
+  bool doubtful_ = false;
   std::int64_t last_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 
