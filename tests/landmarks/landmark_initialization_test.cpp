@@ -6,7 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "limber/core/so3.hpp"
-#include "small_map.hpp"
+#include "state/small_map.hpp"
 
 namespace limber {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "small_map.hpp"
+#include "state/small_map.hpp"
 
 namespace limber {
 namespace {

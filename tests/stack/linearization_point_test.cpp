@@ -5,7 +5,7 @@
 
 #include "limber/core/so3.hpp"
 #include "limber/navigate/method.hpp"
-#include "small_map.hpp"
+#include "state/small_map.hpp"
 
 namespace limber {
 namespace {

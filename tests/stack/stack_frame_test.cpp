@@ -5,7 +5,7 @@
 
 #include "check_jacobian.hpp"
 #include "limber/core/so3.hpp"
-#include "small_map.hpp"
+#include "state/small_map.hpp"
 
 namespace limber {
 namespace {
