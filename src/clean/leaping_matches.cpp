@@ -23,6 +23,7 @@ constexpr std::size_t kFewestLeaping = 5;  // points that leap together by no ch
 constexpr double kLargestRatio = 1.5;      // of the parallax in two successive frames
 constexpr double kLongestStep = 0.5;       // [s], after a longer one anything may have come near
 constexpr double kNoise = 5e-3;            // [rad], about 3 px: a smaller change may be noise
+constexpr double kPixel = 1.5e-3;          // [rad], about 1 px: how well a jump of the rig has to fit
 constexpr double kExplained = 0.8;         // share of the points that a jump of the rig moves as it must
 constexpr double kDepthChange = 0.15;      // from frame to frame, relative, of most points
 constexpr int kIterations = 10;
@@ -86,7 +87,7 @@ std::optional<Say> say_of(const StereoSight& before, const StereoSight& after, c
   J.rightCols<3>() = inverse_depth * (Matrix3d::Identity() - expected * expected.transpose());
   out.J.row(0) = across.transpose() * J;
   out.J.row(1) = along.transpose() * J;
-  out.sigma = {kNoise, kNoise + kDepthChange * before.parallax};
+  out.sigma = {kPixel, kPixel + kDepthChange * before.parallax};
   return out;
 }
 

@@ -30,6 +30,9 @@ namespace {
 
 constexpr double kSeenParallax = 0.02;  // [rad], of the usual point
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
+/// Of a start to which images and inputs say nothing that agrees.
+constexpr InitialSigma kNothingKnown{
+    .position = 1e-3, .attitude = 0.5, .velocity = 5.0, .bias_accel = 0.5, .bias_gyro = 0.1, .rate = 1.0};
 constexpr double kGrowth = 1.4;  // of the window, from one solution to the next
 constexpr int kIterations = 25;
 constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
@@ -91,6 +94,7 @@ struct SensorStart::Window {
   [[nodiscard]] Frames kept() const;
   [[nodiscard]] std::optional<WindowState> continued(const Frames& now) const;
   [[nodiscard]] std::vector<SmoothedState> trajectory() const;
+  [[nodiscard]] SensorStartResult unsolved() const;
   void solve();
   [[nodiscard]] double tilt_sigma() const;
   [[nodiscard]] double scale_sigma() const;
@@ -271,6 +275,22 @@ std::vector<SmoothedState> SensorStart::Window::trajectory() const {
   return out;
 }
 
+/// Inputs and images that no motion explains say nothing: at rest at the origin, as far as anybody knows.
+SensorStartResult SensorStart::Window::unsolved() const {
+  NavigationState nav;
+  nav.T_world_body.R = assumed_attitude(model.options, model.calibration);
+  SensorStartResult out;
+  for (const StereoFrame& frame : raw) {
+    nav.t_ns = frame.t_ns;
+    InitialSigma sigma = kNothingKnown;
+    sigma.position += kNothingKnown.velocity * seconds_between(raw.front().t_ns, frame.t_ns);
+    out.initial = make_initial_state(nav, model.options.motion, sigma);
+    const MatrixXd& P = out.initial.body_covariance;
+    out.trajectory.push_back({nav, P.topLeftCorner<6, 6>()});
+  }
+  return out;
+}
+
 SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,
                          const StartOptions& start)
     : window_(std::make_unique<Window>()) {
@@ -320,11 +340,13 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
   }
   const bool tilt = out.tilt_sigma <= w.options.tilt_sigma;
   const bool scale = out.scale_sigma <= w.options.scale_sigma;
-  if (!scale) {
+  if (!w.solution) {
+    out.missing = "a motion that images and inputs agree upon";
+  } else if (!scale) {
     out.missing = w.solution && w.parallax() > kSeenParallax ? "no acceleration yet that tells the scale"
                                                              : "no parallax yet that tells the scale";
   }
-  if (!tilt) {
+  if (w.solution && !tilt) {
     out.missing += std::string(out.missing.empty() ? "" : "; ") +
                    "no turn or acceleration yet that tells the tilt from a bias";
   }
@@ -350,7 +372,7 @@ SensorStartResult SensorStart::result() {
     w.solve();
   }
   if (!w.solution) {
-    throw std::invalid_argument("start: no solution");
+    return w.unsolved();
   }
   out.initial = hand_over(w.model, *w.solution, w.normal, w.covariance);
   out.trajectory = w.trajectory();

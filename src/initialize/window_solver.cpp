@@ -35,7 +35,9 @@ MatrixXd times_inverse(const MatrixXd& W, const std::vector<Matrix3d>& V, double
 MatrixXd without_points(const WindowNormal& normal, const MatrixXd& WV, double damping) {
   MatrixXd S = normal.A;
   S.diagonal() *= 1.0 + damping;
-  S.triangularView<Eigen::Lower>() -= WV * normal.W.transpose();
+  if (WV.cols() > 0) {  // Eigen multiplies nothing at its peril
+    S.triangularView<Eigen::Lower>() -= WV * normal.W.transpose();
+  }
   return S;
 }
 

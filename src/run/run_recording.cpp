@@ -351,6 +351,9 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
                                        from_truth ? " or ground truth" : ""));
   }
   keep_window(window, navigator, record);
+  for (std::size_t k = 1; progress && k <= window.frames.size(); ++k) {
+    progress(first + k);
+  }
   detail::PointCount points = window.points;
   InputFeed feed(recording);
   for (std::size_t n = first + record.frames.size(); n < frame_count(recording); ++n) {

@@ -210,11 +210,11 @@ Frames crowded(std::size_t count) {
   Frames frames;
   for (std::int64_t k = 0; k < 3; ++k) {
     StereoFrame frame{k * kStepNs, {}};
-    for (std::size_t n = 0; n < count; ++n) {
+    for (std::size_t n = static_cast<std::size_t>(3 * k); n < count + static_cast<std::size_t>(3 * k); ++n) {
       const double a = static_cast<double>(n % 97) / 97.0, b = static_cast<double>(n % 89) / 89.0;
       const bool scattered = n % 50 == 0;
       const Vector2d uv = scattered ? Vector2d(640.0 * a, 480.0 * b) : Vector2d(60.0 * a, 60.0 * b);
-      frame.observations.push_back({static_cast<std::int64_t>(n) + k * 3, uv, uv, true, n % 3 != 0});
+      frame.observations.push_back({static_cast<std::int64_t>(n), uv, uv, true, n % 3 != 0});
     }
     frames.push_back(frame);
   }

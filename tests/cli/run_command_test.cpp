@@ -166,10 +166,10 @@ TEST_F(RunCommand, ObeysItsOtherOptions) {
   }
   // Two of the pixels are wrong by 60 px: the gate refuses those points, without it nobody does.
   std::string tracks = read_text(mav0() / "tracks0/data.csv");
-  const std::size_t frame = tracks.find("\n1000000000,");
+  const std::size_t frame = tracks.find("\n1900000000,");
   write_text(mav0() / "tracks0/data.csv",
              tracks.substr(0, frame) +
-                 "\n1000000000,90001,100,100,160,160\n1000000000,90002,300,300,200,340" +
+                 "\n1900000000,90001,100,100,160,160\n1900000000,90002,300,300,200,340" +
                  tracks.substr(frame));
   ASSERT_EQ(run_into(folder() / "on", {"--gate", "on"}).exit_code, 0);
   ASSERT_EQ(run_into(folder() / "off", {"--gate", "off"}).exit_code, 0);

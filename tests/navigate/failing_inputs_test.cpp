@@ -127,7 +127,9 @@ void run_through_gap(MotionModel motion, double gap_s, bool images, std::uint64_
         filter.process(blind ? StereoFrame{scene.frames[k].t_ns, {}} : scene.frames[k]);
     reported = reported || report.inputs.status == InputStatus::kGap;
     const double error = testing::position_error(filter, scene.truth[k]);
-    EXPECT_LE(error, 4.0 * sigma(filter) + 0.01) << "at " << scene.frames[k].t_ns << ", gap of " << gap_s;
+    EXPECT_LE(error, 4.0 * sigma(filter) + 0.01)
+        << "at " << scene.frames[k].t_ns << ", gap of " << gap_s << ", seed " << seed << ", motion "
+        << static_cast<int>(motion) << (images ? ", with images" : ", without");
   }
   EXPECT_TRUE(reported);
 }

@@ -205,7 +205,7 @@ TEST(RunRecording, AStudysRunEndsWhereTheFilterBreaksDown) {
     (void)run(recording, options);
     FAIL() << "did not diverge";
   } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("lcekf diverged: the state after frame "));
+    EXPECT_THAT(error.what(), HasSubstr("lcekf diverged at frame "));
   }
 }
 

@@ -225,8 +225,8 @@ TEST(ReadFramesCsv, GivesBackWhatWasWritten) {
 TEST(ReadFramesCsv, NamesTheLineThatIsWrong) {
   const TemporaryFolder folder;
   const fs::path file = testing::write_text(folder.path() / "frames.csv",
-                                            "#head\n0,1,1,0,0,0,0,1.5,4,0,0.1,0.1\n"
-                                            "5,1,-1,0,0,0,0,1.5,4,0,0.1,0.1\n");
+                                            "#head\n0,1,1,0,0,0,0,1.5,4,0,updated,sound,0,0,0,0.1,0.1\n"
+                                            "5,1,-1,0,0,0,0,1.5,4,0,updated,sound,0,0,0,0.1,0.1\n");
   const DataError error = testing::data_error_of([&] { (void)read_frames_csv(file); });
   EXPECT_EQ(error.line(), 3u);
   EXPECT_THAT(error.what(), ::testing::HasSubstr("a count"));

@@ -369,7 +369,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScenario{"BrokenYaml", "duration: 10\nnoise: {pixel: 1\n", 3, "valid YAML"},
         BadScenario{"NoMapping", "just text\n", 1, "a YAML mapping (key: value)"},
         BadScenario{"Empty", "# nothing\n", 0, "a YAML mapping (key: value), found an empty file"},
-        BadScenario{"TwoDocuments", "duration: 1\n---\nduration: 2\n", 0, "one YAML document, found 2"},
+        BadScenario{"TwoDocuments", "duration: 1\n---\nduration: 2\n", 0,
+                    "one YAML document, found more than one"},
         BadScenario{"ListAsKey", "[1, 2]: 3\n", 1, "a name as key"}),
     [](const auto& bad) { return bad.param.name; });
 

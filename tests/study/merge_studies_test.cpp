@@ -86,7 +86,7 @@ TEST(MergeStudies, DoesNotOverwrite) {
   EXPECT_THAT(message_of({part}, mine), HasSubstr("expected a name that is not taken"));
   EXPECT_EQ(testing::read_text(mine), "mine");
   EXPECT_THAT(message_of({part}, folder.path() / "nowhere" / "out"),
-              HasSubstr("can be made and written here"));
+              HasSubstr("expected a place where a database can be made"));
 }
 
 }  // namespace
