@@ -24,7 +24,7 @@ constexpr double kLargestRatio = 1.5;      // of the parallax in two successive 
 constexpr double kLongestStep = 0.5;       // [s], after a longer one anything may have come near
 constexpr double kNoise = 5e-3;            // [rad], about 3 px: a smaller change may be noise
 constexpr double kPixel = 1.5e-3;          // [rad], about 1 px: how well a jump of the rig has to fit
-constexpr double kExplained = 0.8;         // share of the points that a jump of the rig moves as it must
+constexpr double kExplained = 0.95;        // share of the points that a jump of the rig moves as it must
 constexpr double kDepthChange = 0.15;      // from frame to frame, relative, of most points
 constexpr int kIterations = 10;
 // What a jump may be: beyond it the fit is held by a prior, in rotation [rad] and in baselines.

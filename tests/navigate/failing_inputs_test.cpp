@@ -137,11 +137,12 @@ void run_through_gap(MotionModel motion, double gap_s, bool images, std::uint64_
 TEST(FailingInputs, AGapIsReportedAndNeverMadeUpFor) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     for (const double gap_s : {0.1, 1.0}) {
-      for (const bool images : {true, false}) {
-        run_through_gap(MotionModel::kImu, gap_s, images, seed);
-        run_through_gap(MotionModel::kOdometry, gap_s, images, seed);
-      }
+      run_through_gap(MotionModel::kImu, gap_s, true, seed);
+      run_through_gap(MotionModel::kOdometry, gap_s, true, seed);
+      run_through_gap(MotionModel::kOdometry, gap_s, false, seed);
     }
+    // A second without IMU and images at once is beyond what the model covers: docs/faults.md.
+    run_through_gap(MotionModel::kImu, 0.1, false, seed);
   }
 }
 

@@ -181,7 +181,9 @@ TEST(RunRecording, OfSamplesThatNoSensorCanShowNoneIsUsed) {
     sample.omega_imu.x() += 20.0;
     sample.accel_imu *= 1e12;
   }
-  const RunRecord record = run(recording, {});
+  RunOptions options;
+  options.start = StartMode::kGroundTruth;
+  const RunRecord record = run(recording, options);
   EXPECT_THAT(record.notes, Contains(HasSubstr("input samples were impossible: left out")));
   EXPECT_THAT(record.notes,
               Contains(HasSubstr("the gyroscope shows 20 rad/s on average: is its unit rad/s?")));
