@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "hand_over.hpp"
+#include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
 #include "limber/state/initial_state.hpp"
 #include "window_guess.hpp"
@@ -248,9 +249,7 @@ double SensorStart::Window::parallax() const {
   for (const WindowPoint& point : solution->points) {
     rho.push_back(point.landmark.value.z());
   }
-  const auto middle = rho.begin() + static_cast<std::ptrdiff_t>(rho.size() / 2);
-  std::nth_element(rho.begin(), middle, rho.end());
-  return way * std::max(*middle, 0.0);
+  return way * std::max(upper_median(std::move(rho)), 0.0);
 }
 
 /// Frames that were left out are predicted from the one before.
@@ -280,6 +279,7 @@ SensorStartResult SensorStart::Window::unsolved() const {
   NavigationState nav;
   nav.T_world_body.R = assumed_attitude(model.options, model.calibration);
   SensorStartResult out;
+  out.solved = false;
   for (const StereoFrame& frame : raw) {
     nav.t_ns = frame.t_ns;
     InitialSigma sigma = kNothingKnown;

@@ -8,6 +8,7 @@
 
 #include "limber/core/so3.hpp"
 #include "limber/measure/stereo_model.hpp"
+#include "limber/predict/input_noise.hpp"
 
 namespace limber::detail {
 
@@ -25,7 +26,7 @@ constexpr double kHuber = 3.0;           // standard deviations of a pixel, both
 constexpr double kFreeTheta = 1e3;       // plausible errors: as good as nothing is known
 constexpr double kFreeBaselines = 10.0;  // sigma of an inverse depth, over the baseline: the same
 constexpr double kLost = 30.0;           // cost of a point that does not project
-constexpr double kWhisker = 1e-7;        // [m, rad, m/s]: keeps the process noise regular
+constexpr double kJitter = 1e-7;         // [m, rad, m/s]: keeps the process noise regular
 
 double squared(double x) { return x * x; }
 
@@ -83,7 +84,7 @@ void add_motion(const WindowModel& model, const WindowState& state, WindowNormal
   for (std::size_t k = 1; k < state.frames.size(); ++k) {
     NavigationState predicted = state.frames[k - 1].nav;
     Transition step = predict_over(model.options, state.frames[k].steps, predicted);
-    step.Q.diagonal().array() += kWhisker * kWhisker;
+    step.Q.diagonal().array() += kJitter * kJitter;
     const VectorXd e = difference(state.frames[k].nav, predicted, model.options.motion);
     const MatrixXd information = step.Q.llt().solve(MatrixXd::Identity(n, n));
     const Index a = static_cast<Index>(k - 1) * size;
@@ -208,11 +209,9 @@ Transition predict_over(const NavigatorOptions& options, const std::vector<Input
   const Index n = StateLayout{options.motion}.body_size();
   Transition whole{MatrixXd::Identity(n, n), MatrixXd::Zero(n, n)};
   for (const InputStep& step : steps) {
-    ImuNoise noise = options.imu_noise;
-    noise.gyro_density *= std::sqrt(step.gap);
-    noise.accel_density *= std::sqrt(step.gap);
     const Transition part = options.motion == MotionModel::kImu
-                                ? predict_imu(nav, step.first, step.second, step.dt, noise, options.gravity)
+                                ? predict_imu(nav, step.first, step.second, step.dt,
+                                              inflated(options.imu_noise, step.gap), options.gravity)
                                 : predict_constant_velocity(nav, step.dt, options.constant_velocity_noise);
     whole.Phi = part.Phi * whole.Phi;
     whole.Q = part.Phi * whole.Q * part.Phi.transpose() + part.Q;

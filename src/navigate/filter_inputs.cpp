@@ -53,8 +53,7 @@ void StereoFilter::add(const InputSample& sample) {
                                 " ns: is that another clock?");
   }
   checks_.add(sample, inputs_);
-  late_ +=
-      sample.t_ns < estimate_.nav.t_ns && last_frame_ns_ != std::numeric_limits<std::int64_t>::min() ? 1 : 0;
+  late_ += sample.t_ns < estimate_.nav.t_ns && has_processed_ ? 1 : 0;
 }
 
 std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {
@@ -68,14 +67,19 @@ std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {
   return {step};
 }
 
+/// The body carried to t_ns by the inputs so far; changes nothing.
+Propagation StereoFilter::propagated(std::int64_t t_ns) const {
+  const bool distrusts = estimate_.nav.t_ns < trusted_again_ns_;
+  return propagate(estimate_.nav, steps_to(t_ns), options_, inputs_.usual_interval_s(),
+                   distrusts ? distrust_.first : 0.0, distrusts ? distrust_.second : 0.0);
+}
+
 void StereoFilter::predict_to(std::int64_t t_ns) {
   if (t_ns <= estimate_.nav.t_ns) {
     return;
   }
   const double dt = seconds_between(estimate_.nav.t_ns, t_ns);
-  const bool distrusts = estimate_.nav.t_ns < trusted_again_ns_;
-  const Propagation to = propagate(estimate_.nav, steps_to(t_ns), options_, inputs_.usual_interval_s(),
-                                   distrusts ? distrust_.first : 0.0, distrusts ? distrust_.second : 0.0);
+  const Propagation to = propagated(t_ns);
   inputs_.forget_before(t_ns);
   estimate_.nav = to.nav;
   omega_input_ = to.omega_input;
@@ -90,9 +94,7 @@ PredictedState StereoFilter::predict(std::int64_t t_ns) const {
   if (t_ns <= estimate_.nav.t_ns) {
     return {estimate_.nav, P};
   }
-  const bool distrusts = estimate_.nav.t_ns < trusted_again_ns_;
-  const Propagation to = propagate(estimate_.nav, steps_to(t_ns), options_, inputs_.usual_interval_s(),
-                                   distrusts ? distrust_.first : 0.0, distrusts ? distrust_.second : 0.0);
+  const Propagation to = propagated(t_ns);
   return {to.nav, to.whole.Phi * P * to.whole.Phi.transpose() + to.whole.Q};
 }
 

@@ -10,7 +10,6 @@
 #include "limber/core/time.hpp"
 #include "limber/landmarks/landmark_initialization.hpp"
 #include "limber/landmarks/map_management.hpp"
-#include "limber/predict/input_noise.hpp"
 #include "limber/stack/linearization_point.hpp"
 #include "limber/update/gate.hpp"
 #include "parameter_roles.hpp"
@@ -255,6 +254,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   report.initialized = fresh.size();
   report.removed += manage_map(estimate_, frame.t_ns, options_.map);
   last_frame_ns_ = frame.t_ns;
+  has_processed_ = true;
   report.reset = report.status == UpdateStatus::kSingularInnovation || is_broken();
   if (report.reset) {
     begin_anew();

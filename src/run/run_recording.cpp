@@ -271,7 +271,7 @@ SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setu
     out.report = start.add_frame(read.frame);
     FrameReport report;
     report.t_ns = read.frame.t_ns;
-    report.observed = report.used = read.frame.observations.size();
+    report.observed = read.frame.observations.size();
     out.frames.push_back(report);
     out.frame_ms.push_back(milliseconds(begin, Clock::now()));
     out.source_ms.push_back(read.ms);
@@ -300,6 +300,10 @@ void keep_window(const SensorWindow& window, const Navigator& navigator, RunReco
     const SmoothedState& state = window.result.trajectory[k];
     record.trajectory.push_back(row_of(state.nav, record.motion, state.pose_covariance));
     record.frames.push_back(window.frames[k]);
+    if (window.result.solved && window.frames[k].observed > 0) {
+      record.frames.back().status = UpdateStatus::kUpdated;
+      record.frames.back().used = window.frames[k].observed;
+    }
     record.frame_ms.push_back(window.frame_ms[k]);
     record.source_ms.push_back(window.source_ms[k]);
     if (calibration.parameters.any()) {

@@ -122,6 +122,18 @@ TEST(RunRecording, SkipsFramesBeforeTheFirstImuSampleAndSaysSo) {
   EXPECT_THAT(record.notes, Contains(HasSubstr("10 frames skipped: before the first input")));
 }
 
+/// The frames of the start used to count as dead reckoning, and the samples of its window as late.
+TEST(RunRecording, SaysOfAStartFromSoundSensorsNothingThatIsNotTrue) {
+  const RunRecord record = run(short_recording(), {});
+  for (const FrameReport& frame : record.frames) {
+    EXPECT_EQ(frame.status, UpdateStatus::kUpdated) << frame.t_ns;
+    EXPECT_GT(frame.used, 0U) << frame.t_ns;
+    EXPECT_EQ(frame.inputs.faults[InputFault::kLate], 0U) << frame.t_ns;
+  }
+  EXPECT_THAT(record.notes, Not(Contains(HasSubstr("dead reckoning"))));
+  EXPECT_THAT(record.notes, Not(Contains(HasSubstr("late"))));
+}
+
 TEST(RunRecording, SkipsFramesBeforeTheGroundTruthThatItStartsFrom) {
   Recording recording = short_recording();
   std::erase_if(recording.groundtruth, [](const GroundTruthState& s) { return s.t_ns < 280'000'000; });

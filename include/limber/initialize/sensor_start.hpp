@@ -46,6 +46,7 @@ struct SmoothedState {
 struct SensorStartResult {
   InitialState initial;                   ///< at the last frame, with a first map
   std::vector<SmoothedState> trajectory;  ///< at every frame, the last one among them; origin: the first
+  bool solved = true;  ///< false: images and inputs agree upon no motion, and nothing of them was used
 };
 
 /// @brief A start from sensors alone, as good as they allow: all frames and inputs since the first one in one

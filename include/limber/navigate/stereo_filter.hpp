@@ -22,6 +22,10 @@
 
 namespace limber {
 
+namespace detail {
+struct Propagation;
+}
+
 /// How wrong the rig that `adaptive` takes for true may be from now on; both are learned from there.
 struct CalibrationPrior {
   Eigen::Matrix<double, 6, 6> jump;  ///< covariance of what has changed and stays [plausible errors squared]
@@ -106,6 +110,7 @@ class StereoFilter {
   void add(const InputSample& sample);
   void start_at(std::int64_t t_ns);
   [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns) const;
+  [[nodiscard]] detail::Propagation propagated(std::int64_t t_ns) const;
   [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);
   void judge_inputs(const PoseCorrection& correction, FrameReport& report);
   [[nodiscard]] bool is_broken() const;
@@ -140,7 +145,8 @@ class StereoFilter {
   Estimate estimate_;
   InputBuffer inputs_;
   InputChecks checks_;
-  std::size_t late_ = 0;  // samples since the last frame
+  std::size_t late_ = 0;        // samples since the last frame
+  bool has_processed_ = false;  // a frame: from then on what is older than the state comes too late
   InputAlarm input_alarm_;
   InputDistrust distrust_;
   std::int64_t trusted_again_ns_ = std::numeric_limits<std::int64_t>::min();
