@@ -9,9 +9,11 @@
 #include <cstddef>
 #include <map>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "diagnose/epipolar_error.hpp"
+#include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
 #include "limber/initialize/stereo_motion.hpp"
@@ -49,9 +51,7 @@ double robust_sigma(std::vector<double> residuals) {
   for (double& r : residuals) {
     r = std::abs(r);
   }
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end());
-  return kMadToSigma * *middle;
+  return kMadToSigma * upper_median(std::move(residuals));
 }
 
 /// Iteratively reweighted instrumental variables, with a covariance that is robust to clusters.

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
+#include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
 #include "limber/initialize/stereo_motion.hpp"
@@ -153,8 +155,7 @@ double usual_inverse_depth(const std::vector<WindowPoint>& points) {
   if (rho.empty()) {
     return kSomeInverseDepth;
   }
-  std::nth_element(rho.begin(), rho.begin() + static_cast<std::ptrdiff_t>(rho.size() / 2), rho.end());
-  return rho[rho.size() / 2];
+  return upper_median(std::move(rho));
 }
 
 void fill_depths(std::vector<WindowPoint>& points) {

@@ -8,7 +8,9 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
+#include "limber/core/median.hpp"
 #include "limber/study/study_plan.hpp"
 
 namespace limber::detail {
@@ -62,9 +64,7 @@ std::optional<double> median_ms(const Measured& m) {
   if (times.empty()) {
     return std::nullopt;
   }
-  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
-  std::nth_element(times.begin(), middle, times.end());
-  return *middle;
+  return upper_median(std::move(times));
 }
 
 double last_time(const Measured& m) { return m.study_case->info.frame_times.back(); }

@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
+
+#include "limber/core/median.hpp"
 
 namespace limber::detail {
 namespace {
@@ -26,9 +29,7 @@ void remark_on_gaps(const std::vector<Sample>& samples, std::int64_t begin_ns, s
   }
   double usual = 0.0;
   if (!intervals.empty()) {
-    const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-    std::nth_element(intervals.begin(), middle, intervals.end());
-    usual = static_cast<double>(*middle);
+    usual = static_cast<double>(upper_median(std::move(intervals)));
   }
   std::size_t gaps = 0;
   std::int64_t longest = 0, from = 0;
