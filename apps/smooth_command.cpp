@@ -16,6 +16,7 @@
 #include "parsed_by.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
+#include "replaceable.hpp"
 #include "report_files.hpp"
 #include "run_summary_text.hpp"
 #include "uninterrupted.hpp"
@@ -28,6 +29,7 @@ struct SmoothArguments : RecordingArguments {
   std::filesystem::path out;
   std::string theta = "free", loss = "huber", guess = "auto";
   std::uint64_t seed = 0, run = 0;
+  bool force = false;
 };
 
 RobustLoss loss_from(const std::string& name) {
@@ -52,6 +54,7 @@ SmoothOptions to_options(const SmoothArguments& arguments, const Recording& reco
 void smooth(const SmoothArguments& arguments) {
   const Recording recording = read_recording(arguments.dataset);
   const SmoothOptions options = to_options(arguments, recording);
+  require_replaceable_run(arguments.out, arguments.force);
   require_writable_folder(arguments.out);
   RunRecord record;
   {
@@ -105,6 +108,7 @@ void add_smooth_command(CLI::App& app) {
   command->add_option("--run", arguments->run, "Which draw of the start error, as in limber simulate")
       ->check(whole_number())
       ->capture_default_str();
+  add_force_option(*command, arguments->force);
   command->footer(
       "\nWrites what limber run writes, without health.csv.\n"
       "Example:\n  limber smooth data/v101 --theta constant --out runs/v101-smooth");

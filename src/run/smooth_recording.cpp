@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "limber/clean/frame_cleaner.hpp"
 #include "limber/core/chi_square.hpp"
 
 namespace limber {
@@ -88,6 +89,7 @@ Guess guess_by(Method method, const Recording& recording, RunOptions options, Ke
   options.estimated.setZero();
   options.softened.setZero();
   options.watch = false;
+  options.cleaning.clean = false;  // its frames are clean already
   Guess out;
   out.record = run_recording(
       recording, options, [&frames](std::size_t n) { return frames(n); }, progress,
@@ -268,7 +270,9 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
   std::vector<std::string> notes = setup.notes;
   std::erase_if(notes, [](const std::string& note) { return note.starts_with("constraints "); });
   const SmootherOptions how = smoother_options(options, setup, notes);
-  KeptFrames kept(source);
+  FrameCleaner cleaner(setup.calibration, options.run.cleaning);
+  const FrameSource cleaned = [&](std::size_t n) { return cleaner.clean(source(n)); };
+  KeptFrames kept(cleaned);
   const auto told = [&](std::size_t share) {
     if (progress) {
       progress(share);
@@ -322,6 +326,9 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
                               to_string(options.rig), result.iterations));
   notes.insert(notes.end(), record.notes.begin(), record.notes.end());
   record.notes = std::move(notes);
+  record.cleaning = cleaner.report();
+  const std::vector<std::string> removed = in_words(record.cleaning);
+  record.notes.insert(record.notes.end(), removed.begin(), removed.end());
   record.start = best->record.start;
   record.source_ms = best->record.source_ms;
   const double source_ms = std::accumulate(record.source_ms.begin(), record.source_ms.end(), 0.0);

@@ -16,6 +16,7 @@ using testing::files_below;
 using testing::ProgramResult;
 using testing::read_text;
 using testing::run_limber;
+using testing::write_text;
 
 class SmoothCommand : public testing::SmallLog {
  protected:
@@ -51,6 +52,13 @@ TEST_F(SmoothCommand, IsNoWorseThanTheFilterItBeganWith) {
   const double smoothed = summary()["position_rmse_m"];
   ASSERT_EQ(run({"--method", "lcekf", "--init", "groundtruth"}).exit_code, 0);
   EXPECT_LE(smoothed, summary()["position_rmse_m"].get<double>());
+}
+
+TEST_F(SmoothCommand, KeepsOtherPeoplesFilesUnlessForced) {
+  write_text(out() / "frames.csv", "mine");
+  expect_refused(smooth({}), 1, "frames.csv: expected no file of this name, or one that limber wrote");
+  EXPECT_EQ(read_text(out() / "frames.csv"), "mine");
+  EXPECT_EQ(smooth({"--force"}).exit_code, 0);
 }
 
 TEST_F(SmoothCommand, RefusesWhatItDoesNotKnow) {
