@@ -6,7 +6,7 @@ set -euo pipefail
 packages=(
   g++ cmake ninja-build ccache    # build
   libeigen3-dev                   # the filter
-  libceres-dev libopenblas0-serial  # the smoother; without OpenBLAS its factorisations take ten times as long
+  libceres-dev  # the smoother
   libyaml-cpp-dev libfmt-dev nlohmann-json3-dev libcli11-dev  # datasets, simulator, program
   libopencv-dev                   # image front end
   libsqlite3-dev libtbb-dev libopenmpi-dev openmpi-bin  # studies
