@@ -136,6 +136,9 @@ int main(int argc, char** argv) {
 #endif
   limber::app::add_health_command(app);
   limber::app::add_simulate_command(app);
+#ifdef LIMBER_WITH_FRONTEND
+  limber::app::add_decalibrate_command(app);
+#endif
   limber::app::add_evaluate_command(app);
   limber::app::add_study_command(app);
   limber::app::add_paper_command(app);

@@ -137,18 +137,8 @@ void read_landmarks(const fs::path& folder, Recording& recording) {
   table.require_a_row("landmark");
 }
 
-void read_calibration_truth(const fs::path& folder, Recording& recording) {
-  TableReader table(folder / "data.csv", {.names = {"timestamp [ns]", "ax [rad]", "ay [rad]", "az [rad]",
-                                                    "tx [m]", "ty [m]", "tz [m]"},
-                                          .counts = {7}});
-  while (table.next()) {
-    CalibrationTruth truth;
-    truth.t_ns = table.increasing_time();
-    truth.theta.head<3>() = table.vector3(1);
-    truth.theta.tail<3>() = table.vector3(4);
-    recording.calibration_true.push_back(truth);
-  }
-  table.require_a_row("sample of the true calibration");
+void read_rig_truth(const fs::path& folder, Recording& recording) {
+  recording.calibration_true = read_calibration_truth(folder / "data.csv");
 }
 
 // One line of camN/data.csv.
@@ -223,6 +213,22 @@ void read_image_pairs(const fs::path& mav0, Recording& recording) {
 
 }  // namespace
 
+std::vector<CalibrationTruth> read_calibration_truth(const fs::path& file) {
+  TableReader table(
+      file, {.names = {"timestamp [ns]", "ax [rad]", "ay [rad]", "az [rad]", "tx [m]", "ty [m]", "tz [m]"},
+             .counts = {7}});
+  std::vector<CalibrationTruth> rows;
+  while (table.next()) {
+    CalibrationTruth truth;
+    truth.t_ns = table.increasing_time();
+    truth.theta.head<3>() = table.vector3(1);
+    truth.theta.tail<3>() = table.vector3(4);
+    rows.push_back(truth);
+  }
+  table.require_a_row("sample of the true calibration");
+  return rows;
+}
+
 Recording read_euroc_common(const fs::path& mav0) {
   Recording recording;
   read_calibration(mav0, recording);
@@ -232,7 +238,7 @@ Recording read_euroc_common(const fs::path& mav0) {
        {"odometry0", read_odometry},
        {"state_groundtruth_estimate0", read_truth},
        {"landmarks0", read_landmarks},
-       {"calibration_truth0", read_calibration_truth}}};
+       {"calibration_truth0", read_rig_truth}}};
   for (const auto& [folder, read] : kOptional) {
     if (fs::exists(mav0 / folder)) {
       read(mav0 / folder, recording);

@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "limber/datasets/recording.hpp"
 
@@ -16,6 +18,9 @@ namespace limber::detail {
 [[nodiscard]] Recording read_track_log(const std::filesystem::path& mav0);
 [[nodiscard]] Recording read_euroc_images(const std::filesystem::path& mav0);
 [[nodiscard]] Recording read_kitti_odometry(const std::filesystem::path& folder);
+
+/// The true rig over time, as a table of time [ns], ax, ay, az [rad], tx, ty, tz [m].
+[[nodiscard]] std::vector<CalibrationTruth> read_calibration_truth(const std::filesystem::path& file);
 
 /// From KITTI's world (the first left camera: x right, y down, z forward) to one with z up that it looks
 /// along x.

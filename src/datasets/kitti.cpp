@@ -170,6 +170,10 @@ Recording read_kitti_odometry(const fs::path& folder) {
     read_kitti_truth(*poses, recording);
     note_if_cut_off(*poses, recording.notes);
   }
+  if (const fs::path truth = folder / "calibration_truth.csv"; fs::exists(truth)) {
+    recording.calibration_true = read_calibration_truth(truth);
+    note_if_cut_off(truth, recording.notes);
+  }
   return recording;
 }
 

@@ -255,14 +255,7 @@ void write_calibration_truth(const Recording& recording, const TrackLogFolder& m
   if (recording.calibration_true.empty()) {
     return;
   }
-  TableText table("write_track_log, true calibration", ',');
-  table.header("#timestamp [ns],ax [rad],ay [rad],az [rad],tx [m],ty [m],tz [m]");
-  for (const CalibrationTruth& truth : recording.calibration_true) {
-    table.time(truth.t_ns);
-    table.cells(truth.theta);
-    table.end_row();
-  }
-  mav0.write("calibration_truth0", "data.csv", table.text());
+  mav0.write("calibration_truth0", "data.csv", calibration_truth_text(recording.calibration_true));
 }
 
 void require(bool condition, const std::string& rule) {
@@ -303,6 +296,17 @@ void require_writable_content(const Recording& recording) {
 }
 
 }  // namespace
+
+std::string calibration_truth_text(const std::vector<CalibrationTruth>& truth) {
+  TableText table("true calibration", ',');
+  table.header("#timestamp [ns],ax [rad],ay [rad],az [rad],tx [m],ty [m],tz [m]");
+  for (const CalibrationTruth& row : truth) {
+    table.time(row.t_ns);
+    table.cells(row.theta);
+    table.end_row();
+  }
+  return std::string(table.text());
+}
 
 void write_track_log(const Recording& recording, const fs::path& folder) {
   require_writable_content(recording);

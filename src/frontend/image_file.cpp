@@ -26,9 +26,7 @@ bool is_torn_png(std::string_view bytes) {
           bytes.substr(bytes.size() - kEndChunk).find("IEND") == std::string::npos);
 }
 
-}  // namespace
-
-cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera) {
+cv::Mat read(const std::filesystem::path& file, const Camera& camera, int flags) {
   const std::string expected = "an image of " + size_text(camera.width, camera.height);
   std::error_code no_error_wanted;
   std::ifstream in(file, std::ios::binary);
@@ -51,8 +49,7 @@ cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera) {
   cv::Mat image;
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-    // A camera's pixels stay where they are, whatever the file says about how to turn them for viewing.
-    if (!bytes.empty()) image = cv::imdecode(encoded, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    if (!bytes.empty()) image = cv::imdecode(encoded, flags);
   } catch (const cv::Exception&) {
     image.release();  // what OpenCV refuses to decode is no image to us
   }
@@ -62,6 +59,18 @@ cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera) {
                     size_text(image.cols, image.rows));
   }
   return image;
+}
+
+}  // namespace
+
+// A camera's pixels stay where they are, whatever the file says about how to turn them for viewing.
+
+cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera) {
+  return read(file, camera, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
+cv::Mat read_unchanged(const std::filesystem::path& file, const Camera& camera) {
+  return read(file, camera, cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
 }
 
 }  // namespace limber::frontend

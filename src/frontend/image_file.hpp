@@ -12,6 +12,10 @@ namespace limber::frontend {
 /// "752 x 480 px"
 [[nodiscard]] std::string size_text(int width, int height);
 
+/// @brief Reads an image as it is stored: 8 or 16 bit, grey or colour.
+/// @throws DataError if it cannot be read or decoded, or has not the camera's resolution
+[[nodiscard]] cv::Mat read_unchanged(const std::filesystem::path& file, const Camera& camera);
+
 /// @brief Reads an image of any format OpenCV knows as 8 bit grey.
 /// @throws DataError if it cannot be read or decoded, or has not the camera's resolution
 [[nodiscard]] cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera);

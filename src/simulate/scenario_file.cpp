@@ -2,9 +2,11 @@
 #include "limber/simulate/scenario_file.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -13,6 +15,8 @@
 #include "field_visitor.hpp"
 #include "hold_alternative.hpp"
 #include "io/text_file.hpp"
+#include "limber/core/errors.hpp"
+#include "limber/core/split.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 
 namespace limber {
@@ -406,6 +410,40 @@ std::string format_scenario(const Scenario& scenario) {
       visit_fields(child, copy.filter, copy.rig.theta.tail<3>().norm());
     });
   });
+}
+
+DecalibrationSignal decalibration_from_string(const std::string& text, double baseline) {
+  constexpr std::array<std::string_view, 6> kNames = {"ax", "ay", "az", "tx", "ty", "tz"};
+  std::array<std::string, 6> amplitude = {"0", "0", "0", "0", "0", "0"};
+  std::string keys, shape = "constant";
+  for (const std::string_view part : split(text, ',')) {
+    const std::size_t equals = part.find('=');
+    if (equals == std::string_view::npos || equals == 0 || equals + 1 == part.size()) {
+      throw std::invalid_argument(fmt::format(
+          "expected amplitudes and a shape such as ay=0.5,tx=5%,shape=vibration,frequency=1, found '{}'",
+          part));
+    }
+    const std::string_view key = part.substr(0, equals);
+    const std::string value(part.substr(equals + 1));
+    if (const auto name = std::find(kNames.begin(), kNames.end(), key); name != kNames.end()) {
+      amplitude[static_cast<std::size_t>(name - kNames.begin())] = value;
+    } else if (key == "shape") {
+      shape = value;
+    } else {
+      keys += fmt::format(", {}: {}", key, value);
+    }
+  }
+  DecalibrationSignal signal;
+  const std::string yaml =
+      fmt::format("signal: {{shape: {}, amplitude: [{}]{}}}\n", shape, fmt::join(amplitude, ", "), keys);
+  try {
+    detail::read_fields(yaml, "'" + text + "'", [&](FieldVisitor& io) {
+      io.mapping("signal", [&](FieldVisitor& child) { visit_fields(child, signal, baseline); });
+    });
+  } catch (const DataError& error) {
+    throw std::invalid_argument(error.what());
+  }
+  return signal;
 }
 
 void check_scenario(const Scenario& scenario) { static_cast<void>(format_scenario(scenario)); }

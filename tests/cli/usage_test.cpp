@@ -41,7 +41,9 @@ TEST(Usage, NoCommandIsWrongUsage) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.out, IsEmpty());
   EXPECT_THAT(result.err, StartsWith("limber: error: "));
-  EXPECT_THAT(result.err, HasSubstr("expected one of the commands: run, smooth, health, simulate, evaluate"));
+  EXPECT_THAT(
+      result.err,
+      HasSubstr("expected one of the commands: run, smooth, health, simulate, decalibrate, evaluate"));
   EXPECT_THAT(result.err, HasSubstr("try: limber --help"));
 }
 
@@ -49,7 +51,9 @@ TEST(Usage, AnUnknownCommandIsNamed) {
   const auto result = run_limber({"evalute"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("unknown: evalute, did you mean evaluate?"));
-  EXPECT_THAT(result.err, HasSubstr("expected one of the commands: run, smooth, health, simulate, evaluate"));
+  EXPECT_THAT(
+      result.err,
+      HasSubstr("expected one of the commands: run, smooth, health, simulate, decalibrate, evaluate"));
 }
 
 TEST(Usage, AnUnknownOptionIsNamedWithTheHelpOfItsCommand) {

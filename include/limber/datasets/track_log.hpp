@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "limber/datasets/recording.hpp"
 
@@ -17,5 +19,10 @@ namespace limber {
 ///         finite, or the body kMiddleOfBaseline, which the format cannot say
 /// @throws DataError if the folder cannot be written, or its mav0 is something other than an older track log
 void write_track_log(const Recording& recording, const std::filesystem::path& folder);
+
+/// @brief The true rig over time as the text of calibration_truth0/data.csv, or of a KITTI folder's
+/// calibration_truth.csv.
+/// @throws std::invalid_argument for times that do not increase, or numbers that are not finite
+[[nodiscard]] std::string calibration_truth_text(const std::vector<CalibrationTruth>& truth);
 
 }  // namespace limber

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "limber/simulate/decalibration.hpp"
 #include "limber/simulate/scenario.hpp"
 
 /// Changes to a scenario that need no file of their own.
@@ -33,5 +34,12 @@ void set_pixels(Scenario& scenario, PixelPreset preset);
 /// scenario files.
 /// @throws std::invalid_argument if it cannot be read; the message says how
 [[nodiscard]] Fault fault_from_string(const std::string& text);
+
+/// @brief A signal of decalibration in short: amplitudes by name (ax, ay, az in degrees; tx, ty, tz in m, or
+/// in percent of the baseline), the shape and its keys as in scenario files, separated by commas, such as
+/// "ay=0.5,tx=5%,shape=vibration,frequency=1". Without a shape it is constant.
+/// @param baseline  [m]
+/// @throws std::invalid_argument if it cannot be read; the message says how
+[[nodiscard]] DecalibrationSignal decalibration_from_string(const std::string& text, double baseline);
 
 }  // namespace limber

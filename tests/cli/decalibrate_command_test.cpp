@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cli/small_log.hpp"
+#include "limber/datasets/read_recording.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::read_text;
+using testing::run_limber;
+
+class DecalibrateCommand : public testing::SmallLog {
+ protected:
+  [[nodiscard]] testing::ProgramResult decalibrate(const std::string& as, const std::string& out) const {
+    return run_limber({"decalibrate", log().string(), "--as", as, "--out", out});
+  }
+};
+
+TEST_F(DecalibrateCommand, WritesALogWhoseTruthRunsAndReportsRead) {
+  const auto result = decalibrate("ay=0.3,tx=5%", out().string());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("right pixels moved"));
+  const Recording sound = read_recording(log()), bent = read_recording(out());
+  EXPECT_EQ(bent.calibration.theta, sound.calibration.theta);
+  const RigParameters change = bent.calibration_true.front().theta - sound.calibration_true.front().theta;
+  EXPECT_NEAR(change[1], 0.3 * 0.017453292519943295, 1e-9);
+  EXPECT_NEAR(std::abs(change[3]), 0.05 * sound.calibration.baseline(), 1e-9);
+  const auto run = run_limber(
+      {"run", out().string(), "--method", "oracle", "--out", (folder() / "run").string()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST_F(DecalibrateCommand, TakesTheDecalibrationOfAScenario) {
+  testing::write_text(folder() / "bend.yaml", "decalibration: [{shape: constant, amplitude: [1, 0, 0, 0, 0, 0]}]\n");
+  EXPECT_EQ(decalibrate((folder() / "bend.yaml").string(), out().string()).exit_code, 0);
+  testing::write_text(folder() / "sound.yaml", "decalibration: []\n");
+  const auto refused = decalibrate((folder() / "sound.yaml").string(), (folder() / "other").string());
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("expected a scenario with a decalibration, found none"));
+}
+
+TEST_F(DecalibrateCommand, NeverReplacesAnything) {
+  const std::string before = read_text(mav0() / "tracks0" / "data.csv");
+  EXPECT_THAT(decalibrate("ay=1", log().string()).err, HasSubstr("expected no folder of this name"));
+  EXPECT_THAT(decalibrate("ay=1", (log() / "bent").string()).err, HasSubstr("expected a folder outside the recording"));
+  EXPECT_EQ(read_text(mav0() / "tracks0" / "data.csv"), before);
+  ASSERT_EQ(decalibrate("ay=1", out().string()).exit_code, 0);
+  const auto again = decalibrate("ay=2", out().string());
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.err, HasSubstr("something that is there already"));
+}
+
+TEST_F(DecalibrateCommand, RefusesProfilesThatItCannotRead) {
+  const auto result = decalibrate("ay=fast", out().string());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("expected signal.amplitude as a number"));
+  EXPECT_FALSE(std::filesystem::exists(out()));
+}
+
+}  // namespace
+}  // namespace limber
