@@ -35,7 +35,8 @@ struct DecalibrateArguments {
 /// A new place: nothing is replaced, and nothing is written into the recording.
 void require_new_folder(const fs::path& out, const fs::path& recording) {
   if (fs::exists(out) && !(fs::is_directory(out) && fs::is_empty(out))) {
-    throw DataError(out.string(), 0, "no folder of this name, or an empty one", "something that is there already");
+    throw DataError(out.string(), 0, "no folder of this name, or an empty one",
+                    "something that is there already");
   }
   const fs::path inner = fs::weakly_canonical(fs::absolute(out)), outer = fs::canonical(recording);
   if (std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end()) {
@@ -55,8 +56,9 @@ std::vector<DecalibrationSignal> signals_of(const std::string& as, const Recordi
 }
 
 bool moves_the_centre(const std::vector<DecalibrationSignal>& signals) {
-  return std::any_of(signals.begin(), signals.end(),
-                     [](const DecalibrationSignal& signal) { return !signal.amplitude.tail<3>().isZero(0.0); });
+  return std::any_of(signals.begin(), signals.end(), [](const DecalibrationSignal& signal) {
+    return !signal.amplitude.tail<3>().isZero(0.0);
+  });
 }
 
 void bend_pictures(const DecalibrateArguments& arguments, const Recording& recording,
@@ -80,7 +82,8 @@ void bend_pictures(const DecalibrateArguments& arguments, const Recording& recor
   }
   fmt::print(
       "{}: {} right images turned, written to {}\n"
-      "same size, Lanczos interpolation; black where the real camera saw nothing: {:.1f} % of an image, {:.1f} % at "
+      "same size, Lanczos interpolation; black where the real camera saw nothing: {:.1f} % of an image, "
+      "{:.1f} % at "
       "most\n",
       recording.name, bending.images, arguments.out.string(), 100.0 * bending.black_mean,
       100.0 * bending.black_largest);
@@ -124,11 +127,17 @@ void add_decalibrate_command(CLI::App& app) {
                    "ay=0.5,shape=vibration,frequency=1 (degrees; m or % of the baseline for tx, ty, tz)")
       ->required()
       ->check(not_empty());
-  command->add_option("--out", arguments->out, "New folder for the bent recording")->required()->check(not_empty());
-  command->add_option("--seed", arguments->seed, "Of random profiles")->check(whole_number())->capture_default_str();
+  command->add_option("--out", arguments->out, "New folder for the bent recording")
+      ->required()
+      ->check(not_empty());
+  command->add_option("--seed", arguments->seed, "Of random profiles")
+      ->check(whole_number())
+      ->capture_default_str();
   command->footer(
-      "\nRight images are turned by the exact homography of the rotation, through the lens; the right pixels of\n"
-      "track logs move with rotation and translation. Calibration, stamps and left images stay as they are; the\n"
+      "\nRight images are turned by the exact homography of the rotation, through the lens; the right pixels "
+      "of\n"
+      "track logs move with rotation and translation. Calibration, stamps and left images stay as they are; "
+      "the\n"
       "true rig is written beside them.\n"
       "Example:\n  limber decalibrate data/v101 --as ay=2,shape=ramp,end=8 --out data/v101_ramp");
   command->callback([arguments] { decalibrate(*arguments); });

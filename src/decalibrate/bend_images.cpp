@@ -23,12 +23,12 @@ namespace fs = std::filesystem;
 
 /// Where the parts of a recording with images are.
 struct Layout {
-  fs::path root;                       ///< of what is copied, in the recording
-  fs::path inner;                      ///< the same in the new folder
-  fs::path right_images;               ///< in the new folder
-  fs::path truth;                      ///< in the new folder
-  std::vector<fs::path> made_anew;     ///< relative to root: not copied
-  fs::path list;                       ///< of the right images, in the new folder; empty if there is none
+  fs::path root;                    ///< of what is copied, in the recording
+  fs::path inner;                   ///< the same in the new folder
+  fs::path right_images;            ///< in the new folder
+  fs::path truth;                   ///< in the new folder
+  std::vector<fs::path> made_anew;  ///< relative to root: not copied
+  fs::path list;                    ///< of the right images, in the new folder; empty if there is none
 };
 
 Layout layout_of(const Recording& recording) {
@@ -54,7 +54,8 @@ void write_bytes(const fs::path& file, std::string_view bytes) {
 
 /// Everything but what is made anew; links are followed, so that the copy stands on its own.
 void copy_rest(const Layout& layout, const fs::path& folder) {
-  for (auto entry = fs::recursive_directory_iterator(layout.root, fs::directory_options::follow_directory_symlink);
+  for (auto entry =
+           fs::recursive_directory_iterator(layout.root, fs::directory_options::follow_directory_symlink);
        entry != fs::recursive_directory_iterator(); ++entry) {
     const fs::path relative = entry->path().lexically_relative(layout.root);
     if (std::find(layout.made_anew.begin(), layout.made_anew.end(), relative) != layout.made_anew.end()) {
@@ -86,7 +87,8 @@ void write_png(const fs::path& file, const cv::Mat& image) {
 }  // namespace
 
 ImageBending bend_images(const Recording& recording, const BentRig& rig, const fs::path& folder,
-                         const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop) {
+                         const std::function<void(std::size_t)>& progress,
+                         const std::function<bool()>& stop) {
   if (recording.images.empty()) throw std::invalid_argument("bend_images: the recording has no images");
   const Layout layout = layout_of(recording);
   copy_rest(layout, folder);

@@ -25,7 +25,8 @@ class FrameBender {
     if (const auto truth = groundtruth_at(recording.groundtruth, t_ns)) {
       StereoCalibration taken_by = recording.calibration;
       taken_by.theta = rig.before(t_ns);
-      T_cam1_world_ = before_ * (Pose{truth->R_world_body, truth->p_world_body} * body_from_cam0(taken_by)).inverse();
+      T_cam1_world_ =
+          before_ * (Pose{truth->R_world_body, truth->p_world_body} * body_from_cam0(taken_by)).inverse();
     }
   }
 
@@ -61,16 +62,17 @@ class FrameBender {
   }
 
   const Recording& recording_;
-  Pose before_, after_;     ///< T_cam1_cam0
+  Pose before_, after_;  ///< T_cam1_cam0
   Eigen::Matrix3d turn_;
-  Eigen::Vector3d shift_;   ///< X_after = turn X_before + shift
+  Eigen::Vector3d shift_;  ///< X_after = turn X_before + shift
   std::optional<Pose> T_cam1_world_;
 };
 
 }  // namespace
 
 TrackBending bend_tracks(const Recording& recording, const BentRig& rig) {
-  if (recording.frames.empty()) throw std::invalid_argument("bend_tracks: the recording has no matched points");
+  if (recording.frames.empty())
+    throw std::invalid_argument("bend_tracks: the recording has no matched points");
   TrackBending result;
   result.recording = recording;
   for (StereoFrame& frame : result.recording.frames) {

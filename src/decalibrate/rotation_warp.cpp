@@ -7,7 +7,10 @@
 
 namespace limber::decalibrate {
 
-RotationWarp::RotationWarp(const Camera& camera) : camera_(camera), map_(camera.height, camera.width, CV_32FC2), black_(camera.height, camera.width, CV_8U) {
+RotationWarp::RotationWarp(const Camera& camera)
+    : camera_(camera),
+      map_(camera.height, camera.width, CV_32FC2),
+      black_(camera.height, camera.width, CV_8U) {
   bearings_.resize(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
   cv::parallel_for_({0, camera.height}, [&](const cv::Range& rows) {
     for (int v = rows.start; v < rows.end; ++v) {
@@ -30,7 +33,8 @@ void RotationWarp::make_map(const Eigen::Matrix3d& turn) {
         const auto seen = bearing ? project(camera_, back * *bearing) : std::nullopt;
         const bool inside = seen && seen->uv.x() > -0.5 && seen->uv.y() > -0.5 &&
                             seen->uv.x() < camera_.width - 0.5 && seen->uv.y() < camera_.height - 0.5;
-        row[u] = inside ? cv::Vec2f(static_cast<float>(seen->uv.x()), static_cast<float>(seen->uv.y())) : cv::Vec2f();
+        row[u] = inside ? cv::Vec2f(static_cast<float>(seen->uv.x()), static_cast<float>(seen->uv.y()))
+                        : cv::Vec2f();
         black_.at<std::uint8_t>(v, u) = inside ? 0 : 255;
         missing += !inside;
       }

@@ -10,8 +10,8 @@
 
 namespace limber::decalibrate {
 
-/// @brief What a camera sees after it has turned about its centre, made from what it saw before. Raw pixels to
-/// raw pixels, through any lens.
+/// @brief What a camera sees after it has turned about its centre, made from what it saw before. Raw pixels
+/// to raw pixels, through any lens.
 class RotationWarp {
  public:
   explicit RotationWarp(const Camera& camera);

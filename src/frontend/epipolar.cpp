@@ -16,10 +16,11 @@ using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
 constexpr std::size_t kRecentFrames = 10;
-constexpr double kMinAgreement = 0.6;    ///< of the pairs that are asked for a geometry
-constexpr double kStillAgreement = 0.5;  ///< below it, the present frame contradicts the geometry
-constexpr double kSigmaStart = 0.02;     ///< [rad] of a start; also what a rig may bend by in a frame
-constexpr int kRansacIterations = 100;   ///< 60 % inliers: 3e-4 that all samples hold an outlier
+constexpr double kMinAgreement = 0.6;     ///< of the pairs that are asked for a geometry
+constexpr double kClearAgreement = 0.95;  ///< no need to look for a better geometry
+constexpr double kStillAgreement = 0.5;   ///< below it, the present frame contradicts the geometry
+constexpr double kSigmaStart = 0.02;      ///< [rad] of a start; also what a rig may bend by in a frame
+constexpr int kRansacIterations = 100;    ///< 60 % inliers: 3e-4 that all samples hold an outlier
 constexpr int kRefineIterations = 6;
 
 /// Residual of a pair [rad], with its derivative for R <- R Exp(phi), t <- t + d (phi, d stacked).
@@ -127,7 +128,12 @@ EpipolarGeometry refine_epipolar(const EpipolarGeometry& start, const std::vecto
   return geometry;
 }
 
-std::optional<EpipolarGeometry> fit_epipolar(const std::vector<BearingPair>& pairs, double threshold) {
+std::optional<EpipolarGeometry> fit_epipolar(const std::vector<BearingPair>& pairs, double threshold,
+                                             const std::optional<EpipolarGeometry>& start) {
+  if (start && pairs.size() >= kMinPairs) {
+    const EpipolarGeometry near = refine_epipolar(*start, pairs, threshold);
+    if (agreement(epipolar_inliers(near, pairs, threshold)) >= kClearAgreement) return near;
+  }
   const std::optional<EpipolarGeometry> rough = ransac(pairs, threshold);
   if (!rough) return std::nullopt;
   const EpipolarGeometry fine = refine_epipolar(*rough, pairs, threshold);

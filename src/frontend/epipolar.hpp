@@ -27,10 +27,13 @@ struct EpipolarGeometry {
 [[nodiscard]] std::vector<bool> epipolar_inliers(const EpipolarGeometry& geometry,
                                                  const std::vector<BearingPair>& pairs, double threshold);
 
-/// @brief Five-point RANSAC [Nister2004] with refinement.
+/// @brief The geometry that most pairs agree on: that of `start`, refined, if 95 % of the pairs agree with
+/// it; else by five-point RANSAC [Nister2004] with refinement.
+/// @param start  may be nothing: what it was a frame ago
 /// @return nothing if fewer than `kMinPairs` or less than 60 % of the pairs agree on one geometry.
-[[nodiscard]] std::optional<EpipolarGeometry> fit_epipolar(const std::vector<BearingPair>& pairs,
-                                                           double threshold);
+[[nodiscard]] std::optional<EpipolarGeometry> fit_epipolar(
+    const std::vector<BearingPair>& pairs, double threshold,
+    const std::optional<EpipolarGeometry>& start = std::nullopt);
 inline constexpr int kMinPairs = 12;
 
 /// @brief Robust least squares from a start that is right to some thresholds. What the pairs do not fix (t

@@ -2,7 +2,6 @@
 #include "frontend/left_tracker.hpp"
 
 #include <algorithm>
-#include <opencv2/video/tracking.hpp>
 #include <utility>
 
 #include "frontend/corners.hpp"
@@ -11,28 +10,25 @@
 namespace limber::frontend {
 namespace {
 
-constexpr int kBorder = 12;               ///< [px] along the edges of the image where nothing is followed
-const cv::Size kFlowWindow(21, 21);       ///< of the pyramidal KLT
-constexpr std::size_t kLongLag = 8;       ///< [frames] over which slow sliding shows
-constexpr double kMaxAlignShiftPx = 3.0;  ///< between KLT and the final alignment
-constexpr double kStillAlikeNcc = 0.9;    ///< below it a track's reference patch is renewed
-
-cv::Point2f to_cv(const Eigen::Vector2d& uv) {
-  return {static_cast<float>(uv.x()), static_cast<float>(uv.y())};
-}
+constexpr int kBorder = 12;                ///< [px] along the edges of the image where nothing is followed
+constexpr double kMaxCoarseShiftPx = 6.0;  ///< on each level of the pyramid
+constexpr std::size_t kLongLag = 8;        ///< [frames] over which slow sliding shows
+constexpr double kMaxAlignShiftPx = 3.0;   ///< between the search and the final alignment
+constexpr double kStillAlikeNcc = 0.9;     ///< below it a track's reference patch is renewed
 
 }  // namespace
 
 void LeftTracker::follow(const Pyramid& image) {
   std::vector<LeftTrack> kept;
-  const auto places = optical_flow(image);
+  std::vector<Eigen::Vector2d> places;  // all before any track moves: they are each other's prediction
+  for (const LeftTrack& track : tracks_) places.push_back(coarse_place(track, image));
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    if (places[i] && advance(tracks_[i], *places[i], image)) kept.push_back(std::move(tracks_[i]));
+    if (advance(tracks_[i], places[i], image)) kept.push_back(std::move(tracks_[i]));
   }
   tracks_ = std::move(kept);
   image_ = image;
-  drop_contradicted(1);
-  drop_contradicted(kLongLag);
+  drop_contradicted(1, motion_);
+  drop_contradicted(kLongLag, long_motion_);
   drop_crowded();
   add_corners();
 }
@@ -50,28 +46,18 @@ Eigen::Vector2d LeftTracker::expected_flow(const LeftTrack& track) const {
   return model ? Eigen::Vector2d(model->uv() - model->path[model->path.size() - 2]) : Eigen::Vector2d::Zero();
 }
 
-/// Where KLT finds the tracks in the next image; nothing where the way back ends elsewhere.
-std::vector<std::optional<Eigen::Vector2d>> LeftTracker::optical_flow(const Pyramid& next) const {
-  if (tracks_.empty()) return {};
-  std::vector<cv::Point2f> from, to;
-  for (const LeftTrack& track : tracks_) {
-    from.push_back(to_cv(track.uv()));
-    to.push_back(to_cv(track.uv() + expected_flow(track)));
+/// Where the track is in the next image, to a fraction of a pixel: its latest view, looked for from coarse to
+/// fine. A level that does not find it leaves it to the next one.
+Eigen::Vector2d LeftTracker::coarse_place(const LeftTrack& track, const Pyramid& next) const {
+  Eigen::Vector2d uv = track.uv() + expected_flow(track);
+  for (std::size_t level = kPyramidLevels - 1; level > 0; --level) {
+    const double scale = 1.0 / (1 << level);
+    const auto latest = ShiftPatch::cut(view_of(image_[level]), track.uv() * scale);
+    if (!latest) continue;
+    const auto fit = latest->find(view_of(next[level]), {uv * scale}, PatchMotion::kShift, kMaxCoarseShiftPx);
+    if (fit) uv = fit->uv / scale;
   }
-  std::vector<cv::Point2f> back = from;
-  std::vector<std::uint8_t> found, found_back;
-  const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.02);
-  cv::calcOpticalFlowPyrLK(image_[0], next[0], from, to, found, cv::noArray(), kFlowWindow,
-                           kPyramidLevels - 1, until, cv::OPTFLOW_USE_INITIAL_FLOW);
-  cv::calcOpticalFlowPyrLK(next[0], image_[0], to, back, found_back, cv::noArray(), kFlowWindow,
-                           kPyramidLevels - 1, until, cv::OPTFLOW_USE_INITIAL_FLOW);
-  std::vector<std::optional<Eigen::Vector2d>> places(tracks_.size());
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    if (!found[i] || !found_back[i] || cv::norm(back[i] - from[i]) > options_.max_forward_backward_px)
-      continue;
-    places[i] = Eigen::Vector2d(to[i].x, to[i].y);
-  }
-  return places;
+  return uv;
 }
 
 /// Moves a track to its sub-pixel place near `start` in the next image; false if it is lost.
@@ -94,7 +80,8 @@ bool LeftTracker::advance(LeftTrack& track, const Eigen::Vector2d& start, const 
 }
 
 /// Drops the tracks that disagree with the camera motion that most of them show over `lag` frames.
-void LeftTracker::drop_contradicted(std::size_t lag) {
+/// @param motion  what it was a frame ago; is renewed
+void LeftTracker::drop_contradicted(std::size_t lag, std::optional<EpipolarGeometry>& motion) {
   std::vector<BearingPair> pairs;
   std::vector<std::int64_t> owners;
   for (const LeftTrack& track : tracks_) {
@@ -106,7 +93,7 @@ void LeftTracker::drop_contradicted(std::size_t lag) {
     owners.push_back(track.id);
   }
   const double threshold = options_.max_epipolar_px / camera_.fu;
-  const auto motion = fit_epipolar(pairs, threshold);
+  motion = fit_epipolar(pairs, threshold, motion);
   if (!motion) return;  // too few, or no majority: nothing to judge by
   const std::vector<bool> agrees = epipolar_inliers(*motion, pairs, threshold);
   std::erase_if(tracks_, [&](const LeftTrack& track) {

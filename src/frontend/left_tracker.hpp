@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "frontend/epipolar.hpp"
 #include "frontend/patch.hpp"
 #include "frontend/pyramid.hpp"
 #include "limber/frontend/stereo_tracker.hpp"
@@ -23,8 +24,8 @@ struct LeftTrack {
 };
 
 /// @brief Follows corners through the images of one camera. Knows nothing of the other one.
-/// Pyramidal KLT there and back [Lucas1981, Bouguet2001], then alignment of a reference patch; what
-/// disagrees with the motion that most tracks show, from frame to frame or over several, is dropped.
+/// Pyramidal alignment of the latest view [Lucas1981, Bouguet2001, Baker2004], then of a reference patch;
+/// what disagrees with the motion that most tracks show, from frame to frame or over several, is dropped.
 class LeftTracker {
  public:
   LeftTracker(const Camera& camera, const TrackerOptions& options) : camera_(camera), options_(options) {}
@@ -36,9 +37,9 @@ class LeftTracker {
 
  private:
   [[nodiscard]] Eigen::Vector2d expected_flow(const LeftTrack& track) const;
-  [[nodiscard]] std::vector<std::optional<Eigen::Vector2d>> optical_flow(const Pyramid& next) const;
+  [[nodiscard]] Eigen::Vector2d coarse_place(const LeftTrack& track, const Pyramid& next) const;
   [[nodiscard]] bool advance(LeftTrack& track, const Eigen::Vector2d& start, const Pyramid& next) const;
-  void drop_contradicted(std::size_t lag);
+  void drop_contradicted(std::size_t lag, std::optional<EpipolarGeometry>& motion);
   void drop_crowded();
   void add_corners();
 
@@ -46,6 +47,7 @@ class LeftTracker {
   TrackerOptions options_;
   Pyramid image_;  ///< where the tracks are now
   std::vector<LeftTrack> tracks_;
+  std::optional<EpipolarGeometry> motion_, long_motion_;  ///< over one frame, and over several
   std::int64_t next_id_ = 0;
 };
 

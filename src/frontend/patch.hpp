@@ -21,14 +21,17 @@ enum class PatchMotion { kShift, kAffine };
 /// @brief A square of grey values around a sub-pixel point, to be found again in another image.
 /// The alignment is blind to gain and offset of the brightness: exposures of two cameras differ. Inverse
 /// compositional [Baker2004], with gain and offset projected out of the steepest-descent images.
-class Patch {
+/// @tparam Columns  6: shifts and shapes can be found; 2: shifts alone, for a third of the work
+template <int Columns>
+class BasicPatch {
  public:
   static constexpr int kRadius = 7;  ///< [px]; the square is 2 kRadius + 1 wide
 
   /// @return nothing if the square leaves the image, or has too little texture to fix two coordinates.
-  [[nodiscard]] static std::optional<Patch> cut(const GreyImage& image, const Eigen::Vector2d& uv);
+  [[nodiscard]] static std::optional<BasicPatch> cut(const GreyImage& image, const Eigen::Vector2d& uv);
 
   /// @brief Sub-pixel place of the patch near `start`, whose A is kept unless the motion is affine.
+  /// @param motion  kAffine for six columns only
   /// @return nothing if it runs away by more than `max_shift_px`, is torn out of shape, leaves the image, or
   ///         does not settle.
   [[nodiscard]] std::optional<PatchFit> find(const GreyImage& image, const PatchFit& start,
@@ -45,11 +48,15 @@ class Patch {
   static bool sample(const GreyImage& image, const Eigen::Vector2d& uv, const Eigen::Matrix2d& A,
                      Values& values);
 
-  Values value_;                            ///< grey values without their mean, scaled to unit length
-  Eigen::Matrix<float, kArea, 6> descent_;  ///< derivative of value_: shift u, v; A - I by columns, at
-                                            ///< the edge of the square; orthogonal to value_ and to 1
-  Eigen::Matrix2f H_shift_inverse_;         ///< inverse Gauss-Newton matrices
-  Eigen::Matrix<float, 6, 6> H_affine_inverse_;
+  Values value_;  ///< grey values without their mean, scaled to unit length
+  /// Derivative of value_: shift u, v; A - I by columns, at the edge of the square; orthogonal to value_ and
+  /// to 1.
+  Eigen::Matrix<float, kArea, Columns> descent_;
+  Eigen::Matrix2f H_shift_inverse_;  ///< inverse Gauss-Newton matrices
+  Eigen::Matrix<float, Columns, Columns> H_inverse_;
 };
+
+using Patch = BasicPatch<6>;
+using ShiftPatch = BasicPatch<2>;
 
 }  // namespace limber::frontend

@@ -16,46 +16,78 @@ constexpr int kTemplateRadius = 5;       ///< [px] of that level
 constexpr int kPeaks = 3;                ///< best places of the coarse search that are looked at closely
 constexpr int kPeakRadius = 2;           ///< [px] of that level, around a peak that belong to it
 constexpr double kMinCoarseNcc = 0.5;    ///< of such a place
+constexpr double kBehindBestNcc = 0.25;  ///< a place that much less alike than the best one is no rival
+constexpr double kMinShiftedNcc = 0.5;   ///< below it no change of shape makes two patches alike
 constexpr double kMaxShiftPx = 4.0;      ///< on each level of the pyramid
 constexpr double kSamePlacePx = 3.0;     ///< peaks closer than this are one place
 constexpr double kAmbiguousNcc = 0.03;   ///< two places whose correlation differs less cannot be told apart
 
-/// What a point looks like on the levels of the pyramid; nothing where it is too near the edge, or plain.
-using Patches = std::array<std::optional<Patch>, kCoarseLevel + 1>;
-
-Patches patches_at(const Pyramid& image, const Eigen::Vector2d& uv) {
-  Patches patches;
-  for (std::size_t level = 0; level < patches.size(); ++level) {
-    patches[level] = Patch::cut(view_of(image[level]), uv / (1 << level));
+/// What a point looks like on the levels of the pyramid: the full one with its shape, the coarse ones to be
+/// shifted. Nothing where it is too near the edge, or plain.
+class Views {
+ public:
+  Views(const Pyramid& image, const Eigen::Vector2d& uv, std::size_t coarsest)
+      : full_(Patch::cut(view_of(image[0]), uv)) {
+    if (!full_) return;
+    for (std::size_t level = 1; level <= coarsest; ++level) {
+      coarse_[level] = ShiftPatch::cut(view_of(image[level]), uv / (1 << level));
+    }
   }
-  return patches;
-}
 
-/// The patches found near `start`, from coarse to fine.
-std::optional<PatchFit> align(const Patches& patches, const Pyramid& image, const Eigen::Vector2d& start) {
-  if (!patches[0]) return std::nullopt;
+  /// Found near `start`, from coarse to fine.
+  [[nodiscard]] std::optional<PatchFit> align(const Pyramid& image, const PatchFit& start) const {
+    if (!full_) return std::nullopt;
+    PatchFit fit{start.uv, start.A};
+    for (std::size_t level = kCoarseLevel; level > 0; --level) {
+      if (!coarse_[level]) continue;
+      const double scale = 1.0 / (1 << level);
+      const auto found =
+          coarse_[level]->find(view_of(image[level]), {fit.uv * scale}, PatchMotion::kShift, kMaxShiftPx);
+      if (found) fit.uv = found->uv / scale;  // where it is not found when coarse, it may be when fine
+    }
+    const GreyImage full = view_of(image[0]);
+    if (start.A.isIdentity(0.0)) {
+      const auto shifted = full_->find(full, fit, PatchMotion::kShift, kMaxShiftPx);
+      if (shifted && shifted->ncc < kMinShiftedNcc) return std::nullopt;
+      fit = shifted.value_or(fit);
+      const auto shaped = full_->find(full, fit, PatchMotion::kAffine, kMaxShiftPx);
+      return shaped ? shaped : shifted;
+    }
+    const auto shaped = full_->find(full, fit, PatchMotion::kAffine, kMaxShiftPx);
+    return shaped ? shaped : full_->find(full, {fit.uv}, PatchMotion::kShift, kMaxShiftPx);
+  }
+
+ private:
+  std::optional<Patch> full_;
+  std::array<std::optional<ShiftPatch>, kCoarseLevel + 1> coarse_;
+};
+
+/// Where the way back from `uv` in one image ends in the other, which it left at `start`.
+std::optional<Eigen::Vector2d> way_back(const Pyramid& from, const Eigen::Vector2d& uv, const Pyramid& to,
+                                        const Eigen::Vector2d& start) {
   PatchFit fit{start};
-  for (std::size_t level = kCoarseLevel; level > 0; --level) {
-    if (!patches[level]) continue;
+  for (std::size_t level = 2; level-- > 0;) {
     const double scale = 1.0 / (1 << level);
+    const auto patch = ShiftPatch::cut(view_of(from[level]), uv * scale);
     const auto found =
-        patches[level]->find(view_of(image[level]), {fit.uv * scale}, PatchMotion::kShift, kMaxShiftPx);
-    if (found) fit.uv = found->uv / scale;  // where it is not found when coarse, it may be when fine
+        patch ? patch->find(view_of(to[level]), {fit.uv * scale}, PatchMotion::kShift, kMaxShiftPx)
+              : std::nullopt;
+    if (found) fit.uv = found->uv / scale;
+    if (!found && level == 0) return std::nullopt;
   }
-  const GreyImage full = view_of(image[0]);
-  const auto shifted = patches[0]->find(full, fit, PatchMotion::kShift, kMaxShiftPx);
-  const auto shaped = patches[0]->find(full, shifted.value_or(fit), PatchMotion::kAffine, kMaxShiftPx);
-  return shaped ? shaped : shifted;
+  return fit.uv;
 }
 
 /// Maxima of a correlation map, best first. The map is spoilt.
 std::vector<cv::Point> best_peaks(cv::Mat& map) {
   std::vector<cv::Point> peaks;
+  double least = kMinCoarseNcc;
   for (int k = 0; k < kPeaks; ++k) {
     double best = 0.0;
     cv::Point at;
     cv::minMaxLoc(map, nullptr, &best, nullptr, &at);
-    if (best < kMinCoarseNcc) break;
+    if (best < least) break;
+    least = std::max(least, best - kBehindBestNcc);
     peaks.push_back(at);
     const cv::Rect around(at.x - kPeakRadius, at.y - kPeakRadius, 2 * kPeakRadius + 1, 2 * kPeakRadius + 1);
     map(around & cv::Rect({}, map.size())).setTo(-1.0);
@@ -112,30 +144,36 @@ std::vector<Eigen::Vector2d> RightSearch::candidates(const Pyramid& left, const 
   return places;
 }
 
-std::optional<Eigen::Vector2d> RightSearch::find(const Pyramid& left, const Pyramid& right,
-                                                 const Eigen::Vector2d& uv0,
-                                                 const std::optional<Eigen::Vector2d>& guess) const {
-  const Patches patches = patches_at(left, uv0);
-  // Alike, and the way back ends where it began.
-  const auto verified = [&](const Eigen::Vector2d& start) -> std::optional<PatchFit> {
-    const auto there = align(patches, right, start);
-    if (!there || there->ncc < options_.min_ncc) return std::nullopt;
-    const auto back = align(patches_at(right, there->uv), left, uv0);
-    if (!back || (back->uv - uv0).norm() > options_.max_forward_backward_px) return std::nullopt;
-    return there;
-  };
-  if (guess) {
-    if (const auto fit = verified(*guess)) return fit->uv;
-  }
+/// Alike, and the way back ends where it began.
+std::optional<PatchFit> RightSearch::verified(const PatchFit& there, const Pyramid& left,
+                                              const Pyramid& right, const Eigen::Vector2d& uv0) const {
+  if (there.ncc < options_.min_ncc) return std::nullopt;
+  const auto back = way_back(right, there.uv, left, uv0);
+  if (!back || (*back - uv0).norm() > options_.max_forward_backward_px) return std::nullopt;
+  return there;
+}
+
+std::optional<PatchFit> RightSearch::follow(const Pyramid& left, const Pyramid& right,
+                                            const Eigen::Vector2d& uv0, const PatchFit& guess) const {
+  const auto there = Views(left, uv0, 1).align(right, guess);
+  return there ? verified(*there, left, right, uv0) : std::nullopt;
+}
+
+std::optional<PatchFit> RightSearch::find(const Pyramid& left, const Pyramid& right,
+                                          const Eigen::Vector2d& uv0) const {
+  const std::vector<Eigen::Vector2d> starts = candidates(left, right, uv0);
+  if (starts.empty()) return std::nullopt;
+  const Views views(left, uv0, kCoarseLevel);
   std::optional<PatchFit> best, rival;
-  for (const Eigen::Vector2d& start : candidates(left, right, uv0)) {
-    std::optional<PatchFit> fit = verified(start);
+  for (const Eigen::Vector2d& start : starts) {
+    const auto there = views.align(right, {start});
+    std::optional<PatchFit> fit = there ? verified(*there, left, right, uv0) : std::nullopt;
     if (!fit || (best && (fit->uv - best->uv).norm() < kSamePlacePx)) continue;
     if (!best || fit->ncc > best->ncc) std::swap(best, fit);
     if (fit && (!rival || fit->ncc > rival->ncc)) rival = fit;
   }
   if (!best || (rival && rival->ncc > best->ncc - kAmbiguousNcc)) return std::nullopt;
-  return best->uv;
+  return best;
 }
 
 }  // namespace limber::frontend

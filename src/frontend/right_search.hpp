@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "frontend/patch.hpp"
 #include "frontend/pyramid.hpp"
 #include "limber/frontend/stereo_tracker.hpp"
 
@@ -17,17 +18,24 @@ class RightSearch {
  public:
   RightSearch(const StereoCalibration& assumed, const TrackerOptions& options);
 
+  /// @brief Looks at a place where the point should be within a few pixels.
   /// @param uv0    point in the left image [px]
-  /// @param guess  where it may be in the right image [px], from its past; tried first
+  /// @param guess  where it may be in the right image [px], and what shape the left patch has there
+  /// @return nothing if it is not there
+  [[nodiscard]] std::optional<PatchFit> follow(const Pyramid& left, const Pyramid& right,
+                                               const Eigen::Vector2d& uv0, const PatchFit& guess) const;
+
+  /// @brief Looks all over the window.
   /// @return its place in the right image, nothing if none is alike, or if two are
-  [[nodiscard]] std::optional<Eigen::Vector2d> find(const Pyramid& left, const Pyramid& right,
-                                                    const Eigen::Vector2d& uv0,
-                                                    const std::optional<Eigen::Vector2d>& guess) const;
+  [[nodiscard]] std::optional<PatchFit> find(const Pyramid& left, const Pyramid& right,
+                                             const Eigen::Vector2d& uv0) const;
 
  private:
   [[nodiscard]] std::optional<cv::Rect2d> window(const Eigen::Vector2d& uv0) const;
   [[nodiscard]] std::vector<Eigen::Vector2d> candidates(const Pyramid& left, const Pyramid& right,
                                                         const Eigen::Vector2d& uv0) const;
+  [[nodiscard]] std::optional<PatchFit> verified(const PatchFit& there, const Pyramid& left,
+                                                 const Pyramid& right, const Eigen::Vector2d& uv0) const;
 
   StereoCalibration assumed_;
   TrackerOptions options_;

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "limber/frontend/stereo_tracker.hpp"
 
-#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
-#include "frontend/epipolar.hpp"
 #include "frontend/image_file.hpp"
 #include "frontend/left_tracker.hpp"
 #include "frontend/pyramid.hpp"
-#include "frontend/right_search.hpp"
+#include "frontend/right_matcher.hpp"
 
 namespace limber {
 namespace {
@@ -58,23 +55,16 @@ void require_sensible(const TrackerOptions& options) {
 class StereoTracker::Impl {
  public:
   Impl(const StereoCalibration& assumed, const TrackerOptions& options)
-      : assumed_(assumed),
-        left_(assumed.cam0, options),
-        search_(assumed, options),
-        consensus_(options.max_epipolar_px / assumed.cam1.fu) {}
+      : assumed_(assumed), left_(assumed.cam0, options), right_(assumed, options) {}
 
   [[nodiscard]] const StereoCalibration& assumed() const { return assumed_; }
   void require_later(std::int64_t t_ns) const;
   StereoFrame process(std::int64_t t_ns, const cv::Mat& image0, const cv::Mat& image1);
 
  private:
-  void match_right(const frontend::Pyramid& image0, const frontend::Pyramid& image1, StereoFrame& frame);
-
   StereoCalibration assumed_;
   frontend::LeftTracker left_;
-  frontend::RightSearch search_;
-  frontend::LeftRightConsensus consensus_;
-  std::map<std::int64_t, Eigen::Vector2d> offsets_;  ///< track_id -> uv_cam1 - uv_cam0 when last known [px]
+  frontend::RightMatcher right_;
   std::optional<std::int64_t> t_ns_;
 };
 
@@ -96,42 +86,8 @@ StereoFrame StereoTracker::Impl::process(std::int64_t t_ns, const cv::Mat& image
     observation.uv_cam0 = track.uv();
     observation.in_cam1 = false;
   }
-  match_right(pyramid0, pyramid1, frame);
+  right_.match(pyramid0, pyramid1, frame);
   return frame;
-}
-
-/// Sets uv_cam1 of the points whose right match can be trusted.
-void StereoTracker::Impl::match_right(const frontend::Pyramid& image0, const frontend::Pyramid& image1,
-                                      StereoFrame& frame) {
-  std::vector<frontend::BearingPair> pairs;
-  std::vector<StereoObservation*> owners;
-  std::map<std::int64_t, Eigen::Vector2d> offsets;  // of the tracks that still live
-  for (StereoObservation& point : frame.observations) {
-    std::optional<Eigen::Vector2d> guess;
-    if (const auto known = offsets_.find(point.track_id); known != offsets_.end()) {
-      offsets.insert(*known);
-      guess = point.uv_cam0 + known->second;
-    }
-    const auto uv1 = search_.find(image0, image1, point.uv_cam0, guess);
-    if (!uv1) continue;
-    const auto bearing0 = unproject(assumed_.cam0, point.uv_cam0), bearing1 = unproject(assumed_.cam1, *uv1);
-    if (!bearing0 || !bearing1) continue;
-    point.uv_cam1 = *uv1;
-    pairs.push_back({*bearing0, *bearing1});
-    owners.push_back(&point);
-  }
-  const std::vector<bool> agrees = consensus_.judge(pairs);
-  for (std::size_t k = 0; k < owners.size(); ++k) {
-    StereoObservation& point = *owners[k];
-    point.in_cam1 = agrees[k];
-    if (point.in_cam1) {
-      offsets[point.track_id] = point.uv_cam1 - point.uv_cam0;
-    } else {
-      point.uv_cam1.setZero();
-      offsets.erase(point.track_id);  // it led astray: search afresh
-    }
-  }
-  offsets_ = std::move(offsets);
 }
 
 StereoTracker::StereoTracker(const StereoCalibration& assumed, const TrackerOptions& options) {

@@ -28,13 +28,14 @@ TEST_F(DecalibrateCommand, WritesALogWhoseTruthRunsAndReportsRead) {
   const RigParameters change = bent.calibration_true.front().theta - sound.calibration_true.front().theta;
   EXPECT_NEAR(change[1], 0.3 * 0.017453292519943295, 1e-9);
   EXPECT_NEAR(std::abs(change[3]), 0.05 * sound.calibration.baseline(), 1e-9);
-  const auto run = run_limber(
-      {"run", out().string(), "--method", "oracle", "--out", (folder() / "run").string()});
+  const auto run =
+      run_limber({"run", out().string(), "--method", "oracle", "--out", (folder() / "run").string()});
   EXPECT_EQ(run.exit_code, 0) << run.err;
 }
 
 TEST_F(DecalibrateCommand, TakesTheDecalibrationOfAScenario) {
-  testing::write_text(folder() / "bend.yaml", "decalibration: [{shape: constant, amplitude: [1, 0, 0, 0, 0, 0]}]\n");
+  testing::write_text(folder() / "bend.yaml",
+                      "decalibration: [{shape: constant, amplitude: [1, 0, 0, 0, 0, 0]}]\n");
   EXPECT_EQ(decalibrate((folder() / "bend.yaml").string(), out().string()).exit_code, 0);
   testing::write_text(folder() / "sound.yaml", "decalibration: []\n");
   const auto refused = decalibrate((folder() / "sound.yaml").string(), (folder() / "other").string());
@@ -45,7 +46,8 @@ TEST_F(DecalibrateCommand, TakesTheDecalibrationOfAScenario) {
 TEST_F(DecalibrateCommand, NeverReplacesAnything) {
   const std::string before = read_text(mav0() / "tracks0" / "data.csv");
   EXPECT_THAT(decalibrate("ay=1", log().string()).err, HasSubstr("expected no folder of this name"));
-  EXPECT_THAT(decalibrate("ay=1", (log() / "bent").string()).err, HasSubstr("expected a folder outside the recording"));
+  EXPECT_THAT(decalibrate("ay=1", (log() / "bent").string()).err,
+              HasSubstr("expected a folder outside the recording"));
   EXPECT_EQ(read_text(mav0() / "tracks0" / "data.csv"), before);
   ASSERT_EQ(decalibrate("ay=1", out().string()).exit_code, 0);
   const auto again = decalibrate("ay=2", out().string());

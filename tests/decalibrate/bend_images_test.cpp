@@ -43,7 +43,8 @@ Eigen::Vector2d centre_near(const cv::Mat& image, const Eigen::Vector2d& around)
   Eigen::Vector2d moment = Eigen::Vector2d::Zero();
   for (int dv = -10; dv <= 10; ++dv) {
     for (int du = -10; du <= 10; ++du) {
-      const int u = static_cast<int>(std::lround(around.x())) + du, v = static_cast<int>(std::lround(around.y())) + dv;
+      const int u = static_cast<int>(std::lround(around.x())) + du,
+                v = static_cast<int>(std::lround(around.y())) + dv;
       const double light = image.at<std::uint16_t>(v, u) - 1000.0;
       sum += light;
       moment += light * Eigen::Vector2d(u, v);
@@ -55,7 +56,8 @@ Eigen::Vector2d centre_near(const cv::Mat& image, const Eigen::Vector2d& around)
 class RotationWarpOf : public ::testing::TestWithParam<Camera> {};
 
 TEST_P(RotationWarpOf, PutsPointsWhereTheTurnedCameraSeesThem) {
-  const std::vector<Eigen::Vector2d> places = {{80, 70}, {160, 120}, {240.4, 80.7}, {90.3, 170.2}, {230, 165.5}};
+  const std::vector<Eigen::Vector2d> places = {
+      {80, 70}, {160, 120}, {240.4, 80.7}, {90.3, 170.2}, {230, 165.5}};
   const Eigen::Matrix3d turn = so3_exp(Eigen::Vector3d(0.05, -0.06, 0.08));
   decalibrate::RotationWarp warp(GetParam());
   const cv::Mat turned = warp(blobs(places), turn);
@@ -145,7 +147,8 @@ TEST(BendImages, LeavesEverythingButTheRightImagesAndTellsTheTruth) {
   // Before the step nothing moves; 16 bits stay 16 bits; what was JPEG is PNG.
   const cv::Mat first = cv::imread(bent.images[0].cam1.string(), cv::IMREAD_UNCHANGED);
   EXPECT_EQ(first.type(), CV_16U);
-  EXPECT_EQ(cv::norm(first, cv::imread(sound.images[0].cam1.string(), cv::IMREAD_UNCHANGED), cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(first, cv::imread(sound.images[0].cam1.string(), cv::IMREAD_UNCHANGED), cv::NORM_INF),
+            0.0);
   EXPECT_EQ(bent.images[2].cam1.extension(), ".png");
   // After it the right camera has turned about its centre, and the truth says so.
   const Pose T_cam1_cam0 = pose_from_rig(bent.calibration_true.back().theta);
@@ -163,7 +166,8 @@ TEST(BendImages, OfKittiFoldersTellTheTruthToo) {
   write(from / "times.txt", "0.0\n0.1\n");
   for (const char* folder : {"image_0", "image_1"}) {
     fs::create_directories(from / folder);
-    for (const char* name : {"000000.png", "000001.png"}) cv::imwrite((from / folder / name).string(), blobs({{100.0, 100.0}}));
+    for (const char* name : {"000000.png", "000001.png"})
+      cv::imwrite((from / folder / name).string(), blobs({{100.0, 100.0}}));
   }
   const Recording sound = read_recording(from);
   DecalibrationSignal signal;

@@ -9,7 +9,6 @@
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
 
-
 namespace limber {
 namespace {
 
@@ -58,8 +57,7 @@ TEST_P(BendTracksBy, GivesWhatABendingRigWouldHaveSeen) {
     sound.landmarks_true.clear();
     sound.calibration_true.clear();
   }
-  const TrackBending bent =
-      bend_tracks(sound, BentRig(sound, {step()}, 0, BentRig::Parts::kAll));
+  const TrackBending bent = bend_tracks(sound, BentRig(sound, {step()}, 0, BentRig::Parts::kAll));
   const auto [largest, count] = difference(expected, bent.recording);
   EXPECT_LT(largest, 1e-6);
   EXPECT_GT(count, 500);
@@ -74,8 +72,7 @@ INSTANTIATE_TEST_SUITE_P(TruthKnown, BendTracksBy, ::testing::Bool());
 
 TEST(BendTracks, ComesBackByTheInverseProfile) {
   const Recording sound = simulate(exact_drone(), 4);
-  const Recording bent =
-      bend_tracks(sound, BentRig(sound, {step()}, 0, BentRig::Parts::kAll)).recording;
+  const Recording bent = bend_tracks(sound, BentRig(sound, {step()}, 0, BentRig::Parts::kAll)).recording;
   DecalibrationSignal back = step();
   back.amplitude *= -1.0;
   const Recording again = bend_tracks(bent, BentRig(bent, {back}, 0, BentRig::Parts::kAll)).recording;
@@ -90,8 +87,7 @@ TEST(BendTracks, LeavesOutRightPixelsWhoseDepthNobodyKnows) {
   sound.landmarks_true.clear();
   ASSERT_TRUE(sound.frames.back().observations.front().in_cam1);
   sound.frames.back().observations.front().in_cam0 = false;
-  const TrackBending moved =
-      bend_tracks(sound, BentRig(sound, {step()}, 0, BentRig::Parts::kAll));
+  const TrackBending moved = bend_tracks(sound, BentRig(sound, {step()}, 0, BentRig::Parts::kAll));
   EXPECT_EQ(moved.without_depth, 1u);
   EXPECT_EQ(moved.recording.frames.back().observations.size(), sound.frames.back().observations.size() - 1);
 }
@@ -108,7 +104,8 @@ TEST(DecalibrationFromString, ReadsAmplitudesInTheirUnits) {
 }
 
 TEST(DecalibrationFromString, RefusesWhatItCannotRead) {
-  for (const char* text : {"ay", "ay=", "=1", "ay=fast", "shape=wobble,ay=1", "ay=1,frequency=2", "ay=1,,az=1"}) {
+  for (const char* text :
+       {"ay", "ay=", "=1", "ay=fast", "shape=wobble,ay=1", "ay=1,frequency=2", "ay=1,,az=1"}) {
     EXPECT_THROW((void)decalibration_from_string(text, 0.2), std::invalid_argument) << text;
   }
 }

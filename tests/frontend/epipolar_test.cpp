@@ -62,6 +62,19 @@ TEST(EpipolarDistance, IsZeroOnTheBaselineWhereEveryBearingFits) {
   EXPECT_EQ(epipolar_distance(kRig, pair), 0.0);
 }
 
+TEST(FitEpipolar, GoesOnFromAStartAndLeavesOneThatIsWrong) {
+  Generator generator(5);
+  const std::vector<BearingPair> pairs = random_pairs(kRig, 150, 0.2 * kThreshold, generator);
+  const EpipolarGeometry near{kRig.R_b_a * so3_exp(Eigen::Vector3d(0.004, 0.003, -0.004)), kRig.t};
+  const EpipolarGeometry wrong{kRig.R_b_a * so3_exp(Eigen::Vector3d(0.2, 0.0, 0.0)),
+                               Eigen::Vector3d::UnitZ()};
+  for (const EpipolarGeometry& start : {near, wrong}) {
+    const auto geometry = fit_epipolar(pairs, kThreshold, start);
+    ASSERT_TRUE(geometry);
+    EXPECT_GE(count(epipolar_inliers(*geometry, pairs, kThreshold)), 147);
+  }
+}
+
 TEST(FitEpipolar, FindsTheGeometryAmongOutliers) {
   Generator generator(2);
   std::vector<BearingPair> pairs = random_pairs(kRig, 150, 0.2 * kThreshold, generator);

@@ -17,14 +17,15 @@ class BentRig {
   /// What of the signals is applied.
   enum class Parts {
     kAll,      ///< theta + delta(t)
-    kRotation  ///< the right camera turns about its own centre, so that its images show it: ax, ay, az + delta,
-               ///< and t_s = -R_s c with c its centre in cam0
+    kRotation  ///< the right camera turns about its own centre, so that its images show it: ax, ay, az +
+               ///< delta, and t_s = -R_s c with c its centre in cam0
   };
 
   /// @param recording  must outlive this; times of the signals start at its first frame
   /// @param seed       of random signals
   /// @throws std::invalid_argument as Decalibration, or if there is no frame
-  BentRig(const Recording& recording, std::vector<DecalibrationSignal> signals, std::uint64_t seed, Parts parts);
+  BentRig(const Recording& recording, std::vector<DecalibrationSignal> signals, std::uint64_t seed,
+          Parts parts);
 
   [[nodiscard]] RigParameters before(std::int64_t t_ns) const;  ///< the rig that took the recording
   [[nodiscard]] RigParameters after(std::int64_t t_ns) const;   ///< the bent one
