@@ -39,8 +39,8 @@ void print_tables(const StudyDatabase& study, const StudyPlan& plan) {
                                    [&](const StudyCase& c) { return c.scenario.name == info.name; });
     if (asked) {
       const std::string figures = paper_figures_of(info.name);
-      fmt::print("{}{}{}: {} of {} runs\n\n{}\n", figures, figures.empty() ? "" : ", ", info.name,
-                 info.finished, info.runs, format_case_table(study, k));
+      fmt::print("{}{}{}: {} of {} runs, started {}\n\n{}\n", figures, figures.empty() ? "" : ", ", info.name,
+                 info.finished, info.runs, start_in_words(info.start), format_case_table(study, k));
     }
   }
 }

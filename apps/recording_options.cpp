@@ -17,6 +17,12 @@ StereoCalibration some_rig() {
 
 }  // namespace
 
+void add_start_option(CLI::App& command, std::string& start) {
+  command.add_option("--init", start, "auto: from sensors; groundtruth: from the truth plus a drawn error")
+      ->check(CLI::IsMember({name_of(StartMode::kAuto), name_of(StartMode::kGroundTruth)}))
+      ->capture_default_str();
+}
+
 void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
   command.add_option("DATASET", arguments.dataset, "Track log, EuRoC folder or KITTI odometry folder")
       ->required()
@@ -43,11 +49,7 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       .add_option("--sigma-px", arguments.sigma_px,
                   "Pixel noise [px]; default: the recording's, else 0.5 for images and 1 for tracks")
       ->check(positive());
-  command
-      .add_option("--init", arguments.start,
-                  "auto: from sensors; groundtruth: from the truth plus a drawn error")
-      ->check(CLI::IsMember({"auto", "groundtruth"}))
-      ->capture_default_str();
+  add_start_option(command, arguments.start);
   command
       .add_option("--clean", arguments.clean,
                   "End tracks and right matches that the front end has lost, as far as no jump of the rig "
@@ -79,7 +81,7 @@ RunOptions to_run_options(const RecordingArguments& arguments, const Recording& 
   }
   options.sigma_px = arguments.sigma_px;
   options.cleaning = {arguments.clean == "on", arguments.max_points};
-  options.start = arguments.start == "groundtruth" ? StartMode::kGroundTruth : StartMode::kAuto;
+  options.start = start_mode_from_string(arguments.start);
   options.false_alarms_per_hour = arguments.false_alarms_per_hour;
   return options;
 }

@@ -19,6 +19,9 @@ struct RecordingArguments {
   double false_alarms_per_hour = RunOptions{}.false_alarms_per_hour;
 };
 
+/// --init.
+void add_start_option(CLI::App& command, std::string& start);
+
 void add_recording_options(CLI::App& command, RecordingArguments& arguments);
 
 /// Run options with these, everything else as by default.

@@ -12,6 +12,7 @@
 #include "limber/study/study_table.hpp"
 #include "messages.hpp"
 #include "parsed_by.hpp"
+#include "recording_options.hpp"
 #include "replaceable.hpp"
 #include "report_files.hpp"
 #include "scenario_options.hpp"
@@ -25,8 +26,10 @@ namespace fs = std::filesystem;
 struct StudyArguments {
   std::vector<fs::path> scenarios;
   std::string methods = "ekf,ekf-full,lcekf";
+  std::string start{name_of(StartMode::kAuto)};
   std::uint64_t runs = 100, seed = 1;
   fs::path out;
+  bool brief = false;
   ScenarioArguments changes;
   RunnerArguments runner;
 };
@@ -36,9 +39,19 @@ StudyPlan plan_of(const StudyArguments& arguments) {
   plan.seed = arguments.seed;
   for (const fs::path& path : arguments.scenarios) {
     plan.cases.push_back({read_scenario(path, arguments.changes),
-                          method_variants_from_string(arguments.methods), arguments.runs});
+                          method_variants_from_string(arguments.methods), arguments.runs,
+                          start_mode_from_string(arguments.start)});
   }
   return plan;
+}
+
+void print_tables(const fs::path& path, bool brief) {
+  const StudyDatabase database(path);
+  fmt::print("{}", brief ? format_brief_table(database) : format_study_table(database));
+}
+
+void add_brief_option(CLI::App& command, bool& brief) {
+  command.add_flag("--brief", brief, "Print one table of the main figures instead of one per scenario");
 }
 
 void study(const StudyArguments& arguments) {
@@ -48,7 +61,7 @@ void study(const StudyArguments& arguments) {
     return;
   }
   const bool complete = run_with_progress(plan_of(arguments), arguments.out, arguments.runner, ranks);
-  fmt::print("{}", format_study_table(StudyDatabase(arguments.out)));
+  print_tables(arguments.out, arguments.brief);
   export_study(arguments.out, arguments.runner.export_format);
   make_report_beside(arguments.out);
   if (!complete) {
@@ -80,11 +93,12 @@ void add_show_command(CLI::App& study_command) {
   struct Arguments {
     fs::path database;
     std::string format;
-    bool force = false;
+    bool brief = false, force = false;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = study_command.add_subcommand("show", "Print the tables of a study, finished or not");
   command->add_option("DATABASE", arguments->database, "What --out named")->required();
+  add_brief_option(*command, arguments->brief);
   command
       ->add_option("--export", arguments->format, "Also write the results beside the database: csv or json")
       ->check(CLI::IsMember({"csv", "json"}));
@@ -92,7 +106,7 @@ void add_show_command(CLI::App& study_command) {
   command->footer("\nExample:\n  limber study show study.sqlite --export csv");
   command->callback([arguments] {
     require_replaceable_export(arguments->database, arguments->format, arguments->force);
-    fmt::print("{}", format_study_table(StudyDatabase(arguments->database)));
+    print_tables(arguments->database, arguments->brief);
     export_study(arguments->database, arguments->format);
   });
 }
@@ -114,10 +128,12 @@ void add_study_command(CLI::App& app) {
           "lcekf:rotation+direction, lcekf:ax,tx, ekf:cartesian, ekf-full:walk=x10, ekf-full:walk=1e-6/1")
       ->check(parsed_by(method_variants_from_string))
       ->capture_default_str();
+  add_start_option(*command, arguments->start);
   command->add_option("--runs", arguments->runs, "Of each method in each scenario")
       ->check(CLI::Range(std::uint64_t{1}, kMaxTerms))
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "Of everything random")->capture_default_str();
+  add_brief_option(*command, arguments->brief);
   add_scenario_options(*command, arguments->changes);
   add_runner_options(*command, arguments->runner);
   add_merge_command(*command);

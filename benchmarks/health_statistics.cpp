@@ -83,7 +83,7 @@ Outcome watch(const Scenario& scenario, const Settings& settings, std::uint64_t 
   const Recording recording = simulate(scenario, settings.seed, run);
   MethodVariant variant;
   variant.method = method_from_string(settings.method);
-  RunOptions options = run_options(scenario, variant, settings.seed, run);
+  RunOptions options = run_options(scenario, variant, StartMode::kGroundTruth, settings.seed, run);
   options.false_alarms_per_hour = settings.rate;
   options.watch = true;
   const RunRecord record = run_recording(recording, options, matched_frames(recording));

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """How `adaptive` fares beside the best of the other methods, from study databases.
 
-    limber study scenarios/paper_i.yaml ... --methods ekf,ekf-full,lcekf,mono-left,adaptive --runs 50 --out study.sqlite
+    limber study scenarios/paper_i.yaml ... --methods ekf,ekf-full,lcekf,mono-left,adaptive --init groundtruth --runs 50 --out study.sqlite
     scripts/adaptive_table.py study.sqlite ...
 
 Prints a Markdown table: position RMSE in metres (root of the mean square over runs), the ratio of adaptive to the best

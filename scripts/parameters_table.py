@@ -70,7 +70,7 @@ def main():
     parser.add_argument("--out", required=True, help="the study's database; made, or gone on with")
     arguments = parser.parse_args()
     methods = ",".join(["ekf", "lcekf", *variants()])
-    subprocess.run([arguments.limber, "study", *SCENARIOS, "--methods", methods, "--runs", str(arguments.runs),
+    subprocess.run([arguments.limber, "study", *SCENARIOS, "--methods", methods, "--init", "groundtruth", "--runs", str(arguments.runs),
                     "--out", arguments.out], check=True, stdout=subprocess.DEVNULL)
     for case, errors in read(arguments.out).items():
         print(f"\n{case}:\n")

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 
 results=results/readme
 mkdir -p "$results" docs/images
-build/release/limber study scenarios/paper_ii.yaml scenarios/paper_iv.yaml --methods ekf,ekf-full,lcekf --runs 10 \
+build/release/limber study scenarios/paper_ii.yaml scenarios/paper_iv.yaml --init groundtruth --methods ekf,ekf-full,lcekf --runs 10 \
   --seed 1 --out "$results/study.sqlite"
 for case in ii iv; do
   scripts/export_figure.mjs "$results/study.html" "case-paper-$case-position" "docs/images/position-$case.svg" \

@@ -32,25 +32,10 @@ double peak_rss_mb() {
 }
 
 /// Takes the whole first pose out: the world of a run without gravity is its first camera.
-Alignment first_whole_pose(const std::vector<MatchedPose>& poses) {
+Alignment first_whole_pose(std::span<const MatchedPose> poses) {
   Alignment out;
   out.T_true_est = poses.front().truth * poses.front().estimate.inverse();
   return out;
-}
-
-struct StartAlignment {
-  Alignment alignment;
-  std::string in_words;
-};
-
-StartAlignment start_alignment(const std::vector<MatchedPose>& poses, const RunOptions& options,
-                               MotionModel motion) {
-  if (options.start == StartMode::kGroundTruth) {
-    return {{}, "nothing"};
-  }
-  return motion == MotionModel::kImu
-             ? StartAlignment{align(poses, AlignmentKind::kFirstPose), "position and yaw of the first pose"}
-             : StartAlignment{first_whole_pose(poses), "whole first pose"};
 }
 
 /// The truth in the world of the estimate; `alignment` is rigid.
@@ -88,7 +73,7 @@ void judge(const Recording& recording, const RunOptions& options, const RunRecor
   if (evaluation.sim3.errors) {
     out.scale = evaluation.sim3.alignment.scale;
   }
-  const auto [start, in_words] = start_alignment(poses, options, record.motion);
+  const auto [start, in_words] = start_alignment(poses, options.start, record.motion);
   out.alignment = in_words;
   out.truth = truth_seen_from(poses, start);
   const PoseErrorStatistics errors = absolute_errors(poses, start);
@@ -101,6 +86,7 @@ void judge(const Recording& recording, const RunOptions& options, const RunRecor
   out.attitude_final_deg = last.tail<3>().norm() * kDegreesPerRadian;
   const Consistency consistency = average_nees(poses, covariances, start, estimate.front().t_ns);
   out.frames_refused = consistency.frames_refused;
+  out.anees_scale = consistency.anees_scale;
   if (consistency.anees) {
     out.anees = consistency.anees->pose;
     out.anees_position = consistency.anees->position;
@@ -118,6 +104,15 @@ double estimated_length(const RunRecord& record) {
 }
 
 }  // namespace
+
+StartAlignment start_alignment(std::span<const MatchedPose> poses, StartMode start, MotionModel motion) {
+  if (start == StartMode::kGroundTruth) {
+    return {{}, "nothing"};
+  }
+  return motion == MotionModel::kImu
+             ? StartAlignment{align(poses, AlignmentKind::kFirstPose), "position and yaw of the first pose"}
+             : StartAlignment{first_whole_pose(poses), "whole first pose"};
+}
 
 RunSummary summarize(const Recording& recording, const RunOptions& options, const RunRecord& record) {
   RunSummary out;

@@ -21,14 +21,6 @@ std::optional<double> nees(const Eigen::Matrix<double, N, 1>& error, const Eigen
   return llt.matrixL().solve(error).squaredNorm();
 }
 
-// The covariance of a pose error whose world is turned by R; the attitude error is local and stays.
-PoseCovariance turned(const PoseCovariance& P, const Eigen::Matrix3d& R) {
-  PoseCovariance turned_P = P;
-  turned_P.topRows<3>() = R * P.topRows<3>();
-  turned_P.leftCols<3>() = (turned_P.leftCols<3>() * R.transpose()).eval();
-  return turned_P;
-}
-
 }  // namespace
 
 PoseErrorVector pose_error(const Pose& estimate, const Pose& truth) {
@@ -47,6 +39,28 @@ std::optional<PoseNees> pose_nees(const PoseErrorVector& error, const PoseCovari
   return PoseNees{*pose, *position, *attitude};
 }
 
+std::optional<double> distance_nees(const PoseErrorVector& error, const PoseCovariance& P,
+                                    const Eigen::Vector3d& from_begin) {
+  const double distance = from_begin.norm();
+  if (!(distance > 0.0)) {
+    return std::nullopt;
+  }
+  const Eigen::Vector3d direction = from_begin / distance;
+  const double variance = direction.dot(P.topLeftCorner<3, 3>() * direction);
+  if (!(variance > 0.0) || !std::isfinite(variance)) {
+    return std::nullopt;
+  }
+  const double radial = direction.dot(error.head<3>());
+  return radial * radial / variance;
+}
+
+PoseCovariance turned(const PoseCovariance& P, const Eigen::Matrix3d& R) {
+  PoseCovariance turned_P = P;
+  turned_P.topRows<3>() = R * P.topRows<3>();
+  turned_P.leftCols<3>() = (turned_P.leftCols<3>() * R.transpose()).eval();
+  return turned_P;
+}
+
 Consistency average_nees(std::span<const MatchedPose> poses, std::span<const PoseCovariance> covariances,
                          const Alignment& alignment, std::int64_t start_ns, double skip) {
   if (alignment.status != AlignmentStatus::kAligned || alignment.scale != 1.0) {
@@ -55,7 +69,8 @@ Consistency average_nees(std::span<const MatchedPose> poses, std::span<const Pos
   const double quantile_95 = chi_square_quantile(0.95, 6.0);
   Consistency result;
   PoseNees sum;
-  std::size_t within = 0;
+  std::size_t within = 0, with_scale = 0;
+  double sum_scale = 0.0;
   for (const MatchedPose& pose : poses) {
     if (pose.index >= covariances.size()) {
       throw std::invalid_argument("NEES: pose " + std::to_string(pose.index) + " has no covariance");
@@ -63,8 +78,9 @@ Consistency average_nees(std::span<const MatchedPose> poses, std::span<const Pos
     if (static_cast<double>(pose.t_ns - start_ns) <= skip * 1e9) {
       continue;
     }
-    const auto nees = pose_nees(pose_error(alignment * pose.estimate, pose.truth),
-                                turned(covariances[pose.index], alignment.T_true_est.R));
+    const PoseErrorVector error = pose_error(alignment * pose.estimate, pose.truth);
+    const PoseCovariance P = turned(covariances[pose.index], alignment.T_true_est.R);
+    const auto nees = pose_nees(error, P);
     if (!nees) {
       ++result.frames_refused;
       continue;
@@ -74,11 +90,18 @@ Consistency average_nees(std::span<const MatchedPose> poses, std::span<const Pos
     sum.pose += nees->pose / 6.0;
     sum.position += nees->position / 3.0;
     sum.attitude += nees->attitude / 3.0;
+    if (const auto scale = distance_nees(error, P, pose.truth.p - poses.front().truth.p)) {
+      sum_scale += *scale;
+      ++with_scale;
+    }
   }
   if (result.frames > 0) {
     const auto n = static_cast<double>(result.frames);
     result.anees = PoseNees{sum.pose / n, sum.position / n, sum.attitude / n};
     result.share_within_95 = static_cast<double>(within) / n;
+  }
+  if (with_scale > 0) {
+    result.anees_scale = sum_scale / static_cast<double>(with_scale);
   }
   return result;
 }

@@ -58,6 +58,7 @@ ReportFacts case_facts(const StudyCaseResults& results) {
           {{"runs", results.info.finished == results.info.runs
                         ? std::to_string(results.info.runs)
                         : fmt::format("{} of {}", results.info.finished, results.info.runs)},
+           {"start", start_in_words(results.info.start)},
            {"duration", fmt::format("{:g} s, stereo at {:g} Hz", s.duration, s.stereo_rate)},
            {"prediction", s.use_imu    ? fmt::format("IMU at {:g} Hz", s.imu_rate)
                           : s.odometry ? std::string("odometry")
@@ -87,6 +88,12 @@ ReportSection case_section(const CaseContext& context, const StudyComments::Case
 
 ReportSection overview_section(const StudyResults& results, const StudyComments& comments) {
   ReportSection section{"overview", "Overview", {}};
+  if (comments.overview.empty()) {
+    for (const StudyCaseResults& study_case : results.cases) {
+      section.blocks.emplace_back(ReportText{detail::answer_in_words(study_case)});
+    }
+    section.blocks.emplace_back(detail::answer_table(results));
+  }
   for (ReportTable& table : detail::overview_tables(results)) {
     section.blocks.emplace_back(std::move(table));
   }

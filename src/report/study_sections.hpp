@@ -20,6 +20,11 @@ struct CaseContext {
 /// Mean squared errors with 3 sigma, landmarks, consistency, calibration, path; empty ones are left out.
 [[nodiscard]] std::vector<ReportFigure> case_figures(const CaseContext& context);
 
+/// The main figures of all methods in all cases: what a page opens on.
+[[nodiscard]] ReportTable answer_table(const StudyResults& results);
+/// A sentence or two of it about one case.
+[[nodiscard]] std::string answer_in_words(const StudyCaseResults& results);
+
 /// All methods of a case.
 [[nodiscard]] ReportTable case_table(const StudyCaseResults& results);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "study_sections.hpp"
 
@@ -15,6 +16,14 @@ std::string two_decimals(const std::optional<double>& value) {
 
 std::string percent(const std::optional<double>& value) {
   return value ? fmt::format("{:.0f} %", 100.0 * *value) : "–";
+}
+
+std::vector<MethodSummary> summaries_of(const StudyCaseResults& results) {
+  std::vector<MethodSummary> out;
+  for (const StudyMethodResults& method : results.methods) {
+    out.push_back(method.summary);
+  }
+  return out;
 }
 
 TableCell runs_cell(const MethodSummary& s) {
@@ -121,25 +130,76 @@ ReportTable walks_table(const StudyResults& results, const std::vector<std::stri
 
 std::string digits(const std::optional<double>& value) { return value ? fmt::format("{:.3g}", *value) : "–"; }
 
+ReportTable answer_table(const StudyResults& results) {
+  ReportTable table{"Who gets how far, and knows it", {"case"}, {}, ""};
+  table.columns.insert(table.columns.end(), brief_heads().begin(), brief_heads().end());
+  for (const StudyCaseResults& study_case : results.cases) {
+    std::string name = study_case.info.name;
+    const std::vector<BriefRow> brief = brief_rows(summaries_of(study_case));
+    for (std::size_t k = 0; k < brief.size(); ++k) {
+      const BriefRow& row = brief[k];
+      const auto position = row.is_best ? TableCell::Mark::kBest : TableCell::Mark::kNone;
+      const auto claimed = row.is_overconfident ? TableCell::Mark::kBad : TableCell::Mark::kNone;
+      table.rows.push_back({{std::exchange(name, "")},
+                            {row.label},
+                            runs_cell(study_case.methods[k].summary),
+                            {row.position, position},
+                            {row.worst},
+                            {row.to_best, position},
+                            {row.anees},
+                            {row.to_claimed, claimed}});
+    }
+  }
+  table.note =
+      "Median over the runs with the interval that holds the true one with 95 %, from six runs on. Green: "
+      "the "
+      "best of a case, oracle aside. Last column: the root of ANEES, how many times as large as the filter "
+      "claims its errors are; red above 2.";
+  return table;
+}
+
+std::string answer_in_words(const StudyCaseResults& results) {
+  std::string best, sure;
+  for (const BriefRow& row : brief_rows(summaries_of(results))) {
+    if (row.is_best) {
+      best = row.label;
+    }
+    if (row.is_overconfident) {
+      sure += (sure.empty() ? "" : ", ") + row.label + " (" + row.to_claimed + ")";
+    }
+  }
+  if (best.empty()) {
+    return results.info.name + ": no run is finished.";
+  }
+  return fmt::format("{}, started {}: {} comes closest. {}", results.info.name,
+                     start_in_words(results.info.start), best,
+                     sure.empty() ? "No filter is more than twice as wrong as it claims."
+                                  : "More than twice as wrong as they claim: " + sure + ".");
+}
+
 ReportTable case_table(const StudyCaseResults& results) {
-  ReportTable table{
-      "All methods",
-      {"method", "runs", "position RMSE [m]", "worst run [m]", "attitude RMSE [deg]", "landmark RMSE [m]",
-       "ANEES pose", "ANEES position", "ANEES attitude", "in bounds", "NIS / d.o.f.", "scale", "time [ms]"},
-      {},
-      ""};
+  ReportTable table{"All methods",
+                    {"method", "runs", "position RMSE [m]", "median (95 %)", "worst run [m]",
+                     "attitude RMSE [deg]", "landmark RMSE [m]", "ANEES pose", "ANEES position",
+                     "ANEES attitude", "ANEES scale", "in bounds", "NIS / d.o.f.", "scale", "time [ms]"},
+                    {},
+                    ""};
   const double best = best_position(results);
-  for (const StudyMethodResults& method : results.methods) {
+  const std::vector<BriefRow> brief = brief_rows(summaries_of(results));
+  for (std::size_t k = 0; k < results.methods.size(); ++k) {
+    const StudyMethodResults& method = results.methods[k];
     const MethodSummary& s = method.summary;
     table.rows.push_back({{s.label},
                           runs_cell(s),
                           position_cell(method, best),
+                          {brief[k].position},
                           {digits(s.position_rmse_worst_m)},
                           {digits(s.attitude_rmse_deg)},
                           {digits(s.landmark_rmse_m)},
                           {two_decimals(s.anees)},
                           {two_decimals(s.anees_position)},
                           {two_decimals(s.anees_attitude)},
+                          {two_decimals(s.anees_scale)},
                           {percent(s.share_within_interval)},
                           {two_decimals(s.nis_per_dof)},
                           {s.scale ? fmt::format("{:.4f}", *s.scale) : "–"},

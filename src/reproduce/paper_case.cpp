@@ -78,4 +78,8 @@ std::optional<PaperCase> paper_case_of(const Scenario& scenario) {
   return PaperCase{*noise, scenario.use_imu};
 }
 
+std::optional<PaperCase> paper_case_of(const StudyCaseInfo& study_case) {
+  return study_case.start == StartMode::kGroundTruth ? paper_case_of(study_case.scenario) : std::nullopt;
+}
+
 }  // namespace limber

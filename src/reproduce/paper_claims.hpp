@@ -28,6 +28,8 @@ struct PaperCase {
 /// @return which case of the paper's experiment a scenario is; nothing if any of its parameters but name,
 /// duration, decalibration, IMU, filter and same_world_in_all_runs differ from the paper's
 [[nodiscard]] std::optional<PaperCase> paper_case_of(const Scenario& scenario);
+/// The same of a case of a study: none unless it starts from the truth, as the paper's runs do.
+[[nodiscard]] std::optional<PaperCase> paper_case_of(const StudyCaseInfo& study_case);
 
 struct PaperClaim {
   ReportClaim claim;

@@ -19,7 +19,7 @@ std::size_t count(const std::vector<PaperClaim>& claims, Verdict verdict) {
 
 bool has_paper_case(const StudyResults& results) {
   return std::any_of(results.cases.begin(), results.cases.end(),
-                     [](const auto& c) { return paper_case_of(c.info.scenario).has_value(); });
+                     [](const auto& c) { return paper_case_of(c.info).has_value(); });
 }
 
 /// Every claim in a line: what a reader looks for first.

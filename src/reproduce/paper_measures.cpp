@@ -74,7 +74,7 @@ std::string case_prefix(const Measured& m, const Measured& beside) {
   if (m.study_case == beside.study_case) {
     return "";
   }
-  const auto paper_case = paper_case_of(m.study_case->info.scenario);
+  const auto paper_case = paper_case_of(m.study_case->info);
   return paper_case ? to_string(*paper_case) + ": " : "";
 }
 
@@ -126,7 +126,7 @@ const StudyCurve* Measured::curve(CurveQuantity quantity) const {
 
 PaperStudy::PaperStudy(const StudyResults& study) : results(study) {
   for (const StudyCaseResults& study_case : results.cases) {
-    cases.push_back(paper_case_of(study_case.info.scenario));
+    cases.push_back(paper_case_of(study_case.info));
   }
 }
 
@@ -165,7 +165,8 @@ std::optional<Measured> find_walk(const PaperStudy& study, double rotation_rad2,
       if (method.variant.method != Method::kEkfFull) {
         continue;
       }
-      const RunOptions options = run_options(study_case.info.scenario, method.variant, study.results.seed, 0);
+      const RunOptions options =
+          run_options(study_case.info.scenario, method.variant, study_case.info.start, study.results.seed, 0);
       const RigParameters per_10_ms = 0.01 * options.theta_walk.value_or(RigParameters::Zero());
       if (is_near(per_10_ms(0), rotation_rad2) && is_near(1e6 * per_10_ms(3), translation_mm2)) {
         return Measured{&study_case, &method};

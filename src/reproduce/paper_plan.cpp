@@ -40,11 +40,12 @@ StudyCase case_of(const std::string& name, std::uint64_t runs, bool beyond) {
   if (beyond) {
     methods += std::string(",") + kBeyondMethods;
   }
-  return {scenario_of(name), method_variants_from_string(methods), runs};
+  return {scenario_of(name), method_variants_from_string(methods), runs, StartMode::kGroundTruth};
 }
 
 StudyCase walks_of(const std::string& name, std::uint64_t runs) {
-  StudyCase out{scenario_of(name), method_variants_from_string(kWalkVariants), std::min(runs, kFewRuns)};
+  StudyCase out{scenario_of(name), method_variants_from_string(kWalkVariants), std::min(runs, kFewRuns),
+                StartMode::kGroundTruth};
   out.scenario.name += "_walks";
   return out;
 }

@@ -73,6 +73,13 @@ void remark_on_units(const std::vector<ImuSample>& imu, double gravity, std::vec
 
 }  // namespace
 
+void PointCount::add(const StereoFrame& frame) {
+  for (const StereoObservation& point : frame.observations) {
+    left += point.in_cam0 ? 1 : 0;
+    right += point.in_cam1 ? 1 : 0;
+  }
+}
+
 std::int64_t frame_time(const Recording& recording, std::size_t n) {
   return recording.images.empty() ? recording.frames[n].t_ns : recording.images[n].t_ns;
 }

@@ -25,6 +25,8 @@ namespace limber::detail {
 /// How many of the points of all frames each camera saw.
 struct PointCount {
   std::size_t left = 0, right = 0;
+
+  void add(const StereoFrame& frame);
 };
 
 /// What the measurements did in this run: cameras that saw nothing, residuals that contradict the model.

@@ -125,6 +125,19 @@ void check(const Recording& recording, const RunOptions& options) {
 
 }  // namespace
 
+std::string_view name_of(StartMode start) {
+  return start == StartMode::kGroundTruth ? "groundtruth" : "auto";
+}
+
+StartMode start_mode_from_string(std::string_view text) {
+  for (const StartMode start : {StartMode::kAuto, StartMode::kGroundTruth}) {
+    if (text == name_of(start)) {
+      return start;
+    }
+  }
+  throw std::invalid_argument(fmt::format("expected a start 'auto' or 'groundtruth', found '{}'", text));
+}
+
 RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   check(recording, options);
   RunSetup setup;

@@ -17,6 +17,7 @@
 
 #include "limber/clean/frame_cleaner.hpp"
 #include "limber/core/chi_square.hpp"
+#include "trajectory_row.hpp"
 
 namespace limber {
 namespace {
@@ -93,8 +94,10 @@ Guess guess_by(Method method, const Recording& recording, RunOptions options, Ke
   Guess out;
   out.record = run_recording(
       recording, options, [&frames](std::size_t n) { return frames(n); }, progress,
-      [&out](const Navigator& navigator, const FrameReport&) {
-        out.states.push_back(navigator.estimate().nav);
+      [&out](const ObservedFrame& frame) {
+        if (frame.navigator != nullptr) {
+          out.states.push_back(frame.navigator->estimate().nav);
+        }
       });
   const std::vector<NavigationState> before =
       states_before(out.record.trajectory, out.record.trajectory.size() - out.states.size());
@@ -166,18 +169,11 @@ CalibrationRow calibration_row(const SmoothedFrame& frame, const SmootherResult&
   return row;
 }
 
-TrajectoryRow trajectory_row(const SmoothedFrame& frame, MotionModel motion) {
-  TrajectoryRow row;
-  row.t_ns = frame.nav.t_ns;
-  row.T_world_body = frame.nav.T_world_body;
-  if (motion != MotionModel::kOdometry) {
-    row.v_world_body = frame.nav.v_world_body;
+TrajectoryRow row_of(const SmoothedFrame& frame, MotionModel motion) {
+  TrajectoryRow row = detail::trajectory_row(frame.nav, motion, frame.pose_covariance);
+  if (motion == MotionModel::kOdometry) {
+    row.v_world_body.reset();  // no unknown of the problem
   }
-  if (motion == MotionModel::kImu) {
-    row.bias_gyro = frame.nav.bias_gyro;
-    row.bias_accel = frame.nav.bias_accel;
-  }
-  row.covariance = frame.pose_covariance;
   return row;
 }
 
@@ -205,7 +201,7 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
       result.squared_residuals / static_cast<double>(std::max<std::ptrdiff_t>(1, result.dof));
   const double dof_per_row = rows > 0.0 && misfit > 0.0 ? std::min(1.0, squares / (misfit * rows)) : 0.0;
   for (const SmoothedFrame& frame : result.frames) {
-    out.trajectory.push_back(trajectory_row(frame, options.motion));
+    out.trajectory.push_back(row_of(frame, options.motion));
     out.frames.push_back(frame_report(frame, dof_per_row));
     const CalibrationRow row = calibration_row(frame, result, given, options);
     if (row.estimate.parameters.any()) {

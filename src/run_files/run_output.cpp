@@ -64,7 +64,7 @@ Json to_json(const RunOptions& options) {
           {"estimate", text_or_null(options.estimated)},
           {"soften", text_or_null(options.softened)},
           {"sigma_px", or_null(options.sigma_px)},
-          {"init", options.start == StartMode::kGroundTruth ? "groundtruth" : "auto"},
+          {"init", name_of(options.start)},
           {"landmarks", options.landmarks == LandmarkKind::kCartesian ? "cartesian" : "inverse-depth"},
           {"gate", options.gate},
           {"max_landmarks", options.max_landmarks},
@@ -85,6 +85,14 @@ Json to_json(const std::vector<RunEvent>& events) {
                    {"samples", e.samples}});
   }
   return out;
+}
+
+Json to_json(const StartReport& report) {
+  const auto known = [](double sigma) { return std::isfinite(sigma) ? Json(sigma) : Json(nullptr); };
+  return {{"waited_s", report.waited_s},
+          {"tilt_sigma_rad", known(report.tilt_sigma)},
+          {"scale_sigma", known(report.scale_sigma)},
+          {"missing", report.missing}};
 }
 
 Json to_json(const CleaningReport& report) {
@@ -109,6 +117,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["anees"] = or_null(s.anees);
   json["anees_position"] = or_null(s.anees_position);
   json["anees_attitude"] = or_null(s.anees_attitude);
+  json["anees_scale"] = or_null(s.anees_scale);
   json["nis_per_dof"] = or_null(s.nis_per_dof);
   json["ms_per_frame"] = {{"p50", s.ms_per_frame_p50},
                           {"p99", s.ms_per_frame_p99},
@@ -133,6 +142,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["health"] = s.health ? Json::parse(to_json(*s.health, options.false_alarms_per_hour)) : Json(nullptr);
   json["seed"] = options.seed;
   json["options"] = to_json(options);
+  json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start) : Json(nullptr);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
   json["theta"] = std::vector<double>(record.theta.data(), record.theta.data() + 6);
   json["estimated"] = estimated_parameters(record);

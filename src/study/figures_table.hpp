@@ -24,6 +24,7 @@ void visit_figures(Figures& figures, Visit visit) {
   visit("anees", figures.anees);
   visit("anees_position", figures.anees_position);
   visit("anees_attitude", figures.anees_attitude);
+  visit("anees_scale", figures.anees_scale);
   visit("share_within_95", figures.share_within_95);
   visit("frames_refused", figures.frames_refused);
   visit("nis", figures.nis);
@@ -32,6 +33,7 @@ void visit_figures(Figures& figures, Visit visit) {
   visit("points_per_frame", figures.points_per_frame);
   visit("frames", figures.frames);
   visit("points_refused", figures.points_refused);
+  visit("start_s", figures.start_s);
   visit("ms_per_frame_mean", figures.ms_per_frame_mean);
   visit("ms_per_frame_p50", figures.ms_per_frame_p50);
   visit("ms_per_frame_p99", figures.ms_per_frame_p99);

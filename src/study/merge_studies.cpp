@@ -69,9 +69,11 @@ class Merger {
     there.put(from.name);
     if (!there.step()) {
       copy(part,
-           fmt::format("SELECT name, runs, scenario, definition, definition_hash FROM cases WHERE id = {}",
-                       from.id),
-           "INSERT INTO cases(name, runs, scenario, definition, definition_hash) VALUES(?, ?, ?, ?, ?)",
+           fmt::format(
+               "SELECT name, runs, start, scenario, definition, definition_hash FROM cases WHERE id = {}",
+               from.id),
+           "INSERT INTO cases(name, runs, start, scenario, definition, definition_hash) VALUES(?, ?, ?, ?, "
+           "?, ?)",
            std::nullopt);
       const std::int64_t id = out_.integer("SELECT last_insert_rowid()");
       copy(part, fmt::format("SELECT method, label FROM methods WHERE case_id = {}", from.id),

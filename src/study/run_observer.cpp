@@ -10,6 +10,7 @@
 
 #include "limber/core/divergence_error.hpp"
 #include "limber/datasets/interpolate.hpp"
+#include "limber/diagnose/run_summary.hpp"
 #include "limber/evaluate/consistency.hpp"
 #include "limber/study/exact_sum.hpp"
 
@@ -20,14 +21,15 @@ namespace {
 /// direction.
 constexpr double kPlacelessRanges = 10.0;
 
-PoseCovariance pose_covariance(const Navigator& navigator) {
-  return navigator.estimate().P.diagonal_block<StateLayout::kPoseSize>(0);
+Pose true_pose(const Recording& recording, std::int64_t t_ns) {
+  const GroundTruthState truth = *groundtruth_at(recording.groundtruth, t_ns);
+  return {truth.R_world_body, truth.p_world_body};
 }
 
 }  // namespace
 
-RunObserver::RunObserver(const Recording& recording, const Scenario& scenario)
-    : recording_(recording), scenario_(scenario), slots_(frame_times(scenario).size()) {}
+RunObserver::RunObserver(const Recording& recording, const Scenario& scenario, StartMode start)
+    : recording_(recording), scenario_(scenario), start_(start), slots_(frame_times(scenario).size()) {}
 
 std::size_t RunObserver::slot_of(std::int64_t t_ns) const {
   return static_cast<std::size_t>(std::llround(1e-9 * static_cast<double>(t_ns) * scenario_.stereo_rate));
@@ -46,28 +48,38 @@ void RunObserver::set(CurveQuantity quantity, double value) {
   frame_[quantity] = value;
 }
 
-void RunObserver::observe(const Navigator& navigator) {
+void RunObserver::observe(const ObservedFrame& frame) {
   frame_.clear();
-  observe_pose(navigator);
-  observe_map(navigator);
-  if (navigator.estimate().layout().has_theta) {
-    observe_theta(navigator);
+  observe_pose(frame.row);
+  if (frame.navigator != nullptr) {
+    observe_map(*frame.navigator);
+    if (frame.navigator->estimate().layout().has_theta) {
+      observe_theta(*frame.navigator);
+    }
   }
-  const std::size_t slot = slot_of(navigator.estimate().nav.t_ns);
+  const std::size_t slot = slot_of(frame.row.t_ns);
   for (const auto& [quantity, value] : frame_) {
     std::vector<double>& values = series_[quantity];
     values.resize(slots_, std::numeric_limits<double>::quiet_NaN());
     values.at(slot) = value;
   }
-  positions_.push_back(navigator.estimate().nav.T_world_body.p);
+  positions_.push_back((*alignment_ * frame.row.T_world_body).p);
   ++observed_;
 }
 
-void RunObserver::observe_pose(const Navigator& navigator) {
-  const NavigationState& nav = navigator.estimate().nav;
-  const GroundTruthState truth = *groundtruth_at(recording_.groundtruth, nav.t_ns);
-  const PoseErrorVector error = pose_error(nav.T_world_body, {truth.R_world_body, truth.p_world_body});
-  const PoseCovariance P = pose_covariance(navigator);
+void RunObserver::align(const TrajectoryRow& first) {
+  const MatchedPose pose{first.t_ns, 0, first.T_world_body, true_pose(recording_, first.t_ns)};
+  alignment_ = start_alignment({&pose, 1}, start_,
+                               scenario_.use_imu ? MotionModel::kImu : MotionModel::kConstantVelocity)
+                   .alignment;
+}
+
+void RunObserver::observe_pose(const TrajectoryRow& row) {
+  if (!alignment_) {
+    align(row);
+  }
+  const PoseErrorVector error = pose_error(*alignment_ * row.T_world_body, true_pose(recording_, row.t_ns));
+  const PoseCovariance P = turned(*row.covariance, alignment_->T_true_est.R);
   if (!error.allFinite() || !P.allFinite() || P.diagonal().minCoeff() < 0.0) {
     throw DivergenceError("the pose or its covariance is not finite, or a variance is negative");
   }
@@ -95,7 +107,9 @@ void RunObserver::observe_map(const Navigator& navigator) {
     if (landmark.kind == LandmarkKind::kInverseDepth && landmark.value.z() * farthest < 1.0) {
       continue;
     }
-    map_error_.mean_squared += (positions[k] - recording_.landmarks_true.at(landmark.track_id)).squaredNorm();
+    map_error_.mean_squared +=
+        (alignment_->T_true_est * positions[k] - recording_.landmarks_true.at(landmark.track_id))
+            .squaredNorm();
     ++map_error_.points;
   }
   if (map_error_.points > 0) {

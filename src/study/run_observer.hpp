@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "limber/datasets/recording.hpp"
-#include "limber/navigate/navigator.hpp"
+#include "limber/evaluate/alignment.hpp"
+#include "limber/run/run_recording.hpp"
 #include "limber/study/study_item.hpp"
 
 namespace limber::detail {
@@ -23,11 +24,11 @@ struct MapError {
 class RunObserver {
  public:
   /// @param recording with truth; must outlive this
-  RunObserver(const Recording& recording, const Scenario& scenario);
+  RunObserver(const Recording& recording, const Scenario& scenario, StartMode start);
 
-  /// Takes down what the filter says after a frame. @throws DivergenceError: nothing of this frame is kept
-  /// then
-  void observe(const Navigator& navigator);
+  /// Takes down what the filter says after a frame, or the start of a frame that it has used up. @throws
+  /// DivergenceError: nothing of this frame is kept then
+  void observe(const ObservedFrame& frame);
 
   /// A divergence at the frame that was being processed.
   [[nodiscard]] Divergence divergence(const std::string& reason) const;
@@ -40,13 +41,16 @@ class RunObserver {
  private:
   [[nodiscard]] std::size_t slot_of(std::int64_t t_ns) const;
   void set(CurveQuantity quantity, double value);
-  void observe_pose(const Navigator& navigator);
+  void align(const TrajectoryRow& first);
+  void observe_pose(const TrajectoryRow& row);
   void observe_theta(const Navigator& navigator);
   void observe_map(const Navigator& navigator);
 
   const Recording& recording_;
   const Scenario& scenario_;
-  std::size_t slots_;  // frames if none is lost
+  StartMode start_;
+  std::optional<Alignment> alignment_;  // of the estimate with the truth, once there is a first pose
+  std::size_t slots_;                   // frames if none is lost
   std::map<CurveQuantity, std::vector<double>> series_;
   std::map<CurveQuantity, double> frame_;  // values of the frame at hand
   std::vector<Eigen::Vector3d> positions_;

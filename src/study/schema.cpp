@@ -21,8 +21,8 @@ CREATE TABLE starts(
   time TEXT NOT NULL, program_version TEXT NOT NULL, compiler TEXT NOT NULL, cpu TEXT NOT NULL,
   host TEXT NOT NULL, processes INTEGER NOT NULL, threads INTEGER NOT NULL, shard TEXT NOT NULL);
 CREATE TABLE cases(
-  id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, runs INTEGER NOT NULL, scenario TEXT NOT NULL,
-  definition TEXT NOT NULL, definition_hash TEXT NOT NULL);
+  id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, runs INTEGER NOT NULL, start TEXT NOT NULL,
+  scenario TEXT NOT NULL,  definition TEXT NOT NULL, definition_hash TEXT NOT NULL);
 CREATE TABLE methods(
   case_id INTEGER NOT NULL, method INTEGER NOT NULL, label TEXT NOT NULL, PRIMARY KEY(case_id, method));
 CREATE TABLE curves(

@@ -12,7 +12,7 @@
 namespace limber::detail {
 
 /// Goes up whenever tables or the meaning of a column change.
-inline constexpr int kSchemaVersion = 1;
+inline constexpr int kSchemaVersion = 2;
 
 /// Whether nothing has been written into the file yet.
 [[nodiscard]] bool is_empty(const SqliteFile& file);

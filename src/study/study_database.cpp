@@ -56,7 +56,8 @@ class StudyDatabase::Impl {
     study.get(info_.program_version);
     study.get(info_.seed);
     SqliteStatement rows = file_.prepare(
-        "SELECT id, name, runs, scenario, (SELECT count(*) FROM runs WHERE case_id = id AND method = 0) "
+        "SELECT id, name, runs, start, scenario, (SELECT count(*) FROM runs WHERE case_id = id AND method = "
+        "0) "
         "FROM cases ORDER BY id");
     while (rows.step()) {
       add_case(rows);
@@ -84,11 +85,18 @@ class StudyDatabase::Impl {
     row.get(ids_.emplace_back());
     row.get(info.name);
     row.get(info.runs);
+    std::string start;
+    row.get(start);
     row.get(info.scenario_text);
     row.get(info.finished);
     if (info.runs > kMaxTerms || info.finished > info.runs) {
       fail(fmt::format("at most {} runs of '{}', and no more finished than planned", kMaxTerms, info.name),
            fmt::format("{} planned, {} finished", info.runs, info.finished));
+    }
+    try {
+      info.start = start_mode_from_string(start);
+    } catch (const std::invalid_argument& error) {
+      fail(fmt::format("a start of '{}' that this version knows", info.name), error.what());
     }
     info.scenario = parse_scenario(info.scenario_text, file_.path());
     info.labels = labels_of(file_, ids_.back());

@@ -34,6 +34,7 @@ RunFigures figures_of(const RunSummary& summary, const detail::MapError& map) {
   out.anees = summary.anees;
   out.anees_position = summary.anees_position;
   out.anees_attitude = summary.anees_attitude;
+  out.anees_scale = summary.anees_scale;
   out.share_within_95 = summary.share_within_95;
   out.frames_refused = static_cast<std::int64_t>(summary.frames_refused);
   out.nis = summary.nis;
@@ -52,9 +53,9 @@ MethodResult compute_method(const Recording& recording, const Scenario& scenario
                             const std::function<bool()>& frame_done) {
   MethodResult out;
   out.run.run = options.run;
-  detail::RunObserver observer(recording, scenario);
-  const auto observe = [&](const Navigator& navigator, const FrameReport&) {
-    observer.observe(navigator);
+  detail::RunObserver observer(recording, scenario, options.start);
+  const auto observe = [&](const ObservedFrame& frame) {
+    observer.observe(frame);
     if (frame_done && !frame_done()) {
       throw ItemCancelled();
     }
@@ -62,6 +63,9 @@ MethodResult compute_method(const Recording& recording, const Scenario& scenario
   try {
     const RunRecord record = run_recording(recording, options, matched_frames(recording), {}, observe);
     out.run.figures = figures_of(summarize(recording, options, record), observer.map_error());
+    if (record.sensor_start) {
+      out.run.figures.start_s = record.sensor_start->waited_s;
+    }
   } catch (const DivergenceError& error) {
     out.run.diverged = observer.divergence(error.what());
   }  // whatever else goes wrong is no result: it ends the study
@@ -128,7 +132,8 @@ ItemResult compute_item(const StudyPlan& plan, std::size_t study_case, std::uint
   for (const MethodVariant& variant : what.methods) {
     try {
       out.methods.push_back(compute_method(recording, what.scenario,
-                                           run_options(what.scenario, variant, plan.seed, run), frame_done));
+                                           run_options(what.scenario, variant, what.start, plan.seed, run),
+                                           frame_done));
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {

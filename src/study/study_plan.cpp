@@ -74,7 +74,8 @@ std::string definition_of(const StudyCase& study_case) {
   if (auto* trajectory = std::get_if<FileTrajectory>(&scenario.trajectory)) {
     trajectory->path = fmt::format("content-{:016x}", fnv1a(detail::load_text(trajectory->path)));
   }
-  std::string text = format_scenario(scenario) + "methods:\n";
+  std::string text =
+      format_scenario(scenario) + fmt::format("start: {}\nmethods:\n", name_of(study_case.start));
   for (const MethodVariant& variant : study_case.methods) {
     text += fmt::format("  - {}\n", to_string(variant));
   }
@@ -89,8 +90,8 @@ std::vector<double> frame_times(const Scenario& scenario) {
   return times;
 }
 
-RunOptions run_options(const Scenario& scenario, const MethodVariant& variant, std::uint64_t seed,
-                       std::uint64_t run) {
+RunOptions run_options(const Scenario& scenario, const MethodVariant& variant, StartMode start,
+                       std::uint64_t seed, std::uint64_t run) {
   const FilterScenario& filter = scenario.filter;
   RunOptions options;
   options.method = variant.method;
@@ -105,7 +106,7 @@ RunOptions run_options(const Scenario& scenario, const MethodVariant& variant, s
     options.assume_error = parse_calibration_error(variant.assume, nominal_calibration(scenario));
   }
   options.landmarks = variant.landmarks;
-  options.start = StartMode::kGroundTruth;
+  options.start = start;
   options.initial = filter.initial;
   options.initial_error = scenario.initial;
   options.theta_sigma = filter.theta_sigma;

@@ -80,6 +80,7 @@ std::string plan_to_bytes(const StudyPlan& plan) {
     out.put(format_scenario(study_case.scenario));
     out.put(definition_of(study_case));
     out.put(study_case.runs);
+    out.put(std::string(name_of(study_case.start)));
     out.put(std::uint64_t{study_case.methods.size()});
     for (const MethodVariant& method : study_case.methods) {
       out.put(to_string(method));
@@ -99,6 +100,8 @@ StudyPlan plan_from_bytes(const std::string& bytes) {
     study_case.scenario = parse_scenario(text, "plan.yaml");
     in.get(definition);
     in.get(study_case.runs);
+    in.get(text);
+    study_case.start = start_mode_from_string(text);
     for (auto methods = in.get<std::uint64_t>(); methods > 0; --methods) {
       in.get(text);
       study_case.methods.push_back(method_variant_from_string(text));

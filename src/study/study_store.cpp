@@ -167,9 +167,13 @@ void StudyStore::take_up(const StudyPlan& plan, const StartRecord& start) {
 }
 
 void StudyStore::add_case(const StudyCase& study_case, const std::string& definition) {
-  file_.prepare("INSERT INTO cases(name, runs, scenario, definition, definition_hash) VALUES(?, ?, ?, ?, ?)")
+  file_
+      .prepare(
+          "INSERT INTO cases(name, runs, start, scenario, definition, definition_hash) VALUES(?, ?, ?, ?, ?, "
+          "?)")
       .put(study_case.scenario.name)
       .put(study_case.runs)
+      .put(name_of(study_case.start))
       .put(format_scenario(study_case.scenario))
       .put(definition)
       .put(fmt::format("{:016x}", fnv1a(definition)))

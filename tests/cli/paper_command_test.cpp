@@ -18,15 +18,20 @@ TEST(PaperCommand, ComputesOneFigureAndLaterMore) {
   const std::string out = (folder.path() / "paper").string();
   const auto ten = run_limber({"paper", "--figure", "10", "--runs", "1", "--three-methods", "--out", out});
   EXPECT_EQ(ten.exit_code, 0) << ten.err;
-  EXPECT_THAT(ten.out, AllOf(HasSubstr("Figure 10, paper_v_strong: 1 of 1 runs\n"),
-                             HasSubstr("| lcekf:full |"), Not(HasSubstr("oracle"))));
+  EXPECT_THAT(
+      ten.out,
+      AllOf(
+          HasSubstr("Figure 10, paper_v_strong: 1 of 1 runs, started from the truth (--init groundtruth)\n"),
+          HasSubstr("| lcekf:full |"), Not(HasSubstr("oracle"))));
   EXPECT_THAT(ten.err, HasSubstr("3 runs, 3 of them now"));
 
   const auto six = run_limber({"paper", "--figure", "6", "--figure", "10", "--runs", "1", "--three-methods",
                                "--out", out, "--export", "json"});
   EXPECT_EQ(six.exit_code, 0) << six.err;
   EXPECT_THAT(six.err, HasSubstr("6 runs, 3 of them now"));
-  EXPECT_THAT(six.out, HasSubstr("Figures 6 and 12, paper_ii: 1 of 1 runs\n"));
+  EXPECT_THAT(
+      six.out,
+      HasSubstr("Figures 6 and 12, paper_ii: 1 of 1 runs, started from the truth (--init groundtruth)\n"));
   EXPECT_TRUE(std::filesystem::exists(out + "/paper.sqlite"));
   EXPECT_TRUE(std::filesystem::exists(out + "/paper.json"));
 

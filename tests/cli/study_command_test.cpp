@@ -40,8 +40,8 @@ class StudyCommand : public ::testing::Test {
   [[nodiscard]] std::vector<std::string> study(const std::string& out, int runs,
                                                const std::vector<std::string>& more = {}) const {
     std::vector<std::string> arguments = {
-        "study",  a_.string(),          b_.string(), "--methods",       "ekf,ekf-full,lcekf",
-        "--runs", std::to_string(runs), "--out",     path(out).string()};
+        "study",       a_.string(), b_.string(),          "--methods", "ekf,ekf-full,lcekf", "--init",
+        "groundtruth", "--runs",    std::to_string(runs), "--out",     path(out).string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
@@ -65,9 +65,10 @@ class StudyCommand : public ::testing::Test {
 TEST_F(StudyCommand, PrintsATableAndKeepsTheDatabase) {
   const auto result = run_limber(study("s.sqlite", 3));
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, StartsWith("a: 3 of 3 runs\n\n| method"));
+  EXPECT_THAT(result.out,
+              StartsWith("a: 3 of 3 runs, started from the truth (--init groundtruth)\n\n| method"));
   EXPECT_THAT(result.out, HasSubstr("\n| ekf-full "));
-  EXPECT_THAT(result.out, HasSubstr("\nb: 3 of 3 runs\n"));
+  EXPECT_THAT(result.out, HasSubstr("\nb: 3 of 3 runs, started from the truth"));
   EXPECT_THAT(result.err, HasSubstr("18 runs, 18 of them now"));
   EXPECT_THAT(result.err, ::testing::Not(HasSubstr("\x1b")));  // no bar where there is no terminal
   const auto again = run_limber(study("s.sqlite", 3));
@@ -95,7 +96,7 @@ TEST_F(StudyCommand, GivesTheSameBitsOnThreeRanks) {
       " --oversubscribe -n 3 ";
   const auto result = run_command(mpirun + testing::limber_command(study("ranks.sqlite", 6)));
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, StartsWith("a: 6 of 6 runs\n"));
+  EXPECT_THAT(result.out, StartsWith("a: 6 of 6 runs, "));
   EXPECT_EQ(rows_of(path("ranks.sqlite"), "SELECT processes, threads FROM starts"),
             std::vector<std::string>{"3|1"});
   EXPECT_EQ(content_of(path("ranks.sqlite")), content_of(path("one.sqlite")));
@@ -115,8 +116,33 @@ TEST_F(StudyCommand, GivesTheSameBitsFromTwoMergedShards) {
   const auto result = run_limber({"study", "merge", path("part2").string(), path("part1").string(), "--out",
                                   path("merged.sqlite").string()});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, StartsWith("a: 5 of 5 runs\n"));
+  EXPECT_THAT(result.out, StartsWith("a: 5 of 5 runs, "));
   EXPECT_EQ(content_of(path("merged.sqlite")), content_of(path("one.sqlite")));
+}
+
+TEST_F(StudyCommand, StartsFromTheSensorsUnlessToldOtherwiseAndGivesTheSameBits) {
+  const auto automatic = [&](const std::string& out, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {"study",     a_.string(),      b_.string(),
+                                          "--methods", "lcekf,adaptive", "--runs",
+                                          "2",         "--out",          path(out).string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  const auto whole = run_limber(automatic("whole.sqlite", {"--threads", "1"}));
+  EXPECT_EQ(whole.exit_code, 0) << whole.err;
+  EXPECT_THAT(whole.out, StartsWith("a: 2 of 2 runs, started from the sensors (--init auto)\n"));
+  for (const std::string shard : {"1", "2"}) {
+    EXPECT_EQ(run_limber(automatic("part" + shard, {"--shard", shard + "/2"})).exit_code, 0);
+  }
+  EXPECT_EQ(run_limber({"study", "merge", path("part2").string(), path("part1").string(), "--out",
+                        path("merged.sqlite").string()})
+                .exit_code,
+            0);
+  EXPECT_EQ(content_of(path("merged.sqlite")), content_of(path("whole.sqlite")));
+  // Runs of two starts are no sample of one thing.
+  const auto other = run_limber(automatic("whole.sqlite", {"--init", "groundtruth"}));
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_THAT(other.err, HasSubstr("stored: start: auto\n  now:    start: groundtruth\n"));
 }
 
 TEST_F(StudyCommand, GivesTheSameBitsAfterBeingKilledAgainAndAgain) {

@@ -170,6 +170,39 @@ TEST(AverageNees, RefusesMissingCovariancesAndScale) {
   EXPECT_THROW((void)average_nees(run.poses, run.covariances, scaled, 0), std::invalid_argument);
 }
 
+TEST(DistanceNees, SeesTheErrorAlongTheWayAlone) {
+  PoseCovariance P = PoseCovariance::Identity();
+  P(0, 0) = 4.0;
+  PoseErrorVector error = PoseErrorVector::Zero();
+  error << 6.0, 5.0, -7.0, 1.0, 1.0, 1.0;
+  EXPECT_DOUBLE_EQ(*distance_nees(error, P, {10.0, 0.0, 0.0}), 9.0);
+  EXPECT_DOUBLE_EQ(*distance_nees(error, P, {0.0, -3.0, 0.0}), 25.0);
+  EXPECT_FALSE(distance_nees(error, P, Eigen::Vector3d::Zero()));
+  P(0, 0) = -1.0;
+  EXPECT_FALSE(distance_nees(error, P, {10.0, 0.0, 0.0}));
+}
+
+TEST(AverageNees, OfAPathThatIsTooLongIsLargeInScale) {
+  // A path of 20 m that is one percent too long, by a filter that claims 5 cm everywhere.
+  std::vector<MatchedPose> poses;
+  std::vector<PoseCovariance> covariances;
+  double expected = 0.0;
+  for (std::size_t k = 0; k <= 20; ++k) {
+    const Eigen::Vector3d p(static_cast<double>(k), 0.0, 0.0);
+    poses.push_back({static_cast<std::int64_t>(k) * 1'000'000'000,
+                     k,
+                     {Eigen::Matrix3d::Identity(), 1.01 * p},
+                     {Eigen::Matrix3d::Identity(), p}});
+    covariances.emplace_back(0.05 * 0.05 * PoseCovariance::Identity());
+    if (k > 1) {
+      expected += std::pow(0.01 * p.x() / 0.05, 2.0) / 19.0;
+    }
+  }
+  const Consistency found = average_nees(poses, covariances, Alignment{}, 0);
+  EXPECT_NEAR(*found.anees_scale, expected, 1e-9);
+  EXPECT_NEAR(found.anees->position, expected / 3.0, 1e-9);
+}
+
 TEST(NormalizedMeanInterval, IsThatOfTheTextbook) {
   // [BarShalom2001], example of 50 runs with two d.o.f.: chi-square(100) between 74.2 and 129.6.
   const Interval interval = normalized_mean_interval(2.0, 50, 0.95);

@@ -28,7 +28,7 @@ struct Got {
   double landmarks_start = 1.0;  ///< RMSE in the first half [m]
   double landmarks_end = 0.1;    ///< in the second
   std::uint64_t diverged = 0;    ///< runs
-  double scale = 1.0, ms = 1.0;
+  double scale = 1.0, ms = 1.0, anees = 1.0;
 };
 
 inline constexpr std::size_t kInstants = 41;
@@ -48,7 +48,9 @@ inline StudyMethodResults method_results(const Got& got) {
     s.position_rmse_m = got.position;
     s.attitude_rmse_deg = got.attitude;
     s.landmark_rmse_m = got.landmarks_end;
-    s.anees = 1.0;
+    s.anees = got.anees;
+    s.position_rmse_median_m = MedianInterval{got.position, 0.9 * got.position, 1.1 * got.position};
+    s.anees_median = MedianInterval{got.anees, 0.9 * got.anees, 1.1 * got.anees};
     s.anees_interval = Interval{0.8, 1.2};
   }
   for (std::uint64_t run = 0; run < s.runs; ++run) {
@@ -77,6 +79,7 @@ inline StudyCaseResults case_results(Scenario scenario, const std::vector<Got>& 
   scenario.duration = 2.0;
   out.info.name = scenario.name;
   out.info.scenario = scenario;
+  out.info.start = StartMode::kGroundTruth;
   out.info.scenario_text = format_scenario(scenario);
   out.info.runs = out.info.finished = 10;
   for (std::size_t k = 0; k < kInstants; ++k) {

@@ -13,6 +13,7 @@
 namespace limber {
 namespace {
 
+using ::testing::AllOf;
 using testing::bent_scenario;
 using testing::case_results;
 using ::testing::Contains;
@@ -98,6 +99,24 @@ TEST(StudyReport, DrawsTheCalibrationBesideWhatIsEstimated) {
   EXPECT_NEAR(trace(translation, "ekf-full −3σ").y[5], 0.03, 1e-12);
 }
 
+TEST(StudyReport, OpensOnTheAnswer) {
+  Got sure{"ekf", 0.3};
+  sure.anees = 100.0;
+  const StudyResults results = study_of({case_results(bent_scenario(), {sure, {"lcekf", 0.1}})});
+  const ReportDocument document = study_report(results);
+  const auto& blocks = document.sections.front().blocks;
+  EXPECT_THAT(std::get<ReportText>(blocks.at(0)).text,
+              AllOf(HasSubstr("started from the truth (--init groundtruth): lcekf comes closest."),
+                    HasSubstr("More than twice as wrong as they claim: ekf (10.0).")));
+  const auto& table = std::get<ReportTable>(blocks.at(1));
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(table.rows[1][1].text, "lcekf");
+  EXPECT_EQ(table.rows[1][3].mark, TableCell::Mark::kBest);
+  EXPECT_EQ(table.rows[0][5].text, "3.0");
+  EXPECT_EQ(table.rows[0][7].mark, TableCell::Mark::kBad);
+  EXPECT_EQ(table.rows[1][7].mark, TableCell::Mark::kNone);
+}
+
 TEST(StudyReport, ShowsDivergedRunsAsSuch) {
   const ReportDocument document = study_report(small_study());
   for (const ReportTable& table : blocks<ReportTable>(document)) {
@@ -143,7 +162,8 @@ TEST(StudyReport, GivesEachSetOfRandomWalksATableWithoutEmptyColumns) {
   std::vector<std::vector<std::string>> columns;
   std::vector<std::size_t> rows;
   for (const ReportBlock& block : document.sections.front().blocks) {
-    if (const auto* table = std::get_if<ReportTable>(&block)) {
+    const auto* table = std::get_if<ReportTable>(&block);
+    if (table != nullptr && table->columns.at(1) != "method") {
       columns.push_back(table->columns);
       rows.push_back(table->rows.size());
     }

@@ -59,6 +59,7 @@ TEST(PaperPlan, HasThePapersRunsAndMethods) {
   EXPECT_EQ(plan.seed, 7u);
   EXPECT_NO_THROW(check_plan(plan));
   for (const StudyCase& study_case : plan.cases) {
+    EXPECT_EQ(study_case.start, StartMode::kGroundTruth);
     EXPECT_EQ(study_case.runs, study_case.scenario.use_imu ? 100u : 10u) << study_case.scenario.name;
     if (study_case.scenario.name == "paper_iii_vision") {  // Table 1
       EXPECT_THAT(labels_of(study_case), ElementsAre("ekf", "ekf-full", "lcekf:full", "ekf-full:walk=0/0",
@@ -74,6 +75,7 @@ TEST(PaperPlan, GoesBeyondThePaperUnlessToldNotTo) {
   EXPECT_NO_THROW(check_plan(plan));
   for (const StudyCase& study_case : plan.cases) {
     const std::vector<std::string> labels = labels_of(study_case);
+    EXPECT_EQ(study_case.start, StartMode::kGroundTruth);
     if (study_case.scenario.name.ends_with("_walks")) {
       EXPECT_THAT(labels,
                   AllOf(IsSupersetOf({"ekf-full:walk=x0.1", "ekf-full:walk=x10"}), Not(Contains("lcekf"))));

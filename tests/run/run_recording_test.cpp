@@ -320,9 +320,11 @@ TEST(RunRecording, TellsAnObserverOfEveryFrameAndEndsWhenItThrows) {
   const Recording recording = short_recording();
   std::vector<std::int64_t> times;
   struct Enough {};
-  const auto observe = [&](const Navigator& navigator, const FrameReport& report) {
-    EXPECT_EQ(report.t_ns, navigator.estimate().nav.t_ns);
-    times.push_back(report.t_ns);
+  const auto observe = [&](const ObservedFrame& frame) {
+    ASSERT_NE(frame.navigator, nullptr);
+    EXPECT_EQ(frame.report.t_ns, frame.navigator->estimate().nav.t_ns);
+    EXPECT_EQ(frame.report.t_ns, frame.row.t_ns);
+    times.push_back(frame.report.t_ns);
     if (times.size() == 5) {
       throw Enough();
     }
@@ -330,6 +332,28 @@ TEST(RunRecording, TellsAnObserverOfEveryFrameAndEndsWhenItThrows) {
   EXPECT_THROW((void)run_recording(recording, from_truth(), matched_frames(recording), {}, observe), Enough);
   ASSERT_EQ(times.size(), 5u);
   EXPECT_EQ(times.back(), recording.frames[4].t_ns);
+}
+
+TEST(RunRecording, TellsAlsoOfTheFramesThatAStartFromTheSensorsHasUsedUp) {
+  const Recording recording = short_recording();
+  RunOptions options = from_truth();
+  options.start = StartMode::kAuto;
+  std::vector<std::int64_t> times;
+  std::size_t filtered = 0;
+  const auto observe = [&](const ObservedFrame& frame) {
+    times.push_back(frame.row.t_ns);
+    filtered += frame.navigator != nullptr ? 1 : 0;
+    EXPECT_TRUE(filtered == 0 || frame.navigator != nullptr);
+  };
+  const RunRecord record = run_recording(recording, options, matched_frames(recording), {}, observe);
+  ASSERT_EQ(times.size(), record.trajectory.size());
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    EXPECT_EQ(times[k], record.trajectory[k].t_ns);
+  }
+  ASSERT_TRUE(record.sensor_start);
+  const auto until_started = static_cast<double>(times[times.size() - filtered - 1] - times.front());
+  EXPECT_NEAR(1e-9 * until_started, record.sensor_start->waited_s, 1e-9);
+  EXPECT_GT(record.sensor_start->waited_s, 0.0);
 }
 
 TEST(RunRecording, DrawsTheStartErrorFromWhatItIsToldWhateverTheEstimatorAssumes) {
@@ -340,9 +364,9 @@ TEST(RunRecording, DrawsTheStartErrorFromWhatItIsToldWhateverTheEstimatorAssumes
     options.initial_error = options.initial;
     options.initial_error->position = drawn;
     double error = 0.0;
-    const auto observe = [&](const Navigator& navigator, const FrameReport& report) {
-      if (report.t_ns == 0) {
-        error = (navigator.estimate().nav.T_world_body.p - recording.groundtruth.front().p_world_body).norm();
+    const auto observe = [&](const ObservedFrame& frame) {
+      if (frame.report.t_ns == 0) {
+        error = (frame.row.T_world_body.p - recording.groundtruth.front().p_world_body).norm();
       }
     };
     (void)run_recording(recording, options, matched_frames(recording), {}, observe);

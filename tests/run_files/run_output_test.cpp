@@ -136,6 +136,19 @@ TEST(WriteRunOutput, LeavesTheTruthInTheWorldOfTheEstimate) {
   EXPECT_NEAR(std::sqrt(squares / static_cast<double>(truth.size())), *run.summary.position_rmse_m, 1e-9);
 }
 
+TEST(WriteRunOutput, SaysHowAStartFromTheSensorsWent) {
+  const TemporaryFolder folder;
+  const Judged run(short_recording(), StartMode::kAuto);
+  write_run_output(folder.path(), run.options, run.record, run.summary);
+  const auto start = Json::parse(testing::read_text(folder.path() / "summary.json")).at("sensor_start");
+  EXPECT_EQ(start.at("waited_s"), run.record.sensor_start->waited_s);
+  EXPECT_GT(start.at("tilt_sigma_rad").get<double>(), 0.0);
+  EXPECT_GT(start.at("scale_sigma").get<double>(), 0.0);
+  const Judged told(short_recording());
+  write_run_output(folder.path(), told.options, told.record, told.summary);
+  EXPECT_TRUE(Json::parse(testing::read_text(folder.path() / "summary.json")).at("sensor_start").is_null());
+}
+
 TEST(WriteRunOutput, TakesAwayTheTruthOfAnOlderRun) {
   const TemporaryFolder folder;
   const Judged known(short_recording());

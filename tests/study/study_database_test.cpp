@@ -41,6 +41,7 @@ TEST_F(FinishedStudy, SaysWhatItHolds) {
   ASSERT_EQ(study.info().cases.size(), 2u);
   const StudyCaseInfo& info = study.info().cases[1];
   EXPECT_EQ(info.name, "tiny_vision");
+  EXPECT_EQ(info.start, StartMode::kGroundTruth);
   EXPECT_EQ(info.runs, 2u);
   EXPECT_EQ(info.finished, 2u);
   EXPECT_THAT(info.labels, ElementsAre("lcekf:full", "mono-left"));
@@ -161,6 +162,19 @@ TEST(StudyDatabase, CanBeReadWhileItIsWritten) {
   };
   run_study(tiny_plan(5), path, options);
   EXPECT_EQ(seen, 5u);
+}
+
+TEST(StudyDatabase, RefusesAStartThatItDoesNotKnow) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "s.sqlite";
+  run_study(tiny_plan(1, "ekf"), path);
+  testing::rows_of(path, "UPDATE cases SET start = 'guess'");
+  try {
+    const StudyDatabase study(path);
+    ADD_FAILURE();
+  } catch (const DataError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("expected a start 'auto' or 'groundtruth', found 'guess'"));
+  }
 }
 
 TEST(StudyDatabase, RefusesWhatIsNoStudy) {

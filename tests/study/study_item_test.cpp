@@ -42,7 +42,8 @@ TEST(ComputeItem, JudgesEachMethodAsARunOnTheSameRecordingWouldBe) {
   ASSERT_EQ(item.methods.size(), 3u);
   const Recording recording = simulate(plan.cases[0].scenario, plan.seed, 3);
   for (std::size_t k = 0; k < 3; ++k) {
-    const RunOptions options = run_options(plan.cases[0].scenario, plan.cases[0].methods[k], plan.seed, 3);
+    const RunOptions options =
+        run_options(plan.cases[0].scenario, plan.cases[0].methods[k], plan.cases[0].start, plan.seed, 3);
     const RunSummary summary =
         summarize(recording, options, run_recording(recording, options, matched_frames(recording)));
     const StudyRun& run = item.methods[k].run;
@@ -73,6 +74,40 @@ TEST(ComputeItem, KeepsSeriesThatAgreeWithTheFigures) {
     EXPECT_FALSE(figures.anees);
     for (const auto& [quantity, values] : series) {
       EXPECT_EQ(values.size(), 21u) << name_of(quantity);
+    }
+  }
+}
+
+TEST(ComputeItem, CountsTheFramesOfAStartFromTheSensorsInTheWorldOfTheTruth) {
+  for (const bool use_imu : {true, false}) {
+    StudyPlan plan = tiny_plan(1, use_imu ? "ekf,ekf-full,lcekf,adaptive,mono-left" : "ekf");
+    plan.cases[0].start = StartMode::kAuto;
+    plan.cases[0].scenario.duration = 2.0;
+    plan.cases[0].scenario.use_imu = use_imu;
+    const ItemResult item = compute_item(plan, 0, 0);
+    const Recording recording = simulate(plan.cases[0].scenario, plan.seed, 0);
+    for (std::size_t k = 0; k < item.methods.size(); ++k) {
+      const std::string label = to_string(plan.cases[0].methods[k]);
+      const StudyRun& run = item.methods[k].run;
+      ASSERT_FALSE(run.diverged) << label << ": " << run.diverged->reason;
+      EXPECT_EQ(run.figures.frames, 41) << label;
+      ASSERT_TRUE(run.figures.start_s && run.figures.anees_scale) << label;
+      EXPECT_GT(*run.figures.start_s, 0.0) << label;
+      const auto series = series_of(item.methods[k]);
+      const auto& position = series.at(CurveQuantity::kPositionSquaredError);
+      ASSERT_EQ(position.size(), 41u) << label;
+      // Aligned at the first pose, window and all: the summary's figure.
+      EXPECT_NEAR(position.front(), 0.0, 1e-18) << label;
+      EXPECT_NEAR(root_mean(position), *run.figures.position_rmse_m, 1e-9) << label;
+      EXPECT_NEAR(std::sqrt(position.back()), *run.figures.position_final_m, 1e-9) << label;
+      double nees = 0.0;
+      for (std::size_t n = 21; n < 41; ++n) {
+        nees += series.at(CurveQuantity::kPoseNees)[n] / 6.0 / 20.0;
+      }
+      EXPECT_NEAR(nees, *run.figures.anees, 1e-6 * nees) << label;
+      EXPECT_LT((item.methods[k].positions.front() - recording.groundtruth.front().p_world_body).norm(),
+                1e-9);
+      EXPECT_LT(label == "ekf" ? *run.figures.landmark_rmse_m : 0.0, 5.0);  // where the truth has them
     }
   }
 }

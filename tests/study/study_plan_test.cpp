@@ -54,6 +54,9 @@ TEST(DefinitionOf, ChangesWithEverythingThatResultsDependOn) {
   other.scenario.filter.max_landmarks = 399;
   EXPECT_NE(definition_of(other), definition);
   other = study_case;
+  other.start = StartMode::kAuto;
+  EXPECT_NE(definition_of(other), definition);
+  other = study_case;
   other.methods[2].constraints = ConstraintSet{ConstraintSet::Kind::kRotation, {}};
   EXPECT_NE(definition_of(other), definition);
 }
@@ -92,8 +95,8 @@ TEST(RunOptionsOfAStudy, FollowTheScenarioAndTheVariant) {
   scenario.filter.angular_noise = 0.0625;
   scenario.filter.theta_sigma.setConstant(0.75);
   scenario.gravity = 1.62;
-  const RunOptions options =
-      run_options(scenario, method_variant_from_string("lcekf:rotation:cartesian"), 4, 9);
+  const RunOptions options = run_options(scenario, method_variant_from_string("lcekf:rotation:cartesian"),
+                                         StartMode::kGroundTruth, 4, 9);
   EXPECT_EQ(options.method, Method::kLcekf);
   EXPECT_EQ(options.constraints->kind, ConstraintSet::Kind::kRotation);
   EXPECT_EQ(options.landmarks, LandmarkKind::kCartesian);
@@ -110,10 +113,15 @@ TEST(RunOptionsOfAStudy, FollowTheScenarioAndTheVariant) {
   EXPECT_EQ(options.run, 9u);
 }
 
+TEST(RunOptionsOfAStudy, StartFromTheSensorsUnlessTheCaseSaysOtherwise) {
+  EXPECT_EQ(StudyCase{}.start, StartMode::kAuto);
+  EXPECT_EQ(run_options(tiny_scenario(), {}, StartMode::kAuto, 1, 0).start, StartMode::kAuto);
+}
+
 TEST(RunOptionsOfAStudy, LetThetaWalkAsTheVariantSays) {
   const Scenario scenario = tiny_scenario();  // 1e-6 rad^2 and 1 mm^2 in every 10 ms
   const auto walk = [&](const std::string& variant) {
-    return *run_options(scenario, method_variant_from_string(variant), 1, 0).theta_walk;
+    return *run_options(scenario, method_variant_from_string(variant), StartMode::kAuto, 1, 0).theta_walk;
   };
   EXPECT_EQ(walk("ekf-full"), scenario.filter.theta_walk);
   EXPECT_TRUE(walk("ekf-full:walk=x10").isApprox(10.0 * scenario.filter.theta_walk, 1e-15));

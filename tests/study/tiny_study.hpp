@@ -27,7 +27,8 @@ inline const std::string kHopeless = "ekf-full:walk=1e+300/1e+300";
 
 inline StudyPlan tiny_plan(std::uint64_t runs, const std::string& methods = "ekf,ekf-full,lcekf") {
   StudyPlan plan;
-  plan.cases.push_back({tiny_scenario(), method_variants_from_string(methods), runs});
+  plan.cases.push_back(
+      {tiny_scenario(), method_variants_from_string(methods), runs, StartMode::kGroundTruth});
   return plan;
 }
 
@@ -36,7 +37,8 @@ inline StudyPlan two_cases(std::uint64_t runs) {
   StudyPlan plan = tiny_plan(runs, "ekf,ekf-full,lcekf," + kHopeless);
   Scenario vision = tiny_scenario("tiny_vision");
   vision.use_imu = false;
-  plan.cases.push_back({vision, method_variants_from_string("lcekf:full,mono-left"), (runs + 1) / 2});
+  plan.cases.push_back(
+      {vision, method_variants_from_string("lcekf:full,mono-left"), (runs + 1) / 2, StartMode::kGroundTruth});
   return plan;
 }
 
@@ -84,7 +86,8 @@ inline std::vector<std::string> content_of(const std::filesystem::path& database
   std::vector<std::string> content;
   for (const std::string& sql :
        {std::string("SELECT seed, program_version FROM study"),
-        std::string("SELECT name, runs, scenario, definition, definition_hash FROM cases ORDER BY name"),
+        std::string(
+            "SELECT name, runs, start, scenario, definition, definition_hash FROM cases ORDER BY name"),
         "SELECT " + name + "method, label FROM methods ORDER BY 1, 2",
         "SELECT " + name + "method, run" + repeatable_columns(database) + " FROM runs ORDER BY 1, 2, 3",
         "SELECT " + name + "method, quantity, unit, hex(sums) FROM curves ORDER BY 1, 2, 3",

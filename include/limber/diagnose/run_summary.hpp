@@ -2,12 +2,14 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "limber/core/pose.hpp"
 #include "limber/datasets/recording.hpp"
 #include "limber/diagnose/health_summary.hpp"
+#include "limber/evaluate/alignment.hpp"
 #include "limber/run/input_summary.hpp"
 #include "limber/run/run_recording.hpp"
 
@@ -24,6 +26,7 @@ struct RunSummary {
   std::optional<double> position_final_m, attitude_final_deg;  ///< after the last frame, aligned as the RMSE
   std::optional<double> position_max_m, attitude_max_deg;      ///< of any frame
   std::optional<double> anees, anees_position, anees_attitude;
+  std::optional<double> anees_scale;      ///< of the distance from the begin, see distance_nees
   std::optional<double> share_within_95;  ///< of the frames of anees, see Consistency
   std::size_t frames_refused = 0;         ///< of those frames: pose covariance not positive definite
   double nis = 0.0, nis_dof = 0.0;        ///< sums over all updates
@@ -42,6 +45,17 @@ struct RunSummary {
   /// The truth at the times of the frames that have one, in the world of the estimate (so aligned).
   std::vector<StampedPose> truth;
 };
+
+/// What is taken out of an estimate before its errors are counted, and how that is called.
+struct StartAlignment {
+  Alignment alignment;  ///< rigid
+  std::string in_words;
+};
+
+/// Nothing for a start from the truth. For one from the sensors, the first pose: its position and yaw where
+/// an IMU shows what is down, all of it where nothing does. @param poses  not empty
+[[nodiscard]] StartAlignment start_alignment(std::span<const MatchedPose> poses, StartMode start,
+                                             MotionModel motion);
 
 /// @brief Judges a run against the recording's ground truth, where it has one.
 /// position_rmse, attitude_rmse and anees are unaligned for a ground truth start; else the estimate is first

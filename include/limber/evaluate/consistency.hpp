@@ -33,6 +33,16 @@ struct PoseNees {
 /// @return nothing if P is not positive definite (or not finite)
 [[nodiscard]] std::optional<PoseNees> pose_nees(const PoseErrorVector& error, const PoseCovariance& P);
 
+/// @brief Normalised squared error of the distance from where the body began: what a wrong scale does to a
+/// path, whatever its direction. Chi-square with 1 d.o.f. where the filter is consistent.
+/// @param from_begin true displacement since the first position, in the world of the truth [m]
+/// @return nothing where the body has not moved, or the variance is not positive and finite
+[[nodiscard]] std::optional<double> distance_nees(const PoseErrorVector& error, const PoseCovariance& P,
+                                                  const Eigen::Vector3d& from_begin);
+
+/// The covariance of a pose error whose world is turned by R; the attitude error is local and stays.
+[[nodiscard]] PoseCovariance turned(const PoseCovariance& P, const Eigen::Matrix3d& R);
+
 /// Average NEES over a run.
 struct Consistency {
   std::size_t frames = 0;  ///< that entered the averages
@@ -40,6 +50,8 @@ struct Consistency {
       0;  ///< whose covariance is not positive definite: a filter that broke, unless 0
   std::optional<PoseNees>
       anees;  ///< NEES per d.o.f. (divided by 6, 3 and 3), mean over the frames; 1 = consistent
+  std::optional<double>
+      anees_scale;  ///< mean distance_nees over those of the frames that have one; 1 = consistent
   double share_within_95 =
       0.0;  ///< frames whose pose NEES is below the 95 % quantile of chi-square(6), 0 to 1
 };

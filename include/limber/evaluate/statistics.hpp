@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 
 namespace limber {
@@ -20,5 +21,19 @@ struct Statistics {
 
 /// @throws std::invalid_argument if there are no values, or one is not finite
 [[nodiscard]] Statistics statistics_of(std::span<const double> values);
+
+/// The middle of a sample, and what may be said of the middle of what it was drawn from.
+struct MedianInterval {
+  double median = 0.0;  ///< of an even count: the mean of the middle two
+  std::optional<double> lower,
+      upper;  ///< hold the true median with 95 % at least; fewer than six values: none
+};
+
+/// @brief Median with an interval that holds whatever the distribution: two of the values in order, by the
+/// binomial distribution of how many lie below the median. The extremes of six values hold it with 97 %.
+/// @param values may hold infinity, for what has no number and is worse than all
+/// @return nothing if there are no values
+/// @throws std::invalid_argument if one is NaN
+[[nodiscard]] std::optional<MedianInterval> median_interval(std::span<const double> values);
 
 }  // namespace limber

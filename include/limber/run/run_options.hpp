@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "limber/clean/frame_cleaner.hpp"
@@ -18,6 +19,11 @@ enum class StartMode : std::uint8_t {
   kAuto,        ///< sensors alone
   kGroundTruth  ///< the truth plus an error drawn from the initial sigmas; for experiments
 };
+
+/// "auto" and "groundtruth", as --init takes them.
+[[nodiscard]] std::string_view name_of(StartMode start);
+/// @throws std::invalid_argument for another word
+[[nodiscard]] StartMode start_mode_from_string(std::string_view text);
 
 /// What a user chooses for a run; everything else follows from the recording.
 struct RunOptions {

@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "limber/datasets/recording.hpp"
 #include "limber/datasets/trajectory_files.hpp"
+#include "limber/initialize/sensor_start.hpp"
 #include "limber/run/run_options.hpp"
 
 namespace limber {
@@ -23,8 +25,17 @@ using FrameSource = std::function<StereoFrame(std::size_t)>;
 /// Frame `n` of a recording with matched points. The recording must outlive the source.
 [[nodiscard]] FrameSource matched_frames(const Recording& recording);
 
-/// Told of every frame once it is processed; what it throws ends the run and passes through.
-using FrameObserver = std::function<void(const Navigator&, const FrameReport&)>;
+/// A frame of a run that is done.
+struct ObservedFrame {
+  const TrajectoryRow& row;
+  const FrameReport& report;
+  /// As it stands after the frame; null for the frames that a start from the sensors has used up, which no
+  /// filter went through.
+  const Navigator* navigator;
+};
+
+/// Told of every frame in turn; what it throws ends the run and passes through.
+using FrameObserver = std::function<void(const ObservedFrame&)>;
 
 /// What a filter took for the calibration after a frame.
 struct CalibrationRow {
@@ -43,7 +54,8 @@ struct RunRecord {
   std::vector<CalibrationRow> calibration;            ///< one per row of the trajectory, if it is estimated
   std::vector<std::string> notes;                     ///< choices made on the user's behalf, in plain words
   MotionModel motion = MotionModel::kImu;
-  InitialState start;       ///< what the filter was told of its first state
+  InitialState start;                       ///< what the filter was told of its first state
+  std::optional<StartReport> sensor_start;  ///< StartMode::kAuto: what was known by then, and when that was
   CleaningReport cleaning;  ///< what was taken out of the frames before the navigator saw them
   std::size_t frames_of_recording = 0;
   bool stopped = false;  ///< before the last frame, because the caller asked to

@@ -16,8 +16,9 @@ struct Divergence {
   std::string reason;  ///< in plain words
 };
 
-/// Figures of merit of one run of one method. Definitions as in summary.json, docs/formats.md; nothing is
-/// aligned, since the start is the truth plus a drawn error. What is not known is empty.
+/// Figures of merit of one run of one method. Definitions as in summary.json, docs/formats.md: nothing is
+/// aligned after a start from the truth, the first pose after one from the sensors. What is not known is
+/// empty.
 struct RunFigures {
   std::optional<double> position_rmse_m, attitude_rmse_deg;
   std::optional<double> position_final_m, attitude_final_deg;  ///< error after the last frame
@@ -25,13 +26,15 @@ struct RunFigures {
   std::optional<double> landmark_rmse_m;                       ///< over the final map
   std::optional<double> ate_none_m, ate_se3_m, ate_sim3_m, scale;
   std::optional<double> anees, anees_position,
-      anees_attitude;  ///< per d.o.f., mean over frames later than 1 s
+      anees_attitude;                 ///< per d.o.f., mean over frames later than 1 s
+  std::optional<double> anees_scale;  ///< the same of the distance from the begin, see distance_nees
   std::optional<double>
       share_within_95;  ///< of those frames, pose NEES below the 95 % quantile of chi-square(6)
   std::optional<std::int64_t> frames_refused;  ///< of those, without NEES: covariance not positive definite
   std::optional<double> nis, nis_dof;          ///< sums over all updates
   std::optional<double> path_length_m, points_per_frame;
   std::optional<std::int64_t> frames, points_refused;
+  std::optional<double> start_s;  ///< from the first frame until a start from the sensors was ready
   // Depend on the machine, and are no part of what has to be repeatable:
   std::optional<double> ms_per_frame_mean, ms_per_frame_p50, ms_per_frame_p99;  ///< filter alone [ms]
 };

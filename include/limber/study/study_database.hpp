@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "limber/run/run_options.hpp"
 #include "limber/simulate/scenario.hpp"
 #include "limber/study/curve.hpp"
 #include "limber/study/method_variant.hpp"
@@ -23,10 +24,11 @@ struct StudyCaseInfo {
   Scenario scenario;          ///< parsed from scenario_text
   std::string scenario_text;  ///< every key with its value
   std::vector<MethodVariant> methods;
-  std::vector<std::string> labels;  ///< to_string of each method
-  std::uint64_t runs = 0;           ///< planned, of each method; runs are numbered from 0
-  std::uint64_t finished = 0;       ///< of them, diverged ones included; the same for all methods
-  std::vector<double> frame_times;  ///< of the stereo frames, the x axis of every curve [s]
+  std::vector<std::string> labels;     ///< to_string of each method
+  StartMode start = StartMode::kAuto;  ///< of every method
+  std::uint64_t runs = 0;              ///< planned, of each method; runs are numbered from 0
+  std::uint64_t finished = 0;          ///< of them, diverged ones included; the same for all methods
+  std::vector<double> frame_times;     ///< of the stereo frames, the x axis of every curve [s]
 };
 
 struct StudyInfo {

@@ -16,6 +16,7 @@ struct StudyCase {
   Scenario scenario;
   std::vector<MethodVariant> methods;  ///< every one sees the same recording of a run
   std::uint64_t runs = 0;              ///< numbered from 0
+  StartMode start = StartMode::kAuto;  ///< of every method
 };
 
 struct StudyPlan {
@@ -35,9 +36,9 @@ void check_plan(const StudyPlan& plan);
 /// Times of the stereo frames [s], whether they get lost or not: the x axis of curves.
 [[nodiscard]] std::vector<double> frame_times(const Scenario& scenario);
 
-/// How a method runs in a scenario: from the truth plus an error drawn from scenario.initial, assuming what
-/// scenario.filter says.
-[[nodiscard]] RunOptions run_options(const Scenario& scenario, const MethodVariant& variant,
+/// How a method runs in a scenario, assuming what scenario.filter says: from the sensors, or from the truth
+/// plus an error drawn from scenario.initial.
+[[nodiscard]] RunOptions run_options(const Scenario& scenario, const MethodVariant& variant, StartMode start,
                                      std::uint64_t seed, std::uint64_t run);
 
 }  // namespace limber

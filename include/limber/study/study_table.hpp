@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "limber/evaluate/consistency.hpp"
+#include "limber/evaluate/statistics.hpp"
 #include "limber/study/study_database.hpp"
 
 namespace limber {
@@ -22,9 +24,14 @@ struct MethodSummary {
   std::optional<double> position_rmse_m, attitude_rmse_deg,
       landmark_rmse_m;                          ///< root of the mean square over runs
   std::optional<double> position_rmse_worst_m;  ///< of a single run
+  /// Over runs, a diverged one being worse than any other: infinite where most of them are.
+  std::optional<MedianInterval> position_rmse_median_m;
+  std::optional<MedianInterval> anees_median;
+  std::optional<double> ate_se3_m;         ///< root of the mean square over runs
   std::optional<double> position_final_m;  ///< root mean square over runs of the error after the last frame
-  std::optional<double> anees, anees_position, anees_attitude;  ///< mean over runs; 1 = consistent
-  std::optional<double> anees_standard_error;                   ///< of `anees`, from the spread between runs
+  std::optional<double> anees, anees_position, anees_attitude,
+      anees_scale;                             ///< mean over runs; 1 = consistent
+  std::optional<double> anees_standard_error;  ///< of `anees`, from the spread between runs
   /// 95 % interval of the mean over as many independent runs at one instant, per d.o.f.: the bounds that the
   /// NEES curve of a consistent filter leaves at one instant in twenty; and, since frames of one run may
   /// correlate fully, cautious bounds of the time average. Three d.o.f.: position and attitude.
@@ -32,7 +39,8 @@ struct MethodSummary {
   std::optional<double>
       share_within_interval;  ///< of instants later than 1 s, at which the mean NEES is within
   std::optional<double> nis_per_dof;
-  std::optional<double> scale;  ///< mean over runs of the Sim(3) scale
+  std::optional<double> scale;                          ///< mean over runs of the Sim(3) scale
+  std::optional<double> start_median_s, start_worst_s;  ///< until a start from the sensors was ready
   std::optional<double> ms_per_frame;
 };
 
@@ -40,8 +48,30 @@ struct MethodSummary {
 [[nodiscard]] std::vector<MethodSummary> summarize_case(const StudyDatabase& database,
                                                         std::size_t study_case);
 
+/// "from the sensors (--init auto)" or "from the truth (--init groundtruth)"
+[[nodiscard]] std::string start_in_words(StartMode start);
+
 /// One case as a Markdown table, a line per method.
 [[nodiscard]] std::string format_case_table(const StudyDatabase& database, std::size_t study_case);
+
+/// The main figures of one method of one case, for a table of all.
+struct BriefRow {
+  std::string label, runs;
+  std::string position;    ///< median over the runs of the position RMSE [m], in brackets its 95 % interval
+  std::string worst;       ///< of a run [m]
+  std::string to_best;     ///< median over that of the case's best method
+  std::string anees;       ///< median over the runs, in brackets its 95 % interval
+  std::string to_claimed;  ///< root of that: how many times as large as claimed the errors are
+  bool is_best = false;    ///< smallest median of the methods that were not told the truth
+  bool is_overconfident = false;  ///< errors more than twice as large as claimed, or diverged
+};
+
+/// The heads of a BriefRow behind the case's name, in its order.
+[[nodiscard]] const std::array<std::string, 7>& brief_heads();
+[[nodiscard]] std::vector<BriefRow> brief_rows(const std::vector<MethodSummary>& methods);
+
+/// All cases in one table of the main figures.
+[[nodiscard]] std::string format_brief_table(const StudyDatabase& database);
 
 /// All cases, each a line that names it and its table: what the program prints.
 [[nodiscard]] std::string format_study_table(const StudyDatabase& database);

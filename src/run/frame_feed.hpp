@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "limber/run/run_recording.hpp"
+
+/// A recording's inputs and frames in the order of time.
+namespace limber::detail {
+
+using Clock = std::chrono::steady_clock;
+
+inline double milliseconds(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double, std::milli>(end - begin).count();
+}
+
+/// Feeds inputs in time.
+class InputFeed {
+ public:
+  explicit InputFeed(const Recording& recording) : recording_(recording) {}
+
+  /// All samples up to the first one at or after t, to a navigator or a start.
+  template <typename Receiver>
+  void feed(Receiver& receiver, MotionModel motion, std::int64_t t_ns) {
+    switch (motion) {
+      case MotionModel::kImu:
+        advance(recording_.imu, t_ns, [&](const ImuSample& s) { receiver.add_imu(s); });
+        break;
+      case MotionModel::kOdometry:
+        advance(recording_.odometry, t_ns, [&](const OdometrySample& s) { receiver.add_odometry(s); });
+        break;
+      case MotionModel::kConstantVelocity:
+        break;
+    }
+  }
+
+ private:
+  template <typename Sample, typename Add>
+  void advance(const std::vector<Sample>& samples, std::int64_t t_ns, Add add) {
+    while (next_ < samples.size() && (next_ == 0 || samples[next_ - 1].t_ns < t_ns)) {
+      add(samples[next_++]);
+    }
+  }
+
+  const Recording& recording_;
+  std::size_t next_ = 0;
+};
+
+/// A frame that was read, and how long that took.
+struct ReadFrame {
+  StereoFrame frame;
+  double ms = 0.0;
+};
+
+inline ReadFrame read_frame(const FrameSource& source, std::size_t n) {
+  const auto begin = Clock::now();
+  StereoFrame frame = source(n);
+  return {std::move(frame), milliseconds(begin, Clock::now())};
+}
+
+}  // namespace limber::detail

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "frame_feed.hpp"
+#include "limber/initialize/sensor_start.hpp"
+#include "remarks.hpp"
+
+namespace limber::detail {
+
+/// The frames that a start from the sensors has used up, and what it made of them.
+struct SensorWindow {
+  SensorStartResult result;  // its trajectory is that of `frames`
+  StartReport report;
+  std::vector<FrameReport> frames;
+  std::vector<double> source_ms, frame_ms;
+  detail::PointCount points;
+  std::deque<ReadFrame> ahead;  // read, and still to be processed
+};
+
+/// Reads frames from `first` on until they tell where the body is and how it moves.
+[[nodiscard]] SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setup,
+                                              const FrameSource& source, std::size_t first);
+
+}  // namespace limber::detail
