@@ -12,7 +12,6 @@
 #include "commands.hpp"
 #include "diagnosis.hpp"
 #include "frame_source.hpp"
-#include "limber/datasets/read_recording.hpp"
 #include "limber/diagnose/calibration_mistakes.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run_files/run_output.hpp"
@@ -104,7 +103,7 @@ Diagnosis diagnose(const HealthArguments& arguments, const Recording& recording,
 }
 
 void health(const HealthArguments& arguments) {
-  const Recording recording = read_recording(arguments.dataset);
+  const Recording recording = read_recording(arguments);
   const RunOptions options = to_options(arguments, recording);
   if (!arguments.out.empty()) {
     require_replaceable_run(arguments.out, arguments.force);

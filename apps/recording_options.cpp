@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "recording_options.hpp"
 
+#include <stdexcept>
+
+#include "limber/core/errors.hpp"
+#include "limber/datasets/read_recording.hpp"
+#include "limber/datasets/replace_calibration.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "parsed_by.hpp"
 #include "validators.hpp"
@@ -27,6 +32,23 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
   command.add_option("DATASET", arguments.dataset, "Track log, EuRoC folder or KITTI odometry folder")
       ->required()
       ->check(not_empty());
+  CLI::Option* calibration =
+      command
+          .add_option(
+              "--calib", arguments.calibration,
+              "Calibration in the place of the recording's own: Kalibr camchain, OpenCV stereo YAML, Basalt "
+              "JSON, KITTI calib.txt or calib_cam_to_cam.txt, folder with cam0/sensor.yaml")
+          ->check(not_empty());
+  command
+      .add_option("--imu", arguments.imu,
+                  "Kalibr imu.yaml: noise of the IMU in the place of the recording's own")
+      ->check(not_empty());
+  command
+      .add_option(
+          "--images", arguments.images,
+          "What the images are, where --calib holds both or the recording's own calibration says otherwise")
+      ->check(CLI::IsMember({"raw", "rectified"}))
+      ->needs(calibration);
   command
       .add_option(
           "--assume-error", arguments.assume_error,
@@ -66,6 +88,27 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
                   "Of the calibration monitor, per hour of a sound rig")
       ->check(positive())
       ->capture_default_str();
+}
+
+Recording read_recording(const RecordingArguments& arguments) {
+  Recording recording = limber::read_recording(arguments.dataset);
+  if (!arguments.calibration.empty()) {
+    std::optional<ImageKind> said;
+    if (!arguments.images.empty()) {
+      said = arguments.images == "raw" ? ImageKind::kRaw : ImageKind::kRectified;
+    }
+    const RigFile rig =
+        read_rig_file(arguments.calibration, said.value_or(image_kind(recording.calibration)));
+    try {
+      replace_calibration(recording, rig, said);
+    } catch (const std::invalid_argument& error) {
+      throw std::runtime_error(arguments.calibration.string() + ": " + error.what());
+    }
+  }
+  if (!arguments.imu.empty()) {
+    recording.imu_noise = read_kalibr_imu(arguments.imu);
+  }
+  return recording;
 }
 
 RunOptions to_run_options(const RecordingArguments& arguments, const Recording& recording) {

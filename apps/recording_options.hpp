@@ -12,7 +12,8 @@
 namespace limber::app {
 
 struct RecordingArguments {
-  std::filesystem::path dataset;
+  std::filesystem::path dataset, calibration, imu;
+  std::string images;
   std::string assume_error, estimate, soften, start = "auto", clean = "on";
   std::size_t max_points = CleaningOptions{}.max_points;
   std::optional<double> sigma_px;
@@ -23,6 +24,11 @@ struct RecordingArguments {
 void add_start_option(CLI::App& command, std::string& start);
 
 void add_recording_options(CLI::App& command, RecordingArguments& arguments);
+
+/// The recording, with the calibration of --calib and the noise of --imu in the place of its own.
+/// @throws as limber::read_recording, read_rig_file and read_kalibr_imu; DataError also if calibration and
+/// recording do not belong together
+[[nodiscard]] Recording read_recording(const RecordingArguments& arguments);
 
 /// Run options with these, everything else as by default.
 /// @throws std::invalid_argument as parse_calibration_error and parse_parameter_sigmas

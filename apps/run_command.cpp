@@ -12,7 +12,6 @@
 #include "commands.hpp"
 #include "frame_source.hpp"
 #include "interrupt.hpp"
-#include "limber/datasets/read_recording.hpp"
 #include "limber/run_files/run_output.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
@@ -60,7 +59,7 @@ void run(const RunArguments& arguments) {
   RunRecord record;
   {
     const Interrupt interrupt;
-    recording = read_recording(arguments.dataset);
+    recording = read_recording(arguments);
     options = to_options(arguments, recording);
     require_replaceable_run(arguments.out, arguments.force);
     require_writable_folder(arguments.out);

@@ -8,7 +8,6 @@
 
 #include "commands.hpp"
 #include "frame_source.hpp"
-#include "limber/datasets/read_recording.hpp"
 #include "limber/run/smooth_recording.hpp"
 #include "limber/run_files/run_output.hpp"
 #include "messages.hpp"
@@ -52,7 +51,7 @@ SmoothOptions to_options(const SmoothArguments& arguments, const Recording& reco
 }
 
 void smooth(const SmoothArguments& arguments) {
-  const Recording recording = read_recording(arguments.dataset);
+  const Recording recording = read_recording(arguments);
   const SmoothOptions options = to_options(arguments, recording);
   require_replaceable_run(arguments.out, arguments.force);
   require_writable_folder(arguments.out);

@@ -12,7 +12,8 @@
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/trajectory_files.hpp"
-#include "sensor_yaml.hpp"
+#include "rig_files/check_baseline.hpp"
+#include "rig_files/sensor_yaml.hpp"
 
 namespace limber::detail {
 namespace {

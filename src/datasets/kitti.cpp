@@ -12,78 +12,25 @@
 #include "limber/core/errors.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/datasets/trajectory_files.hpp"
+#include "rig_files/rig_formats.hpp"
 
 namespace limber::detail {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct ProjectionMatrix {
-  Eigen::Matrix<double, 3, 4> P;  // K [I | t]
-  std::size_t line = 0;
-
-  [[nodiscard]] Eigen::Vector3d translation() const { return P.leftCols<3>().inverse() * P.col(3); }
-};
-
-// The lines of calib.txt by their label, "P0:" and so on ("Tr:" has twelve numbers too).
-std::map<std::string, ProjectionMatrix> read_projections(const fs::path& path) {
-  TableReader table(path, {.separator = ' ', .names = {"label", "12 numbers"}, .counts = {13}});
-  std::map<std::string, ProjectionMatrix> projections;
-  while (table.next()) {
-    ProjectionMatrix projection;
-    projection.line = table.line();
-    for (Eigen::Index k = 0; k < 12; ++k) {
-      projection.P(k / 4, k % 4) = table.number(static_cast<std::size_t>(k) + 1);
-    }
-    if (!projections.emplace(table.field(0), projection).second) {
-      table.fail("every label once", excerpt(table.field(0)) + " again");
-    }
-  }
-  return projections;
-}
-
-const ProjectionMatrix& rectified(const std::map<std::string, ProjectionMatrix>& projections,
-                                  const std::string& label, const fs::path& path) {
-  const auto found = projections.find(label);
-  if (found == projections.end()) {
-    throw DataError(path.string(), 0, "a line that starts with " + label, "none");
-  }
-  const Eigen::Matrix3d K = found->second.P.leftCols<3>();
-  Eigen::Matrix3d ideal = Eigen::Matrix3d::Identity();
-  ideal.diagonal().head<2>() = K.diagonal().head<2>();
-  ideal.col(2).head<2>() = K.col(2).head<2>();
-  if (K != ideal) {
-    throw DataError(path.string(), found->second.line, "a rectified projection (fu 0 cu, 0 fv cv, 0 0 1)",
-                    "another 3x3 block");
-  }
-  if (!is_focal_length(K(0, 0)) || !is_focal_length(K(1, 1))) {
-    throw DataError(path.string(), found->second.line, kFocalLengthsInWords,
-                    fmt::format("{} and {}", K(0, 0), K(1, 1)));
-  }
-  return found->second;
-}
-
-Camera camera_of(const ProjectionMatrix& projection, const fs::path& first_image) {
+void set_size(Camera& camera, const fs::path& first_image) {
   const ImageSize size = read_image_size(first_image);
-  return {projection.P(0, 0), projection.P(1, 1), projection.P(0, 2), projection.P(1, 2),
-          size.width,         size.height,        NoDistortion{}};
+  camera.width = size.width;
+  camera.height = size.height;
 }
 
 void read_kitti_calibration(const fs::path& folder, Recording& recording) {
-  const fs::path path = folder / "calib.txt";
-  const auto projections = read_projections(path);
-  const ProjectionMatrix& left = rectified(projections, "P0:", path);
-  const ProjectionMatrix& right = rectified(projections, "P1:", path);
-  StereoCalibration& calibration = recording.calibration;
-  calibration.body = BodyFrame::kCam0;
-  calibration.cam0 = camera_of(left, recording.images.front().cam0);
-  calibration.cam1 = camera_of(right, recording.images.front().cam1);
-  // X_cam_k = X_rectified + t_k
-  calibration.theta << Eigen::Vector3d::Zero(), right.translation() - left.translation();
-  const std::string note = check_baseline(calibration.theta, path, right.line, "are P0 and P1 swapped?");
-  if (!note.empty()) {
-    recording.notes.push_back(note);
-  }
+  RigFile rig = read_kitti_odometry_rig(folder / "calib.txt");
+  set_size(rig.calibration.cam0, recording.images.front().cam0);
+  set_size(rig.calibration.cam1, recording.images.front().cam1);
+  recording.calibration = rig.calibration;
+  recording.notes.insert(recording.notes.end(), rig.notes.begin(), rig.notes.end());
 }
 
 std::vector<std::int64_t> read_times(const fs::path& path) {

@@ -7,7 +7,7 @@
 #include "formats.hpp"
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
-#include "sensor_yaml.hpp"
+#include "rig_files/sensor_yaml.hpp"
 
 namespace limber::detail {
 namespace {

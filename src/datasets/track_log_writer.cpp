@@ -17,6 +17,8 @@
 #include "limber/core/errors.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/io/atomic_file.hpp"
+#include "limber/rig_files/write_rig_files.hpp"
+#include "rig_files/euroc_text.hpp"
 
 namespace limber {
 namespace {
@@ -52,9 +54,6 @@ constexpr std::array<const char*, 8> kFolders = {
     "imu0",       "odometry0",         "cam0", "cam1", "tracks0", "state_groundtruth_estimate0",
     "landmarks0", "calibration_truth0"};
 
-// How this writer ends the line of the intrinsics: its mark.
-constexpr const char* kMark = "  # fu, fv, cu, cv\n";
-
 // Nothing but what this writer makes; so that images, other people's files or logs are never removed.
 void require_replaceable(const fs::path& mav0) {
   if (!fs::exists(mav0)) {
@@ -79,54 +78,14 @@ void require_replaceable(const fs::path& mav0) {
     }
   }
   if (!fs::is_empty(mav0) &&
-      detail::load_text(mav0 / "cam0" / "sensor.yaml").find(kMark) == std::string::npos) {
+      detail::load_text(mav0 / "cam0" / "sensor.yaml").find(detail::kIntrinsicsMark) == std::string::npos) {
     refuse("a log that limber did not write");
   }
 }
 
-std::string list_of(const double* begin, std::size_t count) {
-  if (std::any_of(begin, begin + count, [](double value) { return !std::isfinite(value); })) {
-    throw std::invalid_argument("write_track_log: a number is not finite");
-  }
-  return fmt::format("[{}]", fmt::join(begin, begin + count, ", "));
-}
-
-std::string T_BS_text(const Pose& T_body_sensor) {
-  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = Eigen::Matrix4d::Identity();
-  T.topLeftCorner<3, 3>() = T_body_sensor.R;
-  T.topRightCorner<3, 1>() = T_body_sensor.p;
-  return fmt::format("T_BS:\n  cols: 4\n  rows: 4\n  data: {}\n", list_of(T.data(), 16));
-}
-
-struct DistortionText {
-  std::string model, coefficients;
-};
-
-DistortionText distortion_text(const Distortion& distortion) {
-  if (const auto* d = std::get_if<RadialTangential>(&distortion)) {
-    return {"radial-tangential", list_of(std::array{d->k1, d->k2, d->p1, d->p2}.data(), 4)};
-  }
-  if (const auto* d = std::get_if<Equidistant>(&distortion)) {
-    return {"equidistant", list_of(std::array{d->k1, d->k2, d->k3, d->k4}.data(), 4)};
-  }
-  return {"none", "[]"};
-}
-
-std::string camera_yaml(const Camera& camera, const Pose& T_body_cam) {
-  const std::array intrinsics{camera.fu, camera.fv, camera.cu, camera.cv};
-  const DistortionText distortion = distortion_text(camera.distortion);
-  return fmt::format(
-      "sensor_type: camera\n{}resolution: [{}, {}]\ncamera_model: pinhole\n"
-      "intrinsics: {}{}distortion_model: {}\ndistortion_coefficients: {}\n",
-      T_BS_text(T_body_cam), camera.width, camera.height, list_of(intrinsics.data(), 4), kMark,
-      distortion.model, distortion.coefficients);
-}
-
 void write_cameras(const StereoCalibration& calibration, const TrackLogFolder& mav0) {
-  const Pose T_body_cam0 = calibration.body == BodyFrame::kCam0 ? Pose{} : calibration.T_body_cam0;
-  const Pose T_body_cam1 = T_body_cam0 * pose_from_rig(calibration.theta).inverse();
-  mav0.write("cam0", "sensor.yaml", camera_yaml(calibration.cam0, T_body_cam0));
-  mav0.write("cam1", "sensor.yaml", camera_yaml(calibration.cam1, T_body_cam1));
+  mav0.write("cam0", "sensor.yaml", euroc_sensor_yaml(calibration, 0));
+  mav0.write("cam1", "sensor.yaml", euroc_sensor_yaml(calibration, 1));
 }
 
 void write_imu(const Recording& recording, const TrackLogFolder& mav0) {
@@ -144,7 +103,7 @@ void write_imu(const Recording& recording, const TrackLogFolder& mav0) {
     table.end_row();
   }
   mav0.write("imu0", "data.csv", table.text());
-  std::string yaml = "sensor_type: imu\n" + T_BS_text(Pose{});
+  std::string yaml = "sensor_type: imu\n" + detail::T_BS_text(Pose{});
   if (recording.imu_noise) {
     const ImuNoise& noise = *recording.imu_noise;
     yaml += fmt::format(
@@ -173,7 +132,8 @@ void write_odometry(const Recording& recording, const TrackLogFolder& mav0) {
   if (const auto& noise = recording.odometry_noise) {
     mav0.write("odometry0", "sensor.yaml",
                fmt::format("sigma_v: {}  # [m/s]\nsigma_w: {}  # [rad/s]\n",
-                           list_of(noise->sigma_v.data(), 3), list_of(noise->sigma_omega.data(), 3)));
+                           detail::list_of(noise->sigma_v.data(), 3),
+                           detail::list_of(noise->sigma_omega.data(), 3)));
   }
 }
 
@@ -202,7 +162,7 @@ void write_tracks(const Recording& recording, const TrackLogFolder& mav0) {
   mav0.write("tracks0", "data.csv", table.text());
   if (const auto& sigma = recording.pixel_noise) {
     mav0.write("tracks0", "sensor.yaml",
-               fmt::format("sigma_px: {}  # u0, v0, u1, v1\n", list_of(sigma->data(), 4)));
+               fmt::format("sigma_px: {}  # u0, v0, u1, v1\n", detail::list_of(sigma->data(), 4)));
   }
 }
 

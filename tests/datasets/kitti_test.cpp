@@ -143,9 +143,9 @@ TEST_F(KittiFolder, RefusesACalibrationThatIsNone) {
   calibrate("7.0e+02 0 6.0e+02", "7.0e+02 0.1 6.0e+02");
   expect_error("calib.txt", 1, "a rectified projection");
   calibrate("7.0e+02", "seven");
-  expect_error("calib.txt", 1, "a finite number for 12 numbers, found 'seven'");
+  expect_error("calib.txt", 1, "a finite number in P0:, found 'seven'");
   calibrate("-3.5e+02 0", "");
-  expect_error("calib.txt", 2, "13 columns");
+  expect_error("calib.txt", 2, "P1: with 12 numbers");
 }
 
 }  // namespace

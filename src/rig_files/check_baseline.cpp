@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include "rig_files/check_baseline.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "formats.hpp"
 #include "limber/core/errors.hpp"
 
 namespace limber::detail {

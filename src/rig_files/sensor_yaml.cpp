@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "sensor_yaml.hpp"
+#include "rig_files/sensor_yaml.hpp"
 
 #include <fmt/format.h>
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "io/numbers.hpp"
 #include "io/text_file.hpp"
@@ -25,6 +26,12 @@ void blank_out_opencv_directive(std::string& text) {
   if (text.starts_with("%YAML:")) {
     text.replace(0, std::min(text.find('\n'), text.size()), "");
   }
+}
+
+// Of a section; a whole file has none.
+std::size_t root_section_line(const YAML::Node& root) {
+  const std::size_t line = line_of(root.Mark());
+  return root.Mark().column > 0 ? line : 0;
 }
 
 Distortion read_distortion(const SensorYaml& yaml) {
@@ -62,7 +69,7 @@ bool SensorYaml::has(const std::string& key) const { return root_[key].IsDefined
 
 YAML::Node SensorYaml::required(const std::string& key) const {
   if (!has(key)) {
-    throw DataError(path_.string(), 0, "the key " + key, "no such key");
+    throw DataError(path_.string(), root_section_line(root_), "the key " + key, "no such key");
   }
   return root_[key];
 }
@@ -103,30 +110,91 @@ std::vector<double> SensorYaml::numbers_of(const YAML::Node& node, const std::st
   return values;
 }
 
+SensorYaml SensorYaml::section(const std::string& key) const {
+  const YAML::Node node = required(key);
+  if (!node.IsMap()) {
+    fail_at(node, key + " as a mapping", in_words(node));
+  }
+  return {path_, node};
+}
+
+std::vector<SensorYaml> SensorYaml::sections(const std::string& key, std::size_t count) const {
+  const YAML::Node node = required(key);
+  if (!node.IsSequence() || node.size() != count) {
+    fail_at(node, fmt::format("{} as a list of {}", key, count), in_words(node));
+  }
+  std::vector<SensorYaml> out;
+  for (const YAML::Node& entry : node) {
+    if (!entry.IsMap()) {
+      fail_at(entry, "a mapping in " + key, in_words(entry));
+    }
+    out.push_back(SensorYaml(path_, entry));
+  }
+  return out;
+}
+
+std::vector<double> SensorYaml::entries(const std::string& key) const {
+  const YAML::Node node = required(key);
+  const YAML::Node data = node.IsMap() ? node["data"] : node;
+  if (!data.IsDefined() || !data.IsSequence()) {
+    fail_at(node, key + " as rows: cols: data: [numbers] or as a list", in_words(node));
+  }
+  std::vector<double> out;
+  for (const YAML::Node& entry : data) {
+    if (entry.IsSequence()) {
+      const auto row = numbers_of(entry, key, std::nullopt);
+      out.insert(out.end(), row.begin(), row.end());
+    } else {
+      out.push_back(number_of(entry, key));
+    }
+  }
+  return out;
+}
+
+Eigen::MatrixXd SensorYaml::matrix(const std::string& key, Eigen::Index rows, Eigen::Index cols) const {
+  const YAML::Node node = required(key);
+  const auto size = static_cast<std::size_t>(rows * cols);
+  const std::vector<double> data = entries(key);
+  for (const auto& [name, expected] : {std::pair{"rows", rows}, std::pair{"cols", cols}}) {
+    if (node.IsMap() && node[name].IsDefined() &&
+        number_of(node[name], key + " " + name) != static_cast<double>(expected)) {
+      fail_at(node[name], fmt::format("{} {} in {}", expected, name, key), in_words(node[name]));
+    }
+  }
+  if (data.size() != size) {
+    fail_at(node, fmt::format("{} as {} x {} numbers", key, rows, cols),
+            fmt::format("{} numbers", data.size()));
+  }
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  return Eigen::Map<const RowMajor>(data.data(), rows, cols);
+}
+
+Pose SensorYaml::rigid(const YAML::Node& node, const std::string& key, const Eigen::Matrix4d& T) const {
+  const auto R = checked_rotation(T.topLeftCorner<3, 3>());
+  if (!R) {
+    const Eigen::Matrix3d block = T.topLeftCorner<3, 3>();
+    const double error = (block.transpose() * block - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+    fail_at(node, key + " with a rotation in its upper left 3x3 block (R^T R = I, det R = 1)",
+            fmt::format("R^T R off by {:.2g}, det R = {:.4g}", error, block.determinant()));
+  }
+  if ((T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > kBottomRowTolerance) {
+    fail_at(node, "0 0 0 1 as the last row of " + key,
+            fmt::format("{} {} {} {}", T(3, 0), T(3, 1), T(3, 2), T(3, 3)));
+  }
+  return {*R, T.topRightCorner<3, 1>()};
+}
+
+Pose SensorYaml::transform(const std::string& key) const {
+  return rigid(required(key), key, matrix(key, 4, 4));
+}
+
 Pose SensorYaml::body_from_sensor() const {
   const YAML::Node node = required("T_BS");
   if (!node.IsMap() || !node["data"].IsDefined()) {
     fail_at(node, "T_BS with rows: 4, cols: 4 and data: [16 numbers]", in_words(node));
   }
-  for (const char* const size : {"rows", "cols"}) {
-    if (node[size].IsDefined() && number_of(node[size], std::string("T_BS ") + size) != 4.0) {
-      fail_at(node[size], fmt::format("4 {} in T_BS", size), in_words(node[size]));
-    }
-  }
-  const auto data = numbers_of(node["data"], "T_BS data", 16);
-  const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> T(data.data());
-  const auto R = checked_rotation(T.topLeftCorner<3, 3>());
-  if (!R) {
-    const Eigen::Matrix3d block = T.topLeftCorner<3, 3>();
-    const double error = (block.transpose() * block - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-    fail_at(node, "T_BS with a rotation in its upper left 3x3 block (R^T R = I, det R = 1)",
-            fmt::format("R^T R off by {:.2g}, det R = {:.4g}", error, block.determinant()));
-  }
-  if ((T.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > kBottomRowTolerance) {
-    fail_at(node, "0 0 0 1 as the last row of T_BS",
-            fmt::format("{} {} {} {}", T(3, 0), T(3, 1), T(3, 2), T(3, 3)));
-  }
-  return {*R, T.topRightCorner<3, 1>()};
+  static_cast<void>(numbers_of(node["data"], "T_BS data", 16));
+  return transform("T_BS");
 }
 
 double SensorYaml::not_negative(const std::string& key) const {
@@ -158,28 +226,32 @@ void SensorYaml::fail_at(const YAML::Node& node, const std::string& expected,
   throw DataError(path_.string(), line_of(node.Mark()), expected, found);
 }
 
-Camera read_camera(const SensorYaml& yaml) {
-  if (const std::string model = yaml.text("camera_model"); model != "pinhole") {
-    yaml.fail("camera_model", "camera_model pinhole", excerpt(model));
+void check_pinhole(const SensorYaml& yaml, const std::string& key, const Camera& camera) {
+  if (!is_focal_length(camera.fu) || !is_focal_length(camera.fv)) {
+    yaml.fail(key, kFocalLengthsInWords, fmt::format("{} and {}", camera.fu, camera.fv));
   }
-  Camera camera;
-  const auto intrinsics = yaml.numbers("intrinsics", 4);
-  if (!is_focal_length(intrinsics[0]) || !is_focal_length(intrinsics[1])) {
-    yaml.fail("intrinsics", kFocalLengthsInWords, fmt::format("{} and {}", intrinsics[0], intrinsics[1]));
-  }
-  camera.fu = intrinsics[0];
-  camera.fv = intrinsics[1];
-  camera.cu = intrinsics[2];
-  camera.cv = intrinsics[3];
-  const auto resolution = yaml.numbers("resolution", 2);
+}
+
+void read_resolution(const SensorYaml& yaml, const std::string& key, Camera& camera) {
+  const auto resolution = yaml.numbers(key, 2);
   for (const double side : resolution) {
     if (side < 1.0 || side > kLargestResolution || side != std::floor(side)) {
-      yaml.fail("resolution", "resolution as positive whole numbers [width, height]",
+      yaml.fail(key, key + " as positive whole numbers [width, height]",
                 fmt::format("[{}, {}]", resolution[0], resolution[1]));
     }
   }
   camera.width = static_cast<int>(resolution[0]);
   camera.height = static_cast<int>(resolution[1]);
+}
+
+Camera read_camera(const SensorYaml& yaml) {
+  if (const std::string model = yaml.text("camera_model"); model != "pinhole") {
+    yaml.fail("camera_model", "camera_model pinhole", excerpt(model));
+  }
+  const auto intrinsics = yaml.numbers("intrinsics", 4);
+  Camera camera{intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3], 0, 0, NoDistortion{}};
+  check_pinhole(yaml, "intrinsics", camera);
+  read_resolution(yaml, "resolution", camera);
   camera.distortion = read_distortion(yaml);
   return camera;
 }

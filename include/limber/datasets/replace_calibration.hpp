@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+#include "limber/datasets/recording.hpp"
+#include "limber/rig_files/rig_file.hpp"
+
+namespace limber {
+
+/// Which images a recording holds, by its own calibration: rectified ones have no distortion.
+[[nodiscard]] ImageKind image_kind(const StereoCalibration& calibration);
+
+/// @brief Puts another calibration in the place of the recording's own. What the file does not say (size of
+/// the images, place on the IMU, noise) stays; `notes` says what was taken. A body that is the left camera
+/// stays so.
+/// @param images  what the user says of the images; nothing: what the recording's own calibration says of
+/// them
+/// @throws std::invalid_argument if the file is of other images (raw, rectified) or of another size
+void replace_calibration(Recording& recording, const RigFile& rig, std::optional<ImageKind> images);
+
+}  // namespace limber

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "limber/core/pose.hpp"
+#include "limber/rig_files/rig_file.hpp"
+#include "rig_files/foreign_cameras.hpp"
+#include "rig_files/sensor_yaml.hpp"
+
+/// The readers behind read_rig_file, one per format.
+namespace limber::detail {
+
+[[nodiscard]] RigFile read_euroc_rig(const std::filesystem::path& folder);
+[[nodiscard]] RigFile read_cuvslam_rig(const std::filesystem::path& folder);
+[[nodiscard]] RigFile read_kalibr_rig(const SensorYaml& yaml);
+[[nodiscard]] RigFile read_opencv_rig(const SensorYaml& yaml, std::optional<ImageKind> images);
+[[nodiscard]] RigFile read_basalt_rig(const SensorYaml& yaml);
+[[nodiscard]] RigFile read_kitti_odometry_rig(const std::filesystem::path& path);
+[[nodiscard]] RigFile read_kitti_raw_rig(const std::filesystem::path& path, std::optional<ImageKind> images);
+
+/// Sets T_body_cam0, theta and the body from the places of the cameras on the IMU.
+void place_on_imu(StereoCalibration& calibration, const Pose& T_imu_cam0, const Pose& T_imu_cam1);
+
+/// @brief A camera of limber's in place of a foreign one, and a note of how well it fits.
+/// @param start  as fit_camera has it; width 0: the size of the image is not known
+/// @param place, line  where it stands
+/// @param name         whose it is
+/// @throws DataError if the size is not known, or nothing fits to kWorstFit_px
+[[nodiscard]] Camera fitted(const ForeignProjection& projection, const Camera& start,
+                            const std::filesystem::path& place, std::size_t line, const std::string& name,
+                            std::vector<std::string>& notes);
+/// A pinhole camera with OpenCV's k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [tx ty]]]], as `fitted` where it
+/// needs more than four.
+[[nodiscard]] Camera opencv_camera(Camera pinhole, const std::vector<double>& coefficients,
+                                   const std::filesystem::path& place, std::size_t line,
+                                   const std::string& name, std::vector<std::string>& notes);
+
+/// What must hold of any rig before it is handed out: cameras apart, cam1 to the right.
+void check_rig(RigFile& rig, const std::filesystem::path& file, std::size_t line, const std::string& hint);
+
+/// Which of the two that a file holds. @throws DataError if nobody says
+[[nodiscard]] ImageKind chosen(std::optional<ImageKind> images, const std::filesystem::path& file);
+
+}  // namespace limber::detail

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+#include "limber/rig_files/write_rig_files.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "limber/io/atomic_file.hpp"
+#include "rig_files/euroc_text.hpp"
+#include "rig_files/rectified_pair.hpp"
+
+namespace limber {
+namespace detail {
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+struct DistortionText {
+  std::string model, coefficients;
+};
+
+std::array<double, 4> coefficients(const Distortion& distortion) {
+  if (const auto* d = std::get_if<RadialTangential>(&distortion)) {
+    return {d->k1, d->k2, d->p1, d->p2};
+  }
+  if (const auto* d = std::get_if<Equidistant>(&distortion)) {
+    return {d->k1, d->k2, d->k3, d->k4};
+  }
+  return {};
+}
+
+DistortionText distortion_text(const Distortion& distortion) {
+  if (std::holds_alternative<NoDistortion>(distortion)) {
+    return {"none", "[]"};
+  }
+  return {std::holds_alternative<Equidistant>(distortion) ? "equidistant" : "radial-tangential",
+          list_of(coefficients(distortion).data(), 4)};
+}
+
+void require_rigid_body(const StereoCalibration& calibration) {
+  if (calibration.body == BodyFrame::kMiddleOfBaseline) {
+    throw std::invalid_argument("calibration files: the body kMiddleOfBaseline moves with theta");
+  }
+}
+
+Pose body_from_camera(const StereoCalibration& calibration, int camera) {
+  require_rigid_body(calibration);
+  const Pose T_body_cam0 = calibration.body == BodyFrame::kCam0 ? Pose{} : calibration.T_body_cam0;
+  return camera == 0 ? T_body_cam0 : T_body_cam0 * pose_from_rig(calibration.theta).inverse();
+}
+
+RowMajor matrix_of(const Pose& pose) {
+  RowMajor T = RowMajor::Identity(4, 4);
+  T.topLeftCorner(3, 3) = pose.R;
+  T.topRightCorner(3, 1) = pose.p;
+  return T;
+}
+
+/// Rows as Kalibr writes them.
+std::string rows_text(const RowMajor& M) {
+  std::string out;
+  for (Eigen::Index k = 0; k < M.rows(); ++k) {
+    out += fmt::format("  - {}\n", list_of(M.row(k).data(), static_cast<std::size_t>(M.cols())));
+  }
+  return out;
+}
+
+std::string kalibr_camera(const StereoCalibration& calibration, int camera) {
+  const Camera& cam = camera == 0 ? calibration.cam0 : calibration.cam1;
+  std::string out =
+      fmt::format("cam{}:\n  cam_overlaps: [{}]\n  camera_model: pinhole\n", camera, 1 - camera);
+  if (calibration.body == BodyFrame::kImu) {
+    out += "  T_cam_imu:\n" + rows_text(matrix_of(body_from_camera(calibration, camera).inverse()));
+    out += fmt::format("  timeshift_cam_imu: {}\n",
+                       calibration.time_offset_s.at(static_cast<std::size_t>(camera)));
+  }
+  if (camera == 1) {
+    out += "  T_cn_cnm1:\n" + rows_text(matrix_of(pose_from_rig(calibration.theta)));
+  }
+  const std::array intrinsics{cam.fu, cam.fv, cam.cu, cam.cv};
+  return out +
+         fmt::format(
+             "  intrinsics: {}\n  distortion_model: {}\n  distortion_coeffs: {}\n  resolution: [{}, {}]\n"
+             "  rostopic: /cam{}/image_raw\n",
+             list_of(intrinsics.data(), 4),
+             std::holds_alternative<Equidistant>(cam.distortion) ? "equidistant" : "radtan",
+             list_of(coefficients(cam.distortion).data(), 4), cam.width, cam.height, camera);
+}
+
+RowMajor camera_matrix(const Camera& camera) {
+  RowMajor K = RowMajor::Identity(3, 3);
+  K(0, 0) = camera.fu;
+  K(1, 1) = camera.fv;
+  K(0, 2) = camera.cu;
+  K(1, 2) = camera.cv;
+  return K;
+}
+
+std::string opencv_matrix(const char* name, const RowMajor& M) {
+  return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: {}\n", name, M.rows(),
+                     M.cols(), list_of(M.data(), static_cast<std::size_t>(M.size())));
+}
+
+RowMajor opencv_distortion(const Camera& camera) {
+  const std::array<double, 4> k = coefficients(camera.distortion);
+  return Eigen::Map<const RowMajor>(k.data(), 1, 4);
+}
+
+RowMajor disparity_to_depth(const RectifiedPair& pair) {
+  RowMajor Q = RowMajor::Zero(4, 4);
+  Q << 1, 0, 0, -pair.cu, 0, 1, 0, -pair.cv, 0, 0, 0, pair.f, 0, 0, 1.0 / pair.baseline, 0;
+  return Q;
+}
+
+std::string kitti_line(const std::string& label, const RowMajor& M) {
+  return fmt::format("{}: {}\n", label, fmt::join(M.data(), M.data() + M.size(), " "));
+}
+
+std::string kitti_camera(const Camera& camera, const std::string& number, const Pose& T_cam_cam0,
+                         const Eigen::Matrix3d& R_rect, const RowMajor& P_rect) {
+  const auto k = coefficients(camera.distortion);
+  RowMajor D(1, 5);
+  D << k[0], k[1], k[2], k[3], 0.0;
+  const RowMajor size = Eigen::RowVector2d(camera.width, camera.height);
+  return kitti_line("S_" + number, size) + kitti_line("K_" + number, camera_matrix(camera)) +
+         kitti_line("D_" + number, D) + kitti_line("R_" + number, T_cam_cam0.R) +
+         kitti_line("T_" + number, T_cam_cam0.p) + kitti_line("S_rect_" + number, size) +
+         kitti_line("R_rect_" + number, R_rect) + kitti_line("P_rect_" + number, P_rect);
+}
+
+bool is_equidistant(const StereoCalibration& calibration) {
+  return std::holds_alternative<Equidistant>(calibration.cam0.distortion) ||
+         std::holds_alternative<Equidistant>(calibration.cam1.distortion);
+}
+
+}  // namespace
+
+std::string list_of(const double* begin, std::size_t count) {
+  if (std::any_of(begin, begin + count, [](double value) { return !std::isfinite(value); })) {
+    throw std::invalid_argument("calibration files: a number is not finite");
+  }
+  return fmt::format("[{}]", fmt::join(begin, begin + count, ", "));
+}
+
+std::string T_BS_text(const Pose& T_body_sensor) {
+  return fmt::format("T_BS:\n  cols: 4\n  rows: 4\n  data: {}\n",
+                     list_of(matrix_of(T_body_sensor).data(), 16));
+}
+
+std::string camera_yaml(const Camera& camera, const Pose& T_body_cam) {
+  const std::array intrinsics{camera.fu, camera.fv, camera.cu, camera.cv};
+  const DistortionText distortion = distortion_text(camera.distortion);
+  return fmt::format(
+      "sensor_type: camera\n{}resolution: [{}, {}]\ncamera_model: pinhole\n"
+      "intrinsics: {}{}distortion_model: {}\ndistortion_coefficients: {}\n",
+      T_BS_text(T_body_cam), camera.width, camera.height, list_of(intrinsics.data(), 4), kIntrinsicsMark,
+      distortion.model, distortion.coefficients);
+}
+
+}  // namespace detail
+
+using namespace detail;
+
+std::string euroc_sensor_yaml(const StereoCalibration& calibration, int camera) {
+  return camera_yaml(camera == 0 ? calibration.cam0 : calibration.cam1,
+                     body_from_camera(calibration, camera));
+}
+
+std::string kalibr_camchain(const StereoCalibration& calibration) {
+  require_rigid_body(calibration);
+  return kalibr_camera(calibration, 0) + kalibr_camera(calibration, 1);
+}
+
+std::string kalibr_imu(const ImuNoise& noise) {
+  return fmt::format(
+      "accelerometer_noise_density: {}  # [m/s^2/sqrt(Hz)]\naccelerometer_random_walk: {}  # "
+      "[m/s^3/sqrt(Hz)]\n"
+      "gyroscope_noise_density: {}  # [rad/s/sqrt(Hz)]\ngyroscope_random_walk: {}  # [rad/s^2/sqrt(Hz)]\n"
+      "rostopic: /imu0\n",
+      noise.accel_density, noise.accel_walk, noise.gyro_density, noise.gyro_walk);
+}
+
+std::string opencv_stereo_yaml(const StereoCalibration& calibration) {
+  require_rigid_body(calibration);
+  const Camera &cam0 = calibration.cam0, &cam1 = calibration.cam1;
+  if (cam0.distortion.index() != cam1.distortion.index()) {
+    throw std::invalid_argument("OpenCV's stereo YAML: one distortion model for both cameras");
+  }
+  const Pose T_cam1_cam0 = pose_from_rig(calibration.theta);
+  const RectifiedPair pair = rectify(calibration);
+  return fmt::format("%YAML:1.0\n---\nsize: [ {}, {} ]\ndistortion_model: {}\n", cam0.width, cam0.height,
+                     is_equidistant(calibration) ? "equidistant" : "plumb_bob") +
+         opencv_matrix("M1", camera_matrix(cam0)) + opencv_matrix("D1", opencv_distortion(cam0)) +
+         opencv_matrix("M2", camera_matrix(cam1)) + opencv_matrix("D2", opencv_distortion(cam1)) +
+         opencv_matrix("R", T_cam1_cam0.R) + opencv_matrix("T", T_cam1_cam0.p) +
+         opencv_matrix("R1", pair.R0) + opencv_matrix("R2", pair.R1) + opencv_matrix("P1", pair.P0()) +
+         opencv_matrix("P2", pair.P1()) + opencv_matrix("Q", disparity_to_depth(pair));
+}
+
+std::string kitti_calib(const StereoCalibration& calibration) {
+  require_rigid_body(calibration);
+  const RectifiedPair pair = rectify(calibration);
+  return kitti_line("P0", pair.P0()) + kitti_line("P1", pair.P1());
+}
+
+std::string kitti_cam_to_cam(const StereoCalibration& calibration) {
+  require_rigid_body(calibration);
+  if (is_equidistant(calibration)) {
+    throw std::invalid_argument("calib_cam_to_cam.txt cannot say equidistant distortion");
+  }
+  const RectifiedPair pair = rectify(calibration);
+  return kitti_camera(calibration.cam0, "00", Pose{}, pair.R0, pair.P0()) +
+         kitti_camera(calibration.cam1, "01", pose_from_rig(calibration.theta), pair.R1, pair.P1());
+}
+
+std::vector<std::string> write_rig_files(const std::filesystem::path& folder,
+                                         const StereoCalibration& calibration,
+                                         const std::optional<ImuNoise>& noise) {
+  std::vector<std::pair<std::string, std::string>> files = {
+      {"cam0/sensor.yaml", euroc_sensor_yaml(calibration, 0)},
+      {"cam1/sensor.yaml", euroc_sensor_yaml(calibration, 1)},
+      {"camchain.yaml", kalibr_camchain(calibration)},
+      {"calib.txt", kitti_calib(calibration)}};
+  if (calibration.cam0.distortion.index() == calibration.cam1.distortion.index()) {
+    files.emplace_back("stereo.yml", opencv_stereo_yaml(calibration));
+  }
+  if (!is_equidistant(calibration)) {
+    files.emplace_back("calib_cam_to_cam.txt", kitti_cam_to_cam(calibration));
+  }
+  if (noise) {
+    files.emplace_back("imu.yaml", kalibr_imu(*noise));
+  }
+  std::vector<std::string> names;
+  for (const auto& [name, content] : files) {
+    std::filesystem::create_directories((folder / name).parent_path());
+    write_file_atomically(folder / name, content);
+    names.push_back(name);
+  }
+  return names;
+}
+
+}  // namespace limber

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// --calib, --imu and --images of run, smooth and health.
+#include "cli/small_log.hpp"
+#include "limber/datasets/read_recording.hpp"
+#include "limber/rig_files/write_rig_files.hpp"
+
+namespace limber {
+namespace {
+
+using testing::expect_refused;
+using ::testing::HasSubstr;
+using testing::read_text;
+using testing::write_text;
+
+class CalibrationOption : public testing::SmallLog {
+ protected:
+  [[nodiscard]] StereoCalibration own() const { return read_recording(log()).calibration; }
+  [[nodiscard]] std::string written(const StereoCalibration& calibration) const {
+    return write_text(folder() / "camchain.yaml", kalibr_camchain(calibration)).string();
+  }
+};
+
+TEST_F(CalibrationOption, TheOwnCalibrationFromAFileChangesNothing) {
+  ASSERT_EQ(run_into(folder() / "without").exit_code, 0);
+  const auto result = run_into(folder() / "with", {"--calib", written(own())});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto last_of = [](const std::string& text) { return text.substr(text.rfind('\n', text.size() - 2)); };
+  const std::string a = last_of(read_text(folder() / "without/trajectory.tum")),
+                    b = last_of(read_text(folder() / "with/trajectory.tum"));
+  EXPECT_EQ(a.substr(0, 25), b.substr(0, 25)) << "but for rounding";
+}
+
+TEST_F(CalibrationOption, AnotherCalibrationIsUsed) {
+  StereoCalibration other = own();
+  other.theta(3) *= 1.3;
+  ASSERT_EQ(run_into(folder() / "ekf", {"--method", "ekf"}).exit_code, 0);
+  ASSERT_EQ(run_into(folder() / "long", {"--method", "ekf", "--calib", written(other)}).exit_code, 0);
+  EXPECT_NE(read_text(folder() / "ekf/trajectory.tum"), read_text(folder() / "long/trajectory.tum"));
+}
+
+TEST_F(CalibrationOption, OtherImagesAreRefused) {
+  StereoCalibration other = own();
+  other.cam0.distortion = other.cam1.distortion = RadialTangential{-0.2, 0.05, 0.0, 0.0};
+  expect_refused(run({"--calib", written(other)}), 1, "--images raw");
+  other = own();
+  other.cam0.width += 1;
+  expect_refused(run({"--calib", written(other)}), 1,
+                 "camchain.yaml: the calibration of cam0 is for images of");
+  EXPECT_FALSE(std::filesystem::exists(out()));
+}
+
+TEST_F(CalibrationOption, UsageIsChecked) {
+  EXPECT_EQ(run({"--images", "raw"}).exit_code, 2) << "without --calib";
+  expect_refused(run({"--calib", (folder() / "none.yaml").string()}), 1, "none.yaml");
+}
+
+TEST_F(CalibrationOption, NoiseOfTheImuIsReplaced) {
+  const auto imu = write_text(folder() / "imu.yaml", "gyroscope_noise_density: 0.1\n").string();
+  expect_refused(run({"--imu", imu}), 1, "imu.yaml");
+  write_text(folder() / "imu.yaml", kalibr_imu(ImuNoise{}));
+  EXPECT_EQ(run({"--imu", imu}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace limber

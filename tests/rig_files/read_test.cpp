@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/files.hpp"
+#include "limber/core/errors.hpp"
+#include "limber/rig_files/rig_file.hpp"
+#include "limber/rig_files/write_rig_files.hpp"
+#include "real_data.hpp"
+#include "rig_files/rigs.hpp"
+
+namespace limber {
+namespace {
+
+using testing::data_error_of;
+using ::testing::HasSubstr;
+using testing::replaced;
+using testing::some_rig;
+using testing::TemporaryFolder;
+using testing::write_text;
+
+double degrees_between(const StereoCalibration& a, const StereoCalibration& b) {
+  return so3_log(pose_from_rig(a.theta).R.transpose() * pose_from_rig(b.theta).R).norm() * 180.0 / M_PI;
+}
+
+TEST(ReadRigFile, EveryRealKalibrChainWithTwoCameras) {
+  LIMBER_NEED_DATA(folder, "calibrations/kalibr");
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    SCOPED_TRACE(entry.path().string());
+    const auto chain = entry.path() / "kalibr_imucam_chain.yaml";
+    EXPECT_GT(read_kalibr_imu(entry.path() / "kalibr_imu_chain.yaml").gyro_density, 0.0);
+    if (entry.path().filename() == "rs_d455") {
+      EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(chain)); }).what(),
+                  HasSubstr("cam0 alone"));
+      continue;
+    }
+    const RigFile rig = read_rig_file(chain);
+    EXPECT_EQ(rig.calibration.body, BodyFrame::kImu);
+    EXPECT_GT(rig.calibration.baseline(), 0.05);
+    EXPECT_LT(rig.calibration.baseline(), 0.6);
+    EXPECT_LT(rig.calibration.theta(3), 0.0);
+  }
+}
+
+TEST(ReadRigFile, ThreeCalibrationsOfTheEurocRigAgree) {
+  LIMBER_NEED_DATA(folder, "calibrations");
+  const RigFile kalibr = read_rig_file(folder / "kalibr/euroc_mav/kalibr_imucam_chain.yaml");
+  for (const char* other : {"cuvslam_euroc", "basalt/euroc_ds_calib.json"}) {
+    SCOPED_TRACE(other);
+    const RigFile rig = read_rig_file(folder / other);
+    EXPECT_LT(degrees_between(rig.calibration, kalibr.calibration), 0.11) << "as their README says";
+    EXPECT_NEAR(rig.calibration.baseline(), kalibr.calibration.baseline(),
+                0.0025 * kalibr.calibration.baseline());
+    // Where a point ahead lands, to a pixel or two: the models themselves agree.
+    const auto a = project(rig.calibration.cam0, {0.5, 0.3, 1.0}),
+               b = project(kalibr.calibration.cam0, {0.5, 0.3, 1.0});
+    EXPECT_LT((a->uv - b->uv).norm(), 4.0);
+    EXPECT_TRUE(rig.imu_noise);
+    if (rig.calibration.body == BodyFrame::kImu) {
+      EXPECT_LT((rig.calibration.T_body_cam0.p - kalibr.calibration.T_body_cam0.p).norm(), 0.02);
+    }
+  }
+}
+
+TEST(ReadRigFile, TumViByBasaltAndByKalibrSeeThePointsAtTheSamePixel) {
+  LIMBER_NEED_DATA(folder, "calibrations");
+  const RigFile basalt = read_rig_file(folder / "basalt/tumvi_512_ds_calib.json");
+  const RigFile kalibr = read_rig_file(folder / "kalibr/tum_vi/kalibr_imucam_chain.yaml");
+  for (const double x : {-1.5, -0.5, 0.0, 0.5, 1.5}) {
+    const auto a = project(basalt.calibration.cam0, {x, 0.2, 1.0}),
+               b = project(kalibr.calibration.cam0, {x, 0.2, 1.0});
+    EXPECT_LT((a->uv - b->uv).norm(), 2.0) << x;
+  }
+  EXPECT_LT(degrees_between(basalt.calibration, kalibr.calibration), 0.3);
+}
+
+TEST(ReadRigFile, TakesTimeShiftAndChainOfTheCameras) {
+  LIMBER_NEED_DATA(folder, "calibrations/kalibr/rs_t265");
+  const RigFile rig = read_rig_file(folder / "kalibr_imucam_chain.yaml");
+  EXPECT_EQ(rig.calibration.time_offset_s[0], 0.005618603727452336);
+  EXPECT_NEAR(rig.calibration.theta(3), -0.06274034262839549, 1e-6);
+  EXPECT_TRUE(std::holds_alternative<Equidistant>(rig.calibration.cam0.distortion));
+}
+
+struct BadChain {
+  const char *name, *from, *to, *words;
+  int line;
+};
+
+class BadKalibr : public ::testing::TestWithParam<BadChain> {};
+
+TEST_P(BadKalibr, IsRefusedWithItsLine) {
+  const TemporaryFolder folder;
+  const auto path = write_text(folder.path() / "camchain.yaml",
+                               replaced(kalibr_camchain(some_rig()), GetParam().from, GetParam().to));
+  const DataError error = data_error_of([&] { static_cast<void>(read_rig_file(path)); });
+  EXPECT_EQ(error.file(), path.string());
+  EXPECT_EQ(error.line(), static_cast<std::size_t>(GetParam().line)) << error.what();
+  EXPECT_THAT(error.what(), HasSubstr(GetParam().words));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Kalibr, BadKalibr,
+    ::testing::Values(BadChain{"Model", "camera_model: pinhole", "camera_model: fov",
+                               "pinhole, omni, ds or eucm", 3},
+                      BadChain{"Distortion", "radtan", "fov", "radtan, equidistant or none", 11},
+                      BadChain{"Count", "intrinsics: [458.654, ", "intrinsics: [", "4 numbers", 10},
+                      BadChain{"Focal", "intrinsics: [458.654", "intrinsics: [0", "focal lengths", 10},
+                      BadChain{"Size", "resolution: [752", "resolution: [-752", "positive whole numbers", 13},
+                      BadChain{"Chain", "T_cn_cnm1:\n  - [", "T_cn_cnm1:\n  - [3", "rotation", 25},
+                      BadChain{"NoCamera", "cam1:", "cam2:", "cam0 alone", 0},
+                      BadChain{"Word", "[458.654", "[four", "finite number", 10}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(ReadRigFile, AnInvertedChainIsNamed) {
+  const TemporaryFolder folder;
+  StereoCalibration rig = some_rig();
+  rig.theta = rig_from_pose(pose_from_rig(rig.theta).inverse());
+  const auto path = write_text(folder.path() / "camchain.yaml", kalibr_camchain(rig));
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(path)); }).what(),
+              HasSubstr("T_cn_cnm1 inverted"));
+}
+
+TEST(ReadRigFile, MillimetresOfAChessboardAreRefused) {
+  const TemporaryFolder folder;
+  const auto path = write_text(folder.path() / "stereo.yml",
+                               replaced(opencv_stereo_yaml(some_rig()), "data: [-0.11,", "data: [-110,"));
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(path, ImageKind::kRaw)); }).what(),
+              HasSubstr("millimetres"));
+}
+
+TEST(ReadRigFile, RawOrRectifiedIsAsked) {
+  const TemporaryFolder folder;
+  for (const std::string& text : {opencv_stereo_yaml(some_rig()), kitti_cam_to_cam(some_rig())}) {
+    const auto path = write_text(folder.path() / "both", text);
+    EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(path)); }).what(),
+                HasSubstr("raw or rectified"));
+    EXPECT_EQ(read_rig_file(path, ImageKind::kRectified).images, ImageKind::kRectified);
+  }
+}
+
+TEST(ReadRigFile, AThirdRadialCoefficientIsFoldedIntoTheModelOrRefused) {
+  const TemporaryFolder folder;
+  const auto with = [&](const std::string& k3) {
+    const std::string text = kitti_cam_to_cam(some_rig());
+    return write_text(folder.path() / "calib_cam_to_cam.txt",
+                      replaced(text, " 0\nR_00", " " + k3 + "\nR_00"));
+  };
+  const RigFile small = read_rig_file(with("-0.0003"), ImageKind::kRaw);
+  ASSERT_FALSE(small.notes.empty());
+  EXPECT_THAT(small.notes.front(), HasSubstr("the same to"));
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(with("-5"), ImageKind::kRaw)); }).what(),
+              HasSubstr("camera 00"));
+}
+
+TEST(ReadRigFile, WhatIsNoCalibrationIsToldWhatWouldBeOne) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(data_error_of([&] {
+                static_cast<void>(read_rig_file(write_text(folder.path() / "a.yaml", "a: 1\n")));
+              }).what(),
+              HasSubstr("Kalibr camchain"));
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(folder.path())); }).what(),
+              HasSubstr("cam0/sensor.yaml"));
+  const auto one = write_text(folder.path() / "sensor.yaml", euroc_sensor_yaml(some_rig(), 0));
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(one)); }).what(), HasSubstr("the folder"));
+}
+
+TEST(ReadKalibrImu, SamplesThatNeedACorrectionFirstAreRefused) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "imu.yaml";
+  write_text(path, kalibr_imu(ImuNoise{}) + "time_offset: 0.01\n");
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(read_kalibr_imu(path)); }).what(),
+              HasSubstr("time_offset"));
+  write_text(path, kalibr_imu(ImuNoise{}) + "Tw:\n  - [1.1, 0, 0]\n  - [0, 1, 0]\n  - [0, 0, 1]\n");
+  const DataError error = data_error_of([&] { static_cast<void>(read_kalibr_imu(path)); });
+  EXPECT_THAT(error.what(), HasSubstr("Tw that is the identity"));
+  EXPECT_EQ(error.line(), 7u);
+}
+
+}  // namespace
+}  // namespace limber
