@@ -17,7 +17,12 @@ namespace {
 
 constexpr double kDampingStart = 1e-4;
 constexpr double kDampingMost = 1e8;
-constexpr double kPays = 1e-4;  // relative decrease of the cost below which it stops
+/// Decrease of the cost below which it stops: half of chi-square, so that no unknown is still off by more
+/// than some hundredths of its standard deviation. Only of a step that damping hardly shortens: along what is
+/// weakly known every other one is short.
+constexpr double kPays = 1e-3;
+constexpr double kUndamped = 1e-11;
+constexpr double kDampingLeast = 1e-12;
 
 /// W V^-1 for damped V.
 MatrixXd times_inverse(const MatrixXd& W, const std::vector<Matrix3d>& V, double damping) {
@@ -83,10 +88,10 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
       damping *= 10.0;
       continue;
     }
-    const bool done = normal.cost - there.cost < kPays * normal.cost;
+    const bool done = damping <= kUndamped && normal.cost - there.cost < kPays;
     state = std::move(next);
     normal = std::move(there);
-    damping = std::max(damping * 0.1, 1e-9);
+    damping = std::max(damping * 0.1, kDampingLeast);
     if (done) {
       break;
     }
