@@ -22,42 +22,13 @@ struct EvaluateOptions {
   bool json = false, force = false;
 };
 
-// NEES needs a covariance with every pose that enters.
-std::optional<ConsistencyReport> consistency_of(const TrajectoryInput& estimate,
-                                                const std::vector<MatchedPose>& matched) {
-  if (estimate.covariances.empty()) {
-    return std::nullopt;
-  }
-  std::vector<MatchedPose> known;
-  for (const MatchedPose& pose : matched) {
-    if (!estimate.covariances[pose.index].hasNaN()) {
-      known.push_back(pose);
-    }
-  }
-  const std::int64_t start_ns = estimate.poses.front().t_ns;
-  return ConsistencyReport{
-      average_nees(known, estimate.covariances, align(matched, AlignmentKind::kNone), start_ns),
-      average_nees(known, estimate.covariances, align(matched, AlignmentKind::kFirstPose), start_ns)};
-}
-
 void evaluate(const EvaluateOptions& options) {
   if (!options.out.empty()) {
     require_replaceable(options.out, kEvaluationMark, options.force, {options.estimate, options.truth});
   }
   const TrajectoryInput estimate = load_trajectory(options.estimate);
   const TrajectoryInput truth = load_trajectory(options.truth);
-  const Match matched = match(estimate, truth, options.max_time_difference);
-
-  EvaluationReport report;
-  report.estimate = estimate.path.string();
-  report.truth = truth.path.string();
-  report.estimated_poses = estimate.poses.size();
-  report.matched_by_time = matched.by_time;
-  report.max_time_difference = options.max_time_difference;
-  report.settings = options.settings;
-  report.evaluation = evaluate_trajectory(matched.poses, options.settings);
-  report.consistency = consistency_of(estimate, matched.poses);
-
+  const EvaluationReport report = limber::app::evaluate(estimate, truth, options.max_time_difference, options.settings);
   const std::string json = to_json(report).dump(2) + "\n";
   if (!options.out.empty()) {
     write_file_atomically(options.out, json);

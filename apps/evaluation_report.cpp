@@ -92,7 +92,40 @@ void add_inputs(Text out, const EvaluationReport& report) {
                  e.path_length_estimate);
 }
 
+// NEES needs a covariance with every pose that enters.
+std::optional<ConsistencyReport> consistency_of(const TrajectoryInput& estimate,
+                                                const std::vector<MatchedPose>& matched) {
+  if (estimate.covariances.empty()) {
+    return std::nullopt;
+  }
+  std::vector<MatchedPose> known;
+  for (const MatchedPose& pose : matched) {
+    if (!estimate.covariances[pose.index].hasNaN()) {
+      known.push_back(pose);
+    }
+  }
+  const std::int64_t start_ns = estimate.poses.front().t_ns;
+  return ConsistencyReport{
+      average_nees(known, estimate.covariances, align(matched, AlignmentKind::kNone), start_ns),
+      average_nees(known, estimate.covariances, align(matched, AlignmentKind::kFirstPose), start_ns)};
+}
+
 }  // namespace
+
+EvaluationReport evaluate(const TrajectoryInput& estimate, const TrajectoryInput& truth,
+                          double max_time_difference, const RelativeErrorSettings& settings) {
+  const Match matched = match(estimate, truth, max_time_difference);
+  EvaluationReport report;
+  report.estimate = estimate.path.string();
+  report.truth = truth.path.string();
+  report.estimated_poses = estimate.poses.size();
+  report.matched_by_time = matched.by_time;
+  report.max_time_difference = max_time_difference;
+  report.settings = settings;
+  report.evaluation = evaluate_trajectory(matched.poses, settings);
+  report.consistency = consistency_of(estimate, matched.poses);
+  return report;
+}
 
 Json to_json(const Statistics& s) {
   return {{"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median}, {"std", s.std},

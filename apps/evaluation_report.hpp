@@ -8,6 +8,7 @@
 #include "limber/evaluate/consistency.hpp"
 #include "limber/evaluate/evaluation.hpp"
 #include "limber/evaluate/statistics.hpp"
+#include "trajectory_input.hpp"
 
 /// An evaluation as JSON and as text. What is not known is null, or a dash.
 namespace limber::app {
@@ -31,6 +32,11 @@ struct EvaluationReport {
   TrajectoryEvaluation evaluation;
   std::optional<ConsistencyReport> consistency;  ///< nothing without covariances
 };
+
+/// @brief Matches the poses and compares them in every way. NEES needs a covariance with every pose that enters.
+/// @throws std::runtime_error if nothing matches
+[[nodiscard]] EvaluationReport evaluate(const TrajectoryInput& estimate, const TrajectoryInput& truth,
+                                        double max_time_difference, const RelativeErrorSettings& settings);
 
 /// {rmse, mean, median, std, min, max, sse, count}
 [[nodiscard]] Json to_json(const Statistics& statistics);

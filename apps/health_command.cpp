@@ -2,18 +2,14 @@
 // limber health: is the calibration the problem?
 #include <fmt/format.h>
 
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "commands.hpp"
-#include "diagnosis.hpp"
+#include "diagnose_recording.hpp"
 #include "frame_source.hpp"
-#include "limber/diagnose/calibration_mistakes.hpp"
-#include "limber/diagnose/run_summary.hpp"
 #include "limber/run_files/run_output.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
@@ -40,66 +36,29 @@ RunOptions to_options(const HealthArguments& arguments, const Recording& recordi
   return options;
 }
 
-void write_results(const HealthArguments& arguments, const RunOptions& options, const RunRecord& record,
-                   const RunSummary& summary) {
-  {
-    const Uninterrupted until_written;
-    write_run_output(arguments.out, options, record, summary);
-  }
-  make_report_beside(arguments.out);
-}
-
-/// The run, as far as it comes; `seen` holds the frames it looked at.
-void watch(const HealthArguments& arguments, const Recording& recording, const RunOptions& options,
-           std::vector<StereoFrame>& seen, Diagnosis& diagnosis) {
-  const FrameSource frames = frame_source(recording);
-  const FrameSource remembered = [&](std::size_t n) {
-    seen.push_back(frames(n));
-    return seen.back();
-  };
-  RunRecord record;
-  {
-    Progress progress("health", frame_count(recording));
-    record = run_recording(recording, options, remembered, [&](std::size_t n) { progress.done(n); });
-  }
-  const RunSummary summary = summarize(recording, options, record);
-  diagnosis.frames = summary.frames;
-  diagnosis.duration_s = summary.duration_s;
-  diagnosis.nis_per_dof = summary.nis_per_dof;
-  diagnosis.health = summary.health;
+void report_run(const HealthArguments& arguments, const RunOptions& options, const RunRecord& record,
+                const RunSummary& summary) {
   for (const std::string& note : record.notes) {
     print_note(note);
   }
   if (!arguments.out.empty()) {
-    write_results(arguments, options, record, summary);
+    {
+      const Uninterrupted until_written;
+      write_run_output(arguments.out, options, record, summary);
+    }
+    make_report_beside(arguments.out);
   }
 }
 
 Diagnosis diagnose(const HealthArguments& arguments, const Recording& recording, const RunOptions& options) {
-  Diagnosis out;
-  out.dataset = recording.name;
-  out.false_alarms_per_hour = options.false_alarms_per_hour;
-  const StereoCalibration assumed = corrected(recording.calibration, options.assume_error);
-  std::vector<StereoFrame> seen;
-  try {
-    watch(arguments, recording, options, seen, out);
-    out.mistakes = calibration_mistakes(assumed, seen);
-  } catch (const std::exception& error) {
-    // A gross mistake may leave nothing to navigate with: then it is the answer.
-    out.mistakes = calibration_mistakes(assumed, seen);
-    if (out.mistakes.empty()) {
-      throw;
-    }
-    out.failure = error.what();
-  }
-  if (out.health) {
-    out.depths = depth_effects(assumed.theta, out.health->since_change);
-  }
-  if (out.mistakes.empty()) {
-    out.cam1_offset = cam1_time_offset(assumed, seen);
-    out.camera_offset = camera_time_offset(assumed, seen, recording.imu);
-  }
-  return out;
+  std::optional<Progress> progress;
+  progress.emplace("health", frame_count(recording));
+  return diagnose_recording(
+      recording, options, frame_source(recording), [&](std::size_t n) { progress->done(n); },
+      [&](const RunRecord& record, const RunSummary& summary) {
+        progress.reset();
+        report_run(arguments, options, record, summary);
+      });
 }
 
 void health(const HealthArguments& arguments) {

@@ -13,10 +13,6 @@ namespace limber::app {
 
 namespace fs = std::filesystem;
 
-fs::path default_report_path(const fs::path& results) {
-  return fs::is_directory(results) ? results / "report.html" : fs::path(results).replace_extension(".html");
-}
-
 namespace {
 
 ReportDocument report_of_study(const fs::path& database) {

@@ -8,7 +8,10 @@ namespace limber::app {
 
 /// Where the page of results goes unless the user says otherwise: report.html in the folder of a run,
 /// study.html beside study.sqlite.
-[[nodiscard]] std::filesystem::path default_report_path(const std::filesystem::path& results);
+[[nodiscard]] inline std::filesystem::path default_report_path(const std::filesystem::path& results) {
+  return std::filesystem::is_directory(results) ? results / "report.html"
+                                                : std::filesystem::path(results).replace_extension(".html");
+}
 
 /// @param results folder of a run, or database of a study
 /// @throws DataError if they cannot be read or the page cannot be written

@@ -191,6 +191,10 @@ const std::vector<std::string>& run_file_names() {
   return kNames;
 }
 
+std::string summary_json(const RunOptions& options, const RunRecord& record, const RunSummary& summary) {
+  return to_json(options, record, summary).dump(2) + "\n";
+}
+
 void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
                       const RunSummary& summary) {
   std::vector<StampedPose> poses;
@@ -219,7 +223,7 @@ void write_run_output(const std::filesystem::path& folder, const RunOptions& opt
       write_tum(staged.path() / "truth.tum", summary.truth);
       names.emplace_back("truth.tum");
     }
-    write_file_atomically(staged.path() / "summary.json", to_json(options, record, summary).dump(2) + "\n");
+    write_file_atomically(staged.path() / "summary.json", summary_json(options, record, summary));
     names.emplace_back("summary.json");
     // An older run's must not stand beside new files.
     std::filesystem::remove(folder / "summary.json");

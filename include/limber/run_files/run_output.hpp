@@ -13,6 +13,10 @@ namespace limber {
 /// Names of all files that write_run_output may make.
 [[nodiscard]] const std::vector<std::string>& run_file_names();
 
+/// The text of summary.json: docs/formats.md.
+[[nodiscard]] std::string summary_json(const RunOptions& options, const RunRecord& record,
+                                       const RunSummary& summary);
+
 /// @brief Writes trajectory.tum, trajectory.csv, truth.tum (where the truth is known), landmarks.ply,
 /// frames.csv, health.csv (where the calibration was watched), calibration.csv (where it was estimated),
 /// refusals.csv and summary.json: all of them or

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: MIT
+# Sets Python_EXECUTABLE, unless it is given, to an interpreter with NumPy and headers: the python3 of PATH, else that of
+# the system, for which Debian's packages are. One that has all that the tests import goes first.
+# LIMBER_PYTHON_TESTABLE: whether it has.
+set(limber_python_headers "import os, sysconfig; assert os.path.exists(sysconfig.get_path('include') + '/Python.h')")
+find_program(LIMBER_PATH_PYTHON python3)
+mark_as_advanced(LIMBER_PATH_PYTHON)
+set(limber_pythons ${Python_EXECUTABLE})
+if(NOT limber_pythons)
+  set(limber_pythons ${LIMBER_PATH_PYTHON} /usr/bin/python3)
+endif()
+set(LIMBER_PYTHON_TESTABLE OFF)
+set(limber_python "")
+foreach(modules "numpy, pytest, matplotlib" numpy)
+  foreach(candidate IN LISTS limber_pythons)
+    if(NOT limber_python)
+      execute_process(COMMAND ${candidate} -c "import ${modules}; ${limber_python_headers}" RESULT_VARIABLE failed
+                      OUTPUT_QUIET ERROR_QUIET)
+      if(NOT failed)
+        set(limber_python ${candidate})
+        if(modules MATCHES pytest)
+          set(LIMBER_PYTHON_TESTABLE ON)
+        endif()
+      endif()
+    endif()
+  endforeach()
+endforeach()
+if(limber_python)
+  set(Python_EXECUTABLE ${limber_python} CACHE FILEPATH "Python that the module is made for")
+  find_package(Python 3.9 COMPONENTS Interpreter Development.Module QUIET)
+  find_package(pybind11 2.10 CONFIG QUIET)
+endif()

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: MIT
+"""Stereo navigation for rigs that bend: the C++ library limber.
+
+    recording = limber.read("DATASET")               # or limber.simulate("paper_iv", seed=1)
+    run = limber.run(recording, method="lcekf")       # run.p, run.R, run.covariance: NumPy views
+    print(limber.health(recording))                   # is my calibration the problem?
+
+Step by step: SensorStart, Navigator, StereoTracker. Arrays that a Recording, a Run or a StereoFrame hands out
+are read-only views of C++ memory. Times are integers in nanoseconds; docs/python.md says more.
+"""
+import json as _json
+import os as _os
+import pathlib as _pathlib
+
+from . import _limber
+from ._limber import (PARAMETER_NAMES, BodyFrame, Camera, DataError, DivergenceError, Equidistant, FrameCleaner,
+                      FrameReport, HealthReport, ImuNoise, InitialState, Navigator, NavigatorOptions, NoDistortion,
+                      OdometryNoise, Pose, RadialTangential, Recording, Refusal, Run, RunOptions, Scenario,
+                      SensorStart, StartReport, State, StereoCalibration, StereoFrame, StereoTracker, Study,
+                      Trajectory, __version__, frames, pose_from_rig, read_trajectory, rig_from_pose, set_up)
+
+__all__ = [
+    "PARAMETER_NAMES", "BodyFrame", "Camera", "DataError", "DivergenceError", "Equidistant", "FrameCleaner",
+    "FrameReport", "Health", "HealthReport", "ImuNoise", "InitialState", "Navigator", "NavigatorOptions",
+    "NoDistortion", "OdometryNoise", "Pose", "RadialTangential", "Recording", "Refusal", "Run", "RunOptions",
+    "Scenario", "SensorStart", "StartReport", "State", "StereoCalibration", "StereoFrame", "StereoTracker", "Study",
+    "Trajectory", "evaluate", "frames", "health", "pose_from_rig", "read", "read_trajectory", "rig_from_pose", "run",
+    "scenarios", "set_up", "simulate", "smooth", "study"
+]
+
+_SCENARIOS = _pathlib.Path(__file__).parent / "scenarios"
+
+
+def read(path):
+    """Reads a recording; its content tells the format (docs/formats.md)."""
+    return _limber.read_recording(path)
+
+
+def scenarios():
+    """Names of the scenarios that come with limber, for simulate() and study()."""
+    return sorted(path.stem for path in _SCENARIOS.glob("*.yaml"))
+
+
+def _scenario(scenario):
+    if isinstance(scenario, Scenario):
+        return scenario
+    if isinstance(scenario, str) and _os.sep not in scenario and not scenario.endswith((".yaml", ".yml")):
+        if scenario not in scenarios():
+            raise ValueError(f"scenario: expected a file (.yaml), a Scenario or one of {', '.join(scenarios())}; "
+                             f"found '{scenario}'")
+        scenario = _SCENARIOS / f"{scenario}.yaml"
+    return Scenario(scenario)
+
+
+def simulate(scenario, seed=0, run=0, *, pixels=None, faults=(), imu=True):
+    """Makes a recording of a scenario: a YAML file, a Scenario, or the name of one of scenarios().
+
+    pixels: 'white' or 'realistic' (as on real images), instead of the scenario's
+    faults: such as 'imu-gap=5:2' (at 5 s, for 2 s); scenarios/README.md lists them
+    imu: False leaves the IMU out
+    The same scenario, seed and run give the same bits, and those of `limber simulate`.
+    """
+    scenario = _scenario(scenario)
+    if pixels is not None or faults or not imu:
+        scenario = Scenario.parse(scenario.text)
+        if pixels is not None:
+            scenario.set_pixels(pixels)
+        for fault in faults:
+            scenario.add_fault(fault)
+        scenario.use_imu = scenario.use_imu and imu
+    return _limber.simulate_scenario(scenario, seed, run)
+
+
+def run(recording, method="lcekf", *, observe=None, **options):
+    """Navigates through a recording (or the path of one), as `limber run` does.
+
+    observe: called with the FrameReport of every frame once it is processed; what it raises ends the run
+    options: those of RunOptions, named as on the command line: constraints, assume_error, estimate, sigma_px, ...
+    Raises ValueError if the recording cannot be run like that, DivergenceError if the filter breaks down.
+    """
+    recording = _recording(recording)
+    return _limber.run_recording(recording, RunOptions(recording, method, **options), observe)
+
+
+def smooth(recording, theta="free", *, threads=1, **options):
+    """Least squares over the whole recording, as `limber smooth` does: every state from what all frames say.
+
+    theta: what the rig does: trusted, constant, piecewise:SECONDS, walk, or free in every frame
+    options: those of RunOptions
+    """
+    if not hasattr(_limber, "smooth_recording"):
+        raise RuntimeError("this build has no smoother: it was made without Ceres (LIMBER_BUILD_SMOOTH)")
+    recording = _recording(recording)
+    return _limber.smooth_recording(recording, RunOptions(recording, **options), theta, threads)
+
+
+class Health(dict):
+    """What `limber health --json` says, as a dictionary; str() is the text for people."""
+
+    def __init__(self, json, text):
+        super().__init__(_json.loads(json))
+        self._text = text
+
+    @property
+    def verdict(self):
+        """'ok', 'suspect', 'decalibrated' or 'cannot tell'."""
+        return self["verdict"]
+
+    def __str__(self):
+        return self._text
+
+
+def health(recording, **options):
+    """Is the calibration the problem? What moved, and since when; as `limber health` does.
+
+    options: those of RunOptions, for instance false_alarms (per hour) or assume_error
+    """
+    recording = _recording(recording)
+    return Health(*_limber.diagnose_recording(recording, RunOptions(recording, "lcekf", **options)))
+
+
+def evaluate(estimate, truth, *, max_time_difference=0.01, rpe_distance=100.0):
+    """Compares two trajectories as `limber evaluate --json` does: ATE, RPE, attitude, NEES; a dictionary.
+
+    Each is a Run, a Trajectory, a Recording (its ground truth), or the path of a file, a run or a recording.
+    """
+    return _json.loads(
+        _limber.evaluate_json(_trajectory(estimate), _trajectory(truth), max_time_difference, rpe_distance))
+
+
+def study(scenario, methods="ekf,ekf-full,lcekf", *, runs=100, seed=1, database, threads=0):
+    """Monte Carlo as `limber study` does it: computes what is missing, keeps it in a database (SQLite).
+
+    scenario: what simulate() takes, or a list of that
+    methods: with options such as 'lcekf:rotation', separated by commas
+    Returns a Study; print it for the table. Ctrl-C keeps what is done, and the same call goes on.
+    """
+    several = scenario if isinstance(scenario, (list, tuple)) else [scenario]
+    return _limber.run_study([_scenario(one) for one in several], methods, runs, seed, database, threads)
+
+
+def _recording(recording):
+    return recording if isinstance(recording, Recording) else read(recording)
+
+
+def _trajectory(source):
+    if isinstance(source, Run):
+        return Trajectory(source.t_ns, source.p, source.R, source.covariance, name=source.method)
+    if isinstance(source, Recording):
+        return Trajectory(source.truth_t_ns, source.truth_p, source.truth_R, name=source.name)
+    return source if isinstance(source, Trajectory) else read_trajectory(source)
+
+
+Run.summary = property(lambda self: _json.loads(self.summary_json),
+                       doc="Figures of merit, what summary.json holds: docs/formats.md.")

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: MIT
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import limber
+from conftest import short
+
+PROGRAM = os.environ["LIMBER_PROGRAM"]
+
+
+def files_of(folder):
+    """Content of the files that do not tell times of the machine."""
+    return {path.name: path.read_bytes() for path in folder.iterdir()
+            if path.name not in ("summary.json", "report.html", "frames.csv")}
+
+
+@pytest.mark.parametrize("method", ["lcekf", "adaptive"])
+def test_a_run_is_that_of_the_program_bit_by_bit(recording, tmp_path, method):
+    recording.write(tmp_path / "log")
+    subprocess.run([PROGRAM, "run", tmp_path / "log", "--method", method, "--out", tmp_path / "program"], check=True,
+                   capture_output=True)
+    limber.run(tmp_path / "log", method).write(tmp_path / "module")
+    ours, theirs = files_of(tmp_path / "module"), files_of(tmp_path / "program")
+    assert "trajectory.tum" in ours and ours == theirs
+
+
+def test_a_simulation_is_that_of_the_program(recording, tmp_path):
+    scenario = limber.Scenario.parse(limber.Scenario(limber._SCENARIOS / "drone_constant.yaml").text)
+    scenario.duration = 5.0
+    (tmp_path / "short.yaml").write_text(scenario.text)
+    subprocess.run([PROGRAM, "simulate", tmp_path / "short.yaml", "--seed", "1", "--out", tmp_path / "log"], check=True,
+                   capture_output=True)
+    assert np.array_equal(limber.read(tmp_path / "log").imu, recording.imu)
+
+
+def test_a_run_hands_out_views_of_sound_shape(run):
+    n = len(run.t_ns)
+    assert n == len(run.recording) == len(run.frames)
+    for array, shape in ((run.p, (n, 3)), (run.R, (n, 3, 3)), (run.v, (n, 3)), (run.covariance, (n, 6, 6))):
+        assert array.shape == shape and not array.flags.owndata and not array.flags.writeable
+    assert np.array_equal(run.covariance, run.covariance.transpose(0, 2, 1))
+    assert run.frames[-1].t_ns == run.t_ns[-1] and run.frames[-1].health is not None
+    assert run.summary["method"] == run.method == "lcekf"
+    with pytest.raises(IndexError):
+        run.frames[n]
+
+
+def test_observers_see_every_frame_and_may_stop(recording):
+    seen = []
+    run = limber.run(recording, observe=lambda report: seen.append(report.t_ns))
+    assert seen == run.t_ns[-len(seen):].tolist() and len(seen) > 50
+
+    def stop(report):
+        raise StopAsyncIteration("enough")
+
+    with pytest.raises(StopAsyncIteration, match="enough"):
+        limber.run(recording, observe=stop)
+
+
+def test_ctrl_c_ends_a_run():
+    code = ("import limber, sys\nrecording = limber.simulate('drone_none')\n"
+            "print('go', flush=True)\nwhile True: limber.run(recording)\n")
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "go\n"
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=20)
+    assert "KeyboardInterrupt" in errors and process.returncode != 0
+
+
+def test_the_gil_is_released_while_a_run_computes(recording):
+    import threading
+    worker = threading.Thread(target=limber.run, args=(recording,))
+    worker.start()
+    turns = 0
+    while worker.is_alive():
+        time.sleep(0.001)
+        turns += 1
+    assert turns > 20  # one, if it were held
+
+
+def test_strangers_files_stay(run, tmp_path):
+    (tmp_path / "trajectory.tum").write_text("mine")
+    with pytest.raises(limber.DataError, match="another one"):
+        run.write(tmp_path)
+    assert (tmp_path / "trajectory.tum").read_text() == "mine"
+    run.write(tmp_path, force=True)
+    assert limber.read_trajectory(tmp_path / "trajectory.tum").t_ns.tolist() == run.t_ns.tolist()
+
+
+def test_unknown_options_are_refused(recording):
+    with pytest.raises(TypeError):
+        limber.run(recording, sigma=1.0)
+    with pytest.raises(ValueError, match="lcekf alone has constraints"):
+        limber.run(recording, "ekf", constraints="full")
+
+
+def test_a_rig_that_moved_is_found_and_a_sound_one_is_not():
+    moved = limber.health(short("drone_constant", 10.0))
+    assert moved.verdict == "decalibrated" and moved["health"]["first_alarm_s"] > 0
+    assert "MOVED" in str(moved)
+    assert limber.health(short("drone_none", 10.0)).verdict == "ok"
+
+
+def test_evaluate_agrees_with_numpy(run, recording):
+    result = limber.evaluate(run, recording)
+    truth = np.stack([np.interp(run.t_ns, recording.truth_t_ns, recording.truth_p[:, k]) for k in range(3)], axis=1)
+    rmse = np.sqrt(np.mean(np.sum((run.p - truth)**2, axis=1)))
+    assert result["ate_m"]["none"] == pytest.approx(rmse, rel=1e-6)
+    assert result["anees"] is not None
+    assert limber.evaluate(limber.Trajectory(run.t_ns, run.p, run.R), recording)["ate_m"] == result["ate_m"]
+
+
+def test_smoothing_uses_the_whole_recording():
+    if not hasattr(limber._limber, "smooth_recording"):
+        pytest.skip("built without Ceres")
+    recording = short("drone_constant", 3.0)
+    smoothed, filtered = limber.smooth(recording, "constant"), limber.run(recording)
+    assert smoothed.method == "smooth-constant"
+    of = [limber.evaluate(run, recording)["ate_m"]["se3"] for run in (smoothed, filtered)]
+    assert of[0] < of[1]
+
+
+def test_a_study_is_a_table(tmp_path):
+    scenario = limber.Scenario.parse(limber.Scenario(limber._SCENARIOS / "drone_constant.yaml").text)
+    scenario.duration = 3.0
+    study = limber.study(scenario, "ekf,lcekf", runs=2, database=tmp_path / "study.sqlite")
+    rows = study.table()
+    assert [row["method"] for row in rows] == ["ekf", "lcekf"] and all(row["runs"] == 2 for row in rows)
+    t, mean, count = study.curve("drone_constant", "lcekf", "position_squared_error")
+    assert len(t) == len(mean) and set(count) == {2}
+    of_runs = [run["position_rmse_m"] for run in study.runs("drone_constant", "lcekf")]
+    assert rows[1]["position_rmse_m"] == pytest.approx(np.sqrt(np.mean(np.square(of_runs))))
+    assert "| lcekf" in str(limber.Study(tmp_path / "study.sqlite"))
