@@ -104,6 +104,7 @@ def class_of(name, cls):
 
 
 def main(out):
+    sys.path.pop(0)  # the folder of this script holds the package's sources
     from limber import _limber as module
     text = HEAD
     for name, member in sorted(vars(module).items()):
