@@ -28,7 +28,8 @@ void evaluate(const EvaluateOptions& options) {
   }
   const TrajectoryInput estimate = load_trajectory(options.estimate);
   const TrajectoryInput truth = load_trajectory(options.truth);
-  const EvaluationReport report = limber::app::evaluate(estimate, truth, options.max_time_difference, options.settings);
+  const EvaluationReport report =
+      limber::app::evaluate(estimate, truth, options.max_time_difference, options.settings);
   const std::string json = to_json(report).dump(2) + "\n";
   if (!options.out.empty()) {
     write_file_atomically(options.out, json);

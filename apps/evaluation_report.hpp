@@ -33,7 +33,8 @@ struct EvaluationReport {
   std::optional<ConsistencyReport> consistency;  ///< nothing without covariances
 };
 
-/// @brief Matches the poses and compares them in every way. NEES needs a covariance with every pose that enters.
+/// @brief Matches the poses and compares them in every way. NEES needs a covariance with every pose that
+/// enters.
 /// @throws std::runtime_error if nothing matches
 [[nodiscard]] EvaluationReport evaluate(const TrajectoryInput& estimate, const TrajectoryInput& truth,
                                         double max_time_difference, const RelativeErrorSettings& settings);

@@ -55,7 +55,7 @@ def argument(text):
 
 
 def doc_block(doc, indent):
-    text = re.sub(r"^(?:\d+\. )?\w+\(.*\) -> .*$", "", doc or "", flags=re.M).replace("Overloaded function.", "").strip()
+    text = re.sub(r"^(?:\d+\. )?\w+\(.*\)(?: -> .*)?$", "", doc or "", flags=re.M).replace("Overloaded function.", "").strip()
     quoted = text.replace("\\", "\\\\").replace('"""', "'''")
     return f'{indent}"""{quoted}"""\n' if quoted else ""
 

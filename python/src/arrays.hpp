@@ -44,7 +44,7 @@ struct ScalarOf {
   using Type = typename Value::Scalar;
 };
 template <typename Value>
-  requires std::is_arithmetic_v<Value>
+requires std::is_arithmetic_v<Value>
 struct ScalarOf<Value> {
   using Type = Value;
 };

@@ -8,8 +8,7 @@ namespace limber::python {
 
 // DataError keeps its file and line; everything else is pybind11's translation of the standard exceptions.
 void bind_errors(py::module_& module) {
-  static py::handle data_error =
-      py::exception<DataError>(module, "DataError", PyExc_RuntimeError).release();
+  static py::handle data_error = py::exception<DataError>(module, "DataError", PyExc_RuntimeError).release();
   data_error.attr("__doc__") = DOC(DataError);
   py::register_exception<DivergenceError>(module, "DivergenceError", PyExc_RuntimeError).doc() =
       DOC(DivergenceError);

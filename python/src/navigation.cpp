@@ -191,8 +191,9 @@ void bind_states(py::module_& module) {
            py::arg("sigma_v") = sigma.velocity, py::arg("sigma_bias_gyro") = sigma.bias_gyro,
            py::arg("sigma_bias_accel") = sigma.bias_accel,
            "A known start: means in the world, and standard deviations per axis [m, rad, m/s, rad/s, m/s^2].")
-      .def_property_readonly(
-          "state", [](const InitialState& initial) { return State{initial.nav, initial.body_covariance}; });
+      .def_property_readonly("state", [](const InitialState& initial) {
+        return State{initial.nav, initial.body_covariance};
+      });
 }
 
 void bind_health_report(py::module_& module) {
@@ -225,11 +226,10 @@ void bind_health_report(py::module_& module) {
 void bind_frame_report(py::module_& module) {
   py::class_<Refusal>(module, "Refusal", DOC(Refusal))
       .def_readonly("track_id", &Refusal::track_id)
-      .def_property_readonly(
-          "reason",
-          [](const Refusal& refusal) {
-            return refusal.reason == RefusalReason::kGate ? "gate" : "not projectable";
-          })
+      .def_property_readonly("reason",
+                             [](const Refusal& refusal) {
+                               return refusal.reason == RefusalReason::kGate ? "gate" : "not projectable";
+                             })
       .def_readonly("distance", &Refusal::distance, DOC(Refusal_distance))
       .def_readonly("threshold", &Refusal::threshold, DOC(Refusal_threshold));
   py::class_<FrameReport>(module, "FrameReport", DOC(FrameReport))

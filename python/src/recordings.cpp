@@ -27,7 +27,7 @@ using SharedRecording = std::shared_ptr<Recording>;
 /// Samples of two vectors each, from arrays of times and of vectors.
 template <typename Sample>
 std::vector<Sample> make_samples(const Integers& t_ns, const Doubles& first, const Doubles& second,
-                                 Eigen::Vector3d Sample::* a, Eigen::Vector3d Sample::* b,
+                                 Eigen::Vector3d Sample::*a, Eigen::Vector3d Sample::*b,
                                  const char* names[2]) {
   require_shape(t_ns, {-1}, "t_ns");
   require_shape(first, {t_ns.shape(0), 3}, names[0]);
@@ -188,8 +188,7 @@ void bind_truth(py::module_& module) {
 void bind_tracking(py::module_& module) {
   py::class_<FrameIterator>(module, "FrameIterator")
       .def("__iter__", [](const py::object& self) { return self; })
-      .def("__len__",
-           [](const FrameIterator& self) { return frame_count(*self.recording) - self.next; })
+      .def("__len__", [](const FrameIterator& self) { return frame_count(*self.recording) - self.next; })
       .def("__next__", [](FrameIterator& self) {
         if (self.next >= frame_count(*self.recording)) {
           throw py::stop_iteration();
@@ -253,7 +252,8 @@ void bind_simulator(py::module_& module) {
 }
 
 GreyImage grey_image(const py::buffer_info& buffer, const char* name) {
-  if (buffer.ndim != 2 || buffer.itemsize != 1 || buffer.strides[1] != 1 || buffer.strides[0] < buffer.shape[1]) {
+  if (buffer.ndim != 2 || buffer.itemsize != 1 || buffer.strides[1] != 1 ||
+      buffer.strides[0] < buffer.shape[1]) {
     throw py::value_error(std::string(name) +
                           ": expected a grey image, an array of uint8 and shape (height, width) whose rows "
                           "are contiguous");
@@ -312,8 +312,8 @@ void bind_recordings(py::module_& module) {
   bind_simulator(module);
   module.def(
       "read_recording",
-      [](const fs::path& path) { return std::make_shared<Recording>(read_recording(path)); },
-      py::arg("path"), py::call_guard<py::gil_scoped_release>(), DOC(read_recording));
+      [](const fs::path& path) { return std::make_shared<Recording>(read_recording(path)); }, py::arg("path"),
+      py::call_guard<py::gil_scoped_release>(), DOC(read_recording));
 }
 
 }  // namespace limber::python

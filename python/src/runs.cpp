@@ -55,10 +55,9 @@ LandmarkKind landmarks_from_string(const std::string& name) {
 RunOptions make_options(const Recording& recording, const std::string& method,
                         const std::optional<std::string>& constraints, const std::string& assume_error,
                         const std::string& estimate, const std::string& soften,
-                        std::optional<double> sigma_px, const std::string& init,
-                        const std::string& landmarks, bool gate, std::size_t max_landmarks, bool clean,
-                        std::size_t max_points, double gravity, double false_alarms, std::uint64_t seed,
-                        std::uint64_t run) {
+                        std::optional<double> sigma_px, const std::string& init, const std::string& landmarks,
+                        bool gate, std::size_t max_landmarks, bool clean, std::size_t max_points,
+                        double gravity, double false_alarms, std::uint64_t seed, std::uint64_t run) {
   RunOptions options;
   options.method = method_from_string(method);
   if (constraints) {
@@ -122,8 +121,7 @@ Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, 
       observe(report);
     };
   }
-  RunRecord record =
-      run_recording(*recording, options, app::frame_source(*recording), {}, observer, stop);
+  RunRecord record = run_recording(*recording, options, app::frame_source(*recording), {}, observer, stop);
   RunSummary summary = summarize(*recording, options, record);
   return {recording, options, std::move(record), std::move(summary)};
 }
@@ -200,15 +198,17 @@ void bind_run(py::module_& module) {
       .def_property_readonly(
           "p",
           [](const py::object& self) {
-            return view(rows_of(self), self,
-                        [](const TrajectoryRow& row) -> const auto& { return row.T_world_body.p; });
+            return view(
+                rows_of(self), self,
+                [](const TrajectoryRow& row) -> const auto& { return row.T_world_body.p; });
           },
           "Positions of the body in the world [m], (N, 3).")
       .def_property_readonly(
           "R",
           [](const py::object& self) {
-            return view(rows_of(self), self,
-                        [](const TrajectoryRow& row) -> const auto& { return row.T_world_body.R; });
+            return view(
+                rows_of(self), self,
+                [](const TrajectoryRow& row) -> const auto& { return row.T_world_body.R; });
           },
           "Attitudes R_world_body, (N, 3, 3).")
       .def_property_readonly(
@@ -222,22 +222,22 @@ void bind_run(py::module_& module) {
       .def_property_readonly(
           "bias_gyro",
           [](const py::object& self) {
-            return view_of_optional(rows_of(self), self,
-                                    [](const TrajectoryRow& row) -> const auto& { return row.bias_gyro; });
+            return view_of_optional(
+                rows_of(self), self, [](const TrajectoryRow& row) -> const auto& { return row.bias_gyro; });
           },
           "[rad/s], (N, 3); NaN without an IMU.")
       .def_property_readonly(
           "bias_accel",
           [](const py::object& self) {
-            return view_of_optional(rows_of(self), self,
-                                    [](const TrajectoryRow& row) -> const auto& { return row.bias_accel; });
+            return view_of_optional(
+                rows_of(self), self, [](const TrajectoryRow& row) -> const auto& { return row.bias_accel; });
           },
           "[m/s^2], (N, 3); NaN without an IMU.")
       .def_property_readonly(
           "covariance",
           [](const py::object& self) {
-            return view_of_optional(rows_of(self), self,
-                                    [](const TrajectoryRow& row) -> const auto& { return row.covariance; });
+            return view_of_optional(
+                rows_of(self), self, [](const TrajectoryRow& row) -> const auto& { return row.covariance; });
           },
           "Of position [m] and attitude error (body frame) [rad], (N, 6, 6).")
       .def_property_readonly(
@@ -250,15 +250,17 @@ void bind_run(py::module_& module) {
       .def_property_readonly(
           "truth_p",
           [](const py::object& self) {
-            return view(truth_of(self), self,
-                        [](const StampedPose& pose) -> const auto& { return pose.T_world_body.p; });
+            return view(
+                truth_of(self), self,
+                [](const StampedPose& pose) -> const auto& { return pose.T_world_body.p; });
           },
           "True positions, in the world of the estimate [m], (M, 3).")
       .def_property_readonly(
           "truth_R",
           [](const py::object& self) {
-            return view(truth_of(self), self,
-                        [](const StampedPose& pose) -> const auto& { return pose.T_world_body.R; });
+            return view(
+                truth_of(self), self,
+                [](const StampedPose& pose) -> const auto& { return pose.T_world_body.R; });
           },
           "True attitudes, in the world of the estimate, (M, 3, 3).")
       .def_property_readonly(
@@ -275,15 +277,13 @@ void bind_run(py::module_& module) {
                              "minus assumed (N, k), sigma}; None if nothing was.")
       .def_property_readonly(
           "notes", [](const Run& run) { return run.record.notes; }, DOC(RunRecord_notes))
-      .def_property_readonly(
-          "method", [](const Run& run) { return run.summary.method; })
+      .def_property_readonly("method", [](const Run& run) { return run.summary.method; })
       .def_property_readonly("recording", [](const Run& run) { return run.recording; })
       .def_property_readonly(
           "lost", [](const Run& run) { return run.summary.inputs.lost_since_ns.has_value(); },
           "The filter broke down on the way and began anew: limber run ends with exit code 1.")
-      .def_property_readonly("summary_json", [](const Run& run) {
-        return summary_json(run.options, run.record, run.summary);
-      })
+      .def_property_readonly(
+          "summary_json", [](const Run& run) { return summary_json(run.options, run.record, run.summary); })
       .def(
           "write",
           [](const Run& run, const fs::path& folder, bool force) {
@@ -299,9 +299,8 @@ void bind_running(py::module_& module) {
   module.def("run_recording", &run, py::arg("recording"), py::arg("options"), py::arg("observe") = Observer{},
              py::call_guard<py::gil_scoped_release>(), DOC(run_recording));
 #ifdef LIMBER_WITH_SMOOTHER
-  module.def("smooth_recording", &smooth, py::arg("recording"), py::arg("options"),
-             py::arg("theta") = "free", py::arg("threads") = 1, py::call_guard<py::gil_scoped_release>(),
-             DOC(smooth_recording));
+  module.def("smooth_recording", &smooth, py::arg("recording"), py::arg("options"), py::arg("theta") = "free",
+             py::arg("threads") = 1, py::call_guard<py::gil_scoped_release>(), DOC(smooth_recording));
 #endif
   module.def(
       "diagnose_recording",
@@ -346,31 +345,31 @@ std::string evaluate(const app::TrajectoryInput& estimate, const app::Trajectory
 
 void bind_evaluation(py::module_& module) {
   using app::TrajectoryInput;
-  py::class_<TrajectoryInput>(module, "Trajectory",
-                              "Poses T_world_body in time; of a file, or from memory.")
+  py::class_<TrajectoryInput>(module, "Trajectory", "Poses T_world_body in time; of a file, or from memory.")
       .def(py::init(&make_trajectory), py::arg("t_ns"), py::arg("p"), py::arg("R"),
            py::arg("covariance") = py::none(), py::arg("name") = "memory",
            "t_ns: (N,), p: (N, 3) [m], R: (N, 3, 3) R_world_body, covariance: (N, 6, 6) of position and "
            "attitude error")
-      .def_property_readonly("has_time", [](const TrajectoryInput& input) { return input.has_time; },
-                             "False for files without times (KITTI): t_ns counts poses.")
       .def_property_readonly(
-          "t_ns",
-          [](const py::object& self) {
-            return view(self.cast<const TrajectoryInput&>().poses, self,
-                        [](const StampedPose& pose) -> const std::int64_t& { return pose.t_ns; });
-          })
-      .def_property_readonly("p",
+          "has_time", [](const TrajectoryInput& input) { return input.has_time; },
+          "False for files without times (KITTI): t_ns counts poses.")
+      .def_property_readonly("t_ns",
                              [](const py::object& self) {
                                return view(
                                    self.cast<const TrajectoryInput&>().poses, self,
-                                   [](const StampedPose& pose) -> const auto& { return pose.T_world_body.p; });
+                                   [](const StampedPose& pose) -> const std::int64_t& { return pose.t_ns; });
+                             })
+      .def_property_readonly("p",
+                             [](const py::object& self) {
+                               return view(
+                                   self.cast<const TrajectoryInput&>().poses, self, [
+                                   ](const StampedPose& pose) -> const auto& { return pose.T_world_body.p; });
                              })
       .def_property_readonly("R",
                              [](const py::object& self) {
                                return view(
-                                   self.cast<const TrajectoryInput&>().poses, self,
-                                   [](const StampedPose& pose) -> const auto& { return pose.T_world_body.R; });
+                                   self.cast<const TrajectoryInput&>().poses, self, [
+                                   ](const StampedPose& pose) -> const auto& { return pose.T_world_body.R; });
                              })
       .def("__len__", [](const TrajectoryInput& input) { return input.poses.size(); })
       .def(

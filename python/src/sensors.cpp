@@ -24,8 +24,9 @@ void bind_cameras(py::module_& module) {
       .def_readwrite("p1", &RadialTangential::p1)
       .def_readwrite("p2", &RadialTangential::p2);
   py::class_<Equidistant>(module, "Equidistant", DOC(Equidistant))
-      .def(py::init(
-               [](double k1, double k2, double k3, double k4) { return Equidistant{k1, k2, k3, k4}; }),
+      .def(py::init([](double k1, double k2, double k3, double k4) {
+             return Equidistant{k1, k2, k3, k4};
+           }),
            py::arg("k1") = 0.0, py::arg("k2") = 0.0, py::arg("k3") = 0.0, py::arg("k4") = 0.0)
       .def_readwrite("k1", &Equidistant::k1)
       .def_readwrite("k2", &Equidistant::k2)
@@ -61,7 +62,9 @@ void bind_rig(py::module_& module) {
       .value("CAM0", BodyFrame::kCam0)
       .value("MIDDLE_OF_BASELINE", BodyFrame::kMiddleOfBaseline);
   py::class_<Pose>(module, "Pose", DOC(Pose))
-      .def(py::init([](const Eigen::Matrix3d& R, const Eigen::Vector3d& p) { return Pose{R, p}; }),
+      .def(py::init([](const Eigen::Matrix3d& R, const Eigen::Vector3d& p) {
+             return Pose{R, p};
+           }),
            py::arg("R") = Eigen::Matrix3d(Eigen::Matrix3d::Identity()),
            py::arg("p") = Eigen::Vector3d(Eigen::Vector3d::Zero()))
       .def_readwrite("R", &Pose::R, DOC(Pose_R))

@@ -125,15 +125,16 @@ py::list runs_of(const StudyDatabase& database, const std::string& study_case, c
 void bind_studies(py::module_& module) {
   py::class_<StudyDatabase>(module, "Study", DOC(StudyDatabase))
       .def(py::init<const fs::path&>(), py::arg("database"))
-      .def_property_readonly("cases",
-                             [](const StudyDatabase& database) {
-                               py::dict out;
-                               for (const StudyCaseInfo& info : database.info().cases) {
-                                 out[py::str(info.name)] = info.labels;
-                               }
-                               return out;
-                             },
-                             "{case: its methods}")
+      .def_property_readonly(
+          "cases",
+          [](const StudyDatabase& database) {
+            py::dict out;
+            for (const StudyCaseInfo& info : database.info().cases) {
+              out[py::str(info.name)] = info.labels;
+            }
+            return out;
+          },
+          "{case: its methods}")
       .def("table", &table_of, "One dictionary a case and method: pandas.DataFrame(study.table()).")
       .def("runs", &runs_of, py::arg("case"), py::arg("method"), "One dictionary a finished run.")
       .def("curve", &curve_of, py::arg("case"), py::arg("method"), py::arg("quantity"),
