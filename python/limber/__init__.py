@@ -128,15 +128,16 @@ def evaluate(estimate, truth, *, max_time_difference=0.01, rpe_distance=100.0):
         _limber.evaluate_json(_trajectory(estimate), _trajectory(truth), max_time_difference, rpe_distance))
 
 
-def study(scenario, methods="ekf,ekf-full,lcekf", *, runs=100, seed=1, database, threads=0):
+def study(scenario, methods="ekf,ekf-full,lcekf", *, runs=100, seed=1, init="auto", database, threads=0):
     """Monte Carlo as `limber study` does it: computes what is missing, keeps it in a database (SQLite).
 
     scenario: what simulate() takes, or a list of that
     methods: with options such as 'lcekf:rotation', separated by commas
+    init: 'auto', from the sensors, or 'groundtruth', from the truth plus a drawn error
     Returns a Study; print it for the table. Ctrl-C keeps what is done, and the same call goes on.
     """
     several = scenario if isinstance(scenario, (list, tuple)) else [scenario]
-    return _limber.run_study([_scenario(one) for one in several], methods, runs, seed, database, threads)
+    return _limber.run_study([_scenario(one) for one in several], methods, runs, seed, init, database, threads)
 
 
 def _recording(recording):

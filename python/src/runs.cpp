@@ -37,13 +37,6 @@ struct Run {
 
 using Observer = std::function<void(const FrameReport&)>;
 
-StartMode start_from_string(const std::string& name) {
-  if (name != "auto" && name != "groundtruth") {
-    throw py::value_error("init: expected auto or groundtruth, found '" + name + "'");
-  }
-  return name == "auto" ? StartMode::kAuto : StartMode::kGroundTruth;
-}
-
 LandmarkKind landmarks_from_string(const std::string& name) {
   if (name != "inverse-depth" && name != "cartesian") {
     throw py::value_error("landmarks: expected inverse-depth or cartesian, found '" + name + "'");
@@ -76,7 +69,7 @@ RunOptions make_options(const Recording& recording, const std::string& method,
     options.softened = parse_parameter_sigmas(soften, recording.calibration);
   }
   options.sigma_px = sigma_px;
-  options.start = start_from_string(init);
+  options.start = start_mode_from_string(init);
   options.landmarks = landmarks_from_string(landmarks);
   options.gate = gate;
   options.max_landmarks = max_landmarks;
@@ -116,9 +109,9 @@ Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, 
   };
   FrameObserver observer;
   if (observe) {
-    observer = [&observe](const Navigator&, const FrameReport& report) {
+    observer = [&observe](const ObservedFrame& frame) {
       const py::gil_scoped_acquire acquired;
-      observe(report);
+      observe(frame.report);
     };
   }
   RunRecord record = run_recording(*recording, options, app::frame_source(*recording), {}, observer, stop);

@@ -17,11 +17,13 @@ namespace {
 namespace fs = std::filesystem;
 
 StudyDatabase study(const std::vector<Scenario>& scenarios, const std::string& methods, std::uint64_t runs,
-                    std::uint64_t seed, const fs::path& database, int threads) {
+                    std::uint64_t seed, const std::string& init, const fs::path& database,
+                    int threads) {
   StudyPlan plan;
   plan.seed = seed;
   for (const Scenario& scenario : scenarios) {
-    plan.cases.push_back({scenario, method_variants_from_string(methods), runs});
+    plan.cases.push_back({scenario, method_variants_from_string(methods), runs,
+                          start_mode_from_string(init)});
   }
   StudyOptions options;
   options.threads = threads;
@@ -51,6 +53,7 @@ py::dict to_dict(const std::string& study_case, const MethodSummary& s) {
   out["diverged"] = s.diverged;
   out["position_rmse_m"] = s.position_rmse_m;
   out["attitude_rmse_deg"] = s.attitude_rmse_deg;
+  out["ate_se3_m"] = s.ate_se3_m;
   out["landmark_rmse_m"] = s.landmark_rmse_m;
   out["position_rmse_worst_m"] = s.position_rmse_worst_m;
   out["position_final_m"] = s.position_final_m;
@@ -143,7 +146,7 @@ void bind_studies(py::module_& module) {
            "attitude_variance, pose_nees, ...")
       .def("__str__", &format_study_table);
   module.def("run_study", &study, py::arg("scenarios"), py::arg("methods"), py::arg("runs"), py::arg("seed"),
-             py::arg("database"), py::arg("threads") = 0, py::call_guard<py::gil_scoped_release>(),
+             py::arg("init"), py::arg("database"), py::arg("threads") = 0, py::call_guard<py::gil_scoped_release>(),
              DOC(run_study));
 }
 
