@@ -106,7 +106,7 @@ void bend_points(const DecalibrateArguments& arguments, const Recording& recordi
 }
 
 void decalibrate(const DecalibrateArguments& arguments) {
-  const Recording recording = read_recording(arguments.dataset);
+  const Recording recording = limber::read_recording(arguments.dataset);
   const std::vector<DecalibrationSignal> signals = signals_of(arguments.as, recording);
   require_new_folder(arguments.out, arguments.dataset);
   recording.images.empty() ? bend_points(arguments, recording, signals)
