@@ -17,13 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 StudyDatabase study(const std::vector<Scenario>& scenarios, const std::string& methods, std::uint64_t runs,
-                    std::uint64_t seed, const std::string& init, const fs::path& database,
-                    int threads) {
+                    std::uint64_t seed, const std::string& init, const fs::path& database, int threads) {
   StudyPlan plan;
   plan.seed = seed;
   for (const Scenario& scenario : scenarios) {
-    plan.cases.push_back({scenario, method_variants_from_string(methods), runs,
-                          start_mode_from_string(init)});
+    plan.cases.push_back(
+        {scenario, method_variants_from_string(methods), runs, start_mode_from_string(init)});
   }
   StudyOptions options;
   options.threads = threads;
@@ -146,8 +145,8 @@ void bind_studies(py::module_& module) {
            "attitude_variance, pose_nees, ...")
       .def("__str__", &format_study_table);
   module.def("run_study", &study, py::arg("scenarios"), py::arg("methods"), py::arg("runs"), py::arg("seed"),
-             py::arg("init"), py::arg("database"), py::arg("threads") = 0, py::call_guard<py::gil_scoped_release>(),
-             DOC(run_study));
+             py::arg("init"), py::arg("database"), py::arg("threads") = 0,
+             py::call_guard<py::gil_scoped_release>(), DOC(run_study));
 }
 
 }  // namespace limber::python
