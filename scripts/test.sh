@@ -19,9 +19,9 @@ build() {
 build release
 ctest --preset release
 
-# The users' projects of the label `consumer`, the browser of the label `page` and the long statistics of the label
-# `slow` were run above.
+# The users' projects (label `consumer`), the browser (`page`), the documented commands (`docs`) and the long statistics
+# (`slow`) were run above.
 build asan
-ctest --preset asan --label-exclude 'slow|consumer|page'
+ctest --preset asan --label-exclude 'slow|consumer|page|docs'
 
 echo "limber: every test passed, in Release and under the sanitizers"

@@ -142,18 +142,19 @@ ReportTable answer_table(const StudyResults& results) {
       const auto claimed = row.is_overconfident ? TableCell::Mark::kBad : TableCell::Mark::kNone;
       table.rows.push_back({{std::exchange(name, "")},
                             {row.label},
-                            runs_cell(study_case.methods[k].summary),
                             {row.position, position},
-                            {row.worst},
                             {row.to_best, position},
+                            {row.to_claimed, claimed},
+                            {row.worst},
                             {row.anees},
-                            {row.to_claimed, claimed}});
+                            runs_cell(study_case.methods[k].summary)});
     }
   }
   table.note =
       "Median over the runs with the interval that holds the true one with 95 %, from six runs on. Green: "
       "the "
-      "best of a case, oracle aside. Last column: the root of ANEES, how many times as large as the filter "
+      "best of a case, oracle aside. Error / claimed: the root of ANEES, how many times as large as the "
+      "filter "
       "claims its errors are; red above 2.";
   return table;
 }
@@ -171,7 +172,8 @@ std::string answer_in_words(const StudyCaseResults& results) {
   if (best.empty()) {
     return results.info.name + ": no run is finished.";
   }
-  return fmt::format("{}, started {}: {} comes closest. {}", results.info.name,
+  return fmt::format("{} ({} rig), started {}: {} comes closest. {}", results.info.name,
+                     results.info.scenario.decalibration.empty() ? "sound" : "bent",
                      start_in_words(results.info.start), best,
                      sure.empty() ? "No filter is more than twice as wrong as it claims."
                                   : "More than twice as wrong as they claim: " + sure + ".");

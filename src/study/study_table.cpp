@@ -264,10 +264,13 @@ std::string format_case_table(const StudyDatabase& database, std::size_t study_c
 }
 
 const std::array<std::string, 7>& brief_heads() {
-  static const std::array<std::string, 7> kHeads = {
-      "method",         "runs",           "position RMSE [m]: median (95 %)",
-      "worst [m]",      "times the best", "ANEES: median (95 %)",
-      "error / claimed"};
+  static const std::array<std::string, 7> kHeads = {"method",
+                                                    "position RMSE [m]: median (95 %)",
+                                                    "times the best",
+                                                    "error / claimed",
+                                                    "worst [m]",
+                                                    "ANEES: median (95 %)",
+                                                    "runs"};
   return kHeads;
 }
 
@@ -306,7 +309,7 @@ std::string format_brief_table(const StudyDatabase& database) {
     const StudyCaseInfo& info = database.info().cases[k];
     for (const BriefRow& row : brief_rows(summarize_case(database, k))) {
       rows.push_back(
-          {info.name, row.label, row.runs, row.position, row.worst, row.to_best, row.anees, row.to_claimed});
+          {info.name, row.label, row.position, row.to_best, row.to_claimed, row.worst, row.anees, row.runs});
     }
     const std::string start = start_in_words(info.start);
     if (starts.find(start) == std::string::npos) {
