@@ -62,7 +62,7 @@ Diagnosis diagnose(const HealthArguments& arguments, const Recording& recording,
 }
 
 void health(const HealthArguments& arguments) {
-  const Recording recording = read_recording(arguments);
+  const Recording recording = open_recording(arguments);
   const RunOptions options = to_options(arguments, recording);
   if (!arguments.out.empty()) {
     require_replaceable_run(arguments.out, arguments.force);

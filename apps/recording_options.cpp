@@ -90,7 +90,7 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       ->capture_default_str();
 }
 
-Recording read_recording(const RecordingArguments& arguments) {
+Recording open_recording(const RecordingArguments& arguments) {
   Recording recording = limber::read_recording(arguments.dataset);
   if (!arguments.calibration.empty()) {
     std::optional<ImageKind> said;

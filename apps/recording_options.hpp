@@ -28,7 +28,7 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments);
 /// The recording, with the calibration of --calib and the noise of --imu in the place of its own.
 /// @throws as limber::read_recording, read_rig_file and read_kalibr_imu; DataError also if calibration and
 /// recording do not belong together
-[[nodiscard]] Recording read_recording(const RecordingArguments& arguments);
+[[nodiscard]] Recording open_recording(const RecordingArguments& arguments);
 
 /// Run options with these, everything else as by default.
 /// @throws std::invalid_argument as parse_calibration_error and parse_parameter_sigmas

@@ -59,7 +59,7 @@ void run(const RunArguments& arguments) {
   RunRecord record;
   {
     const Interrupt interrupt;
-    recording = read_recording(arguments);
+    recording = open_recording(arguments);
     options = to_options(arguments, recording);
     require_replaceable_run(arguments.out, arguments.force);
     require_writable_folder(arguments.out);
