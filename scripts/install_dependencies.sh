@@ -13,6 +13,7 @@ packages=(
   nodejs npm chromium             # the page of reports, and a browser to test it
   libgtest-dev libgmock-dev libbenchmark-dev  # tests and benchmarks
   clang-format python3            # scripts/
+  doxygen libjs-mathjax           # the docs site
   pybind11-dev python3-dev python3-numpy python3-matplotlib python3-pytest  # the Python module
   python3-pip python3-setuptools python3-wheel python3-venv python3-build   # its wheel
 )

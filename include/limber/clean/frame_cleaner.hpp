@@ -14,6 +14,7 @@
 /// What stands between a front end and the navigator: the same for every source of frames.
 namespace limber {
 
+/// What a cleaner looks for, and the most points that it leaves in a frame.
 struct CleaningOptions {
   /// Tracks that were not tracked and matches that leapt are ended. What a jump of the rig explains never is.
   bool clean = true;

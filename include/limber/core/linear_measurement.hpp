@@ -11,6 +11,7 @@ namespace limber {
 /// @brief Jacobian H (m×n) of a few measurements each with respect to triplets of the state: a list of blocks
 /// of one to three rows (a pixel: two) and three columns. Blocks that share a place add up.
 struct SparseJacobian {
+  /// A dense block of columns that a row may be nonzero in.
   struct Block {
     Eigen::Index row = 0;  ///< the first
     Eigen::Index col = 0;  ///< the first of three

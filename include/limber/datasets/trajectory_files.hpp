@@ -15,6 +15,7 @@
 /// far from unit norm, matrices that are no rotation, no pose at all. Every writer goes through AtomicFile.
 namespace limber {
 
+/// What a trajectory file looks like.
 enum class TrajectoryFormat {
   kTum,               ///< t [s] tx ty tz qx qy qz qw
   kKittiPoses,        ///< 12 numbers a line, the upper 3x4 of T_world_cam0, no time
@@ -35,6 +36,7 @@ struct Trajectory {
 /// TUM format. Times keep every digit down to 1 ns. Lines of 14 or 20 columns (OpenVINS: covariances) are
 /// read too, without those columns.
 [[nodiscard]] std::vector<StampedPose> read_tum(const std::filesystem::path& path);
+/// Writes poses as `t x y z qx qy qz qw`, seconds and metres. @throws DataError if the file cannot be written
 void write_tum(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
 
 /// KITTI odometry poses, turned from KITTI's camera-like world (x right, y down, z forward) to z up:
@@ -48,6 +50,7 @@ struct GroundTruth {
   bool has_velocity = false;
   bool has_biases = false;
 };
+/// Reads a ground truth of EuRoC. @throws DataError naming file and line
 [[nodiscard]] GroundTruth read_euroc_groundtruth(const std::filesystem::path& path);
 
 /// One line of trajectory.csv. What is unknown is an empty cell.

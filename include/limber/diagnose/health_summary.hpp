@@ -19,6 +19,7 @@ struct RigOffset {
   RigParameters sigma = RigParameters::Zero();
 };
 
+/// What the monitor found over a whole run.
 struct HealthSummary {
   HealthVerdict verdict = HealthVerdict::kCannotTell;
   std::array<HealthVerdict, 6> axes{};  ///< ax, ay, az, tx, ty, tz

@@ -20,6 +20,7 @@ using PoseErrorVector = Eigen::Matrix<double, 6, 1>;
 /// Covariance of a PoseErrorVector [m², m rad, rad²].
 using PoseCovariance = Eigen::Matrix<double, 6, 6>;
 
+/// The error of an estimate, see PoseErrorVector.
 [[nodiscard]] PoseErrorVector pose_error(const Pose& estimate, const Pose& truth);
 
 /// Normalised estimation errors squared e' P^-1 e: chi-square with 6, 3 and 3 d.o.f. where the filter is
@@ -68,6 +69,7 @@ inline constexpr double kNeesSkip = 1.0;
                                        const Alignment& alignment, std::int64_t start_ns,
                                        double skip = kNeesSkip);
 
+/// A closed interval of real numbers.
 struct Interval {
   double lower = 0.0;
   double upper = 0.0;

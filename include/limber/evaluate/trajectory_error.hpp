@@ -45,6 +45,7 @@ using IndexPair = std::pair<std::size_t, std::size_t>;
 
 /// Length [m] of the estimated and of the true path through the matched poses.
 [[nodiscard]] double estimated_path_length(std::span<const MatchedPose> poses);
+/// Length of the true path through the matched poses [m].
 [[nodiscard]] double true_path_length(std::span<const MatchedPose> poses);
 
 }  // namespace limber

@@ -21,6 +21,7 @@ struct StartOptions {
   double scale_sigma = 0.05;  ///< [-], of the logarithm of the map's scale, asked for
 };
 
+/// Whether a start may be used.
 enum class StartStatus : std::uint8_t {
   kWaiting,  ///< for what StartReport::missing says
   kReady,    ///< what was asked for is known

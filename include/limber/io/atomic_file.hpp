@@ -14,6 +14,7 @@ namespace limber {
 /// it. What killed processes left is recognised by its missing lock, and removed when the next one is made.
 class Temporary {
  public:
+  /// What is made.
   enum class Kind { kFile, kFolder };
   /// @throws std::filesystem::filesystem_error if it cannot be made
   Temporary(const std::filesystem::path& final_name, Kind kind);

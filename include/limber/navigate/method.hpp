@@ -35,6 +35,7 @@ inline constexpr std::array kAllMethods = {Method::kEkf,      Method::kEkfFull, 
 
 /// Parameters to which the gain is blind: directions of theta, and whatever else is listed.
 struct ConstraintSet {
+  /// Which directions are constrained.
   enum class Kind : std::uint8_t {
     kFull,               ///< all six
     kRotation,           ///< the three angles
@@ -56,6 +57,7 @@ struct ConstraintSet {
 /// beyond theta may follow: "full,dt1,intrinsics1". Names: limber/sensors/parameters.hpp.
 /// @throws std::invalid_argument for anything else
 [[nodiscard]] ConstraintSet constraint_set_from_string(const std::string& text);
+/// The word that constraint_set_from_string reads back.
 [[nodiscard]] std::string to_string(const ConstraintSet& set);
 
 /// Plausible errors that a rig may be off by where nothing is known of it, one standard deviation: 1 deg,

@@ -19,7 +19,7 @@ enum class InputFault : std::uint8_t {
   kImpossible,  ///< larger than any sensor can show: left out
   kLate         ///< older than the state: comes too late to be used, except as the newest that is known
 };
-inline constexpr std::size_t kInputFaults = 5;
+inline constexpr std::size_t kInputFaults = 5;  ///< kinds of faults
 
 /// Samples with each fault.
 struct InputFaultCounts {

@@ -17,6 +17,7 @@ struct ReportFact {
   std::string name, value;
 };
 
+/// How a trace is drawn.
 enum class TraceShape : std::uint8_t {
   kLine,
   kBound,  ///< dotted, thin, and without a line in the legend: the 3 sigma of the line with the same style
@@ -35,10 +36,12 @@ struct ReportTrace {
   std::size_t panel = 0;        ///< which of the figure's y axes
 };
 
+/// What an axis shows, and in which unit.
 struct ReportAxis {
   std::string title, unit;
 };
 
+/// What the axes of a figure mean.
 enum class FigureKind : std::uint8_t {
   kCurves,   ///< y over x; long traces are thinned to the extremes of each stretch
   kTopView,  ///< paths and points, equal scales; long ones are thinned evenly
@@ -51,6 +54,7 @@ struct FigureVariant {
   std::vector<std::string> hidden_styles;
 };
 
+/// A figure with its traces.
 struct ReportFigure {
   std::string id;  ///< unique in the document; names the anchor and the file of an export
   std::string title, caption;
@@ -66,11 +70,13 @@ struct ReportFigure {
 
 /// A cell's text, and how it stands out.
 struct TableCell {
+  /// Why a cell stands out.
   enum class Mark : std::uint8_t { kNone, kBest, kBad };
   std::string text;
   Mark mark = Mark::kNone;
 };
 
+/// A table; every row has a cell per column.
 struct ReportTable {
   std::string title;
   std::vector<std::string> columns;  ///< heads, with unit; the first column names the row
@@ -78,6 +84,7 @@ struct ReportTable {
   std::string note;  ///< under the table; may be empty
 };
 
+/// Whether a claim agrees with what was measured.
 enum class Verdict : std::uint8_t { kAgrees, kDisagrees, kNotMeasured };
 /// "agrees", "does not agree", "not measured".
 [[nodiscard]] std::string_view to_string(Verdict verdict);
@@ -91,9 +98,11 @@ struct ReportClaim {
   Verdict verdict = Verdict::kNotMeasured;
 };
 
+/// A paragraph.
 struct ReportText {
   std::string text;  ///< a paragraph
 };
+/// Names and values under one heading.
 struct ReportFacts {
   std::string title;
   std::vector<ReportFact> facts;
@@ -102,20 +111,24 @@ struct ReportFacts {
 struct ReportListing {
   std::string title, text;
 };
+/// Claims with their verdicts under one heading.
 struct ReportClaims {
   std::string title;
   std::vector<ReportClaim> claims;
   bool brief = false;  ///< statements and verdicts alone
 };
 
+/// Anything that a section may hold.
 using ReportBlock =
     std::variant<ReportText, ReportFacts, ReportFigure, ReportTable, ReportClaims, ReportListing>;
 
+/// A part of the page with an anchor.
 struct ReportSection {
   std::string id, title;  ///< id: unique in the document
   std::vector<ReportBlock> blocks;
 };
 
+/// A whole page.
 struct ReportDocument {
   std::string title, subtitle;
   std::vector<ReportFact> facts;  ///< what a reader wants to know first

@@ -11,6 +11,7 @@ namespace limber {
 
 /// What somebody who knows the experiment behind a study adds to its report.
 struct StudyComments {
+  /// What is added to one case.
   struct Case {
     std::string title;                ///< of the case's section; empty: its name
     std::vector<ReportBlock> blocks;  ///< below the case's table

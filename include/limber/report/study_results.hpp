@@ -13,6 +13,7 @@
 /// All that a report draws of a study, in memory.
 namespace limber {
 
+/// A method with its runs and mean curves.
 struct StudyMethodResults {
   MethodVariant variant;
   MethodSummary summary;
@@ -20,12 +21,14 @@ struct StudyMethodResults {
   std::map<CurveQuantity, StudyCurve> curves;  ///< those that are defined for the method
 };
 
+/// A case with the results of its methods.
 struct StudyCaseResults {
   StudyCaseInfo info;
   std::vector<StudyMethodResults> methods;  ///< in the order of info.methods
   ExampleRun example;
 };
 
+/// All cases of a study.
 struct StudyResults {
   std::string program_version;
   std::uint64_t seed = 0;

@@ -32,6 +32,7 @@ struct RigModelText {
 };
 /// @throws std::invalid_argument for anything else
 [[nodiscard]] RigModelText rig_model_from_string(const std::string& text);
+/// The word that rig_model_from_string reads back.
 [[nodiscard]] std::string to_string(RigModel rig);
 
 /// @brief Solves for the whole recording at once, as run_recording leaves it behind: a row for each frame,

@@ -15,6 +15,7 @@ namespace limber {
 using RigParameters = Eigen::Matrix<double, 6, 1>;
 
 [[nodiscard]] Pose pose_from_rig(const RigParameters& theta);  ///< T_cam1_cam0
+/// The inverse of pose_from_rig.
 [[nodiscard]] RigParameters rig_from_pose(const Pose& T_cam1_cam0);
 
 /// Where the body frame of the navigation state sits.

@@ -21,6 +21,7 @@ struct Equidistant {
   double k1 = 0.0, k2 = 0.0, k3 = 0.0, k4 = 0.0;
 };
 
+/// How a lens departs from a pinhole.
 using Distortion = std::variant<NoDistortion, RadialTangential, Equidistant>;
 
 /// Pinhole camera with distortion.

@@ -18,9 +18,9 @@ namespace limber {
 /// on the body.
 enum class ParameterBlock : std::size_t { kTheta, kCam0, kCam1, kMount };
 
-inline constexpr Eigen::Index kBlockSize = 6;
-inline constexpr std::size_t kParameterBlocks = 4;
-inline constexpr Eigen::Index kParameters = 24;
+inline constexpr Eigen::Index kBlockSize = 6;                              ///< parameters in a block
+inline constexpr std::size_t kParameterBlocks = 4;                         ///< blocks
+inline constexpr Eigen::Index kParameters = 24;                            ///< parameters in all
 inline constexpr Eigen::Index kMoreParameters = kParameters - kBlockSize;  ///< those beyond theta
 
 /// Names on the command line.
@@ -35,6 +35,7 @@ inline constexpr std::array<std::string_view, kParameters> kParameterNames = {
     "fu1",    "fv1",    "cu1",    "cv1",    "radial1", "dt1",      //
     "imu-ax", "imu-ay", "imu-az", "imu-tx", "imu-ty",  "imu-tz"};  //
 
+/// Which of the parameters are meant, one bit each.
 using ParameterSet = std::bitset<kParameters>;
 /// Errors, or standard deviations, of all parameters in the order of their names.
 using ParameterVector = Eigen::Matrix<double, kParameters, 1>;

@@ -30,6 +30,7 @@ struct SinusShape {
 
 /// Sum of Heaviside functions: 0, and from each instant on its value. Paper, case (iv).
 struct StepsShape {
+  /// From an instant on, a value.
   struct Step {
     double at = 0.0;     ///< [s]
     double value = 0.0;  ///< from `at` on, until the next step [-]
@@ -57,9 +58,11 @@ struct RandomWalkShape {
 /// than the frame rate.
 struct WhiteNoiseShape {};
 
+/// All shapes over time.
 using DecalibrationShape = std::variant<ConstantShape, SinusShape, StepsShape, SquareWaveShape, RampShape,
                                         RandomWalkShape, WhiteNoiseShape>;
 
+/// How the rig departs from its calibration: an amplitude times a shape over time.
 struct DecalibrationSignal {
   RigParameters amplitude = RigParameters::Zero();  ///< [rad, m]
   DecalibrationShape shape;

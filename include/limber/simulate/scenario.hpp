@@ -51,6 +51,7 @@ struct FileTrajectory {
   double knot_spacing = 0.1;  ///< [s]
 };
 
+/// All kinds of trajectories.
 using TrajectoryScenario = std::variant<RandomSplineTrajectory, FigureEightTrajectory, FileTrajectory>;
 
 /// Where points are put: at a random instant of the trajectory,
@@ -67,6 +68,7 @@ struct MovingBodyScenario {
   double start = 0.0;   ///< it stands still that long [s]
 };
 
+/// Where the points of the world are, and from how far they are seen.
 struct WorldScenario {
   int points = 380;
   PointPlacement placement = PointPlacement::kAround;

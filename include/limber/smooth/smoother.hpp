@@ -31,8 +31,10 @@ enum class RigModel : std::uint8_t {
   kFree        ///< unknown and new in every frame: the form of the constraint
 };
 
+/// How large residuals are weighed down.
 enum class RobustLoss : std::uint8_t { kNone, kHuber, kCauchy };
 
+/// What a problem takes for given, leaves free, and how long it is worked on.
 struct SmootherOptions {
   MotionModel motion = MotionModel::kImu;
   MotionNoise noise;
@@ -67,6 +69,7 @@ struct SmootherInput {
   InitialState prior;                        ///< what is known of the first state beforehand
 };
 
+/// What the smoother says of one frame.
 struct SmoothedFrame {
   NavigationState nav;
   Eigen::Matrix<double, 6, 6> pose_covariance;   ///< position in the world, attitude local
@@ -85,6 +88,7 @@ struct RefusedPixel {
   double distance = 0.0;  ///< squared, whitened [-]
 };
 
+/// The solution with its marginal covariances.
 struct SmootherResult {
   std::vector<SmoothedFrame> frames;
   std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< p_world_landmark [m]

@@ -45,7 +45,7 @@ enum class CurveQuantity : std::uint8_t {
   kThetaVarianceTz,
 };
 
-inline constexpr std::size_t kCurveQuantities = 27;
+inline constexpr std::size_t kCurveQuantities = 27;  ///< kinds of quantities
 
 /// The quantity of axis 0 to 5 (ax, ay, az, tx, ty, tz), counted from that of ax.
 [[nodiscard]] constexpr CurveQuantity theta_axis(CurveQuantity of_ax, std::size_t axis) {
@@ -54,6 +54,7 @@ inline constexpr std::size_t kCurveQuantities = 27;
 
 /// "position_squared_error", ...: name of exports. And its unit: "m^2", "rad^2", "-", ...
 [[nodiscard]] std::string_view name_of(CurveQuantity quantity);
+/// Its unit as text, empty for a pure number.
 [[nodiscard]] std::string_view unit_of(CurveQuantity quantity);
 /// @throws std::invalid_argument for a name that no quantity has
 [[nodiscard]] CurveQuantity quantity_from_name(std::string_view name);

@@ -14,6 +14,7 @@
 /// 2^-b once, each for itself, and added as 128-bit integers, which is exact and associative.
 namespace limber {
 
+/// A sum without rounding.
 __extension__ typedef __int128 Int128;
 
 /// Terms that a sum has room for.

@@ -21,6 +21,7 @@ struct Shard {
 /// "2/4". @throws std::invalid_argument for anything else
 [[nodiscard]] Shard shard_from_string(std::string_view text);
 
+/// How far a study is.
 struct StudyProgress {
   std::uint64_t runs = 0;   ///< runs of a method that are in the database, of this shard
   std::uint64_t total = 0;  ///< that will be there in the end
@@ -28,6 +29,7 @@ struct StudyProgress {
   double share = 0.0;       ///< of the work of this call that is done, 0 to 1
 };
 
+/// How a study is computed; nothing that its results depend on.
 struct StudyOptions {
   int threads = 0;  ///< that compute, in this process; 0: one per core, or one if there are other ranks
   Shard shard;
@@ -35,6 +37,7 @@ struct StudyOptions {
   std::function<void(const StudyProgress&)> progress;  ///< told several times a second
 };
 
+/// How far a call came.
 struct StudyOutcome {
   StudyProgress progress;
   bool stopped = false;  ///< by StudyOptions::stop

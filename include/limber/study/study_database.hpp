@@ -31,6 +31,7 @@ struct StudyCaseInfo {
   std::vector<double> frame_times;     ///< of the stereo frames, the x axis of every curve [s]
 };
 
+/// What a database says of its study.
 struct StudyInfo {
   std::string program_version;  ///< of the program that began it
   std::uint64_t seed = 0;

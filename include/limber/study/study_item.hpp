@@ -25,12 +25,14 @@ struct RunSeries {
   std::vector<double> values;
 };
 
+/// One method of it: figures, series over time and, of run 0, the path.
 struct MethodResult {
   StudyRun run;
   std::vector<RunSeries> series;           ///< one per quantity that is defined for the method
   std::vector<Eigen::Vector3d> positions;  ///< p_world_body after each frame [m]; run 0 only
 };
 
+/// All methods of one run of a case.
 struct ItemResult {
   std::size_t study_case = 0;  ///< index in the plan
   std::uint64_t run = 0;

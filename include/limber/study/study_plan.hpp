@@ -12,6 +12,7 @@
 /// What a study computes: cases (a scenario and the methods that run on it), each `runs` times.
 namespace limber {
 
+/// A scenario, the methods that run on it, and where they start from.
 struct StudyCase {
   Scenario scenario;
   std::vector<MethodVariant> methods;  ///< every one sees the same recording of a run
@@ -19,6 +20,7 @@ struct StudyCase {
   StartMode start = StartMode::kAuto;  ///< of every method
 };
 
+/// All cases of a study, and the seed of everything random.
 struct StudyPlan {
   std::uint64_t seed = 1;
   std::vector<StudyCase> cases;  ///< scenarios with different names

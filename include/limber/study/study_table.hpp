@@ -68,6 +68,7 @@ struct BriefRow {
 
 /// The heads of a BriefRow behind the case's name, in its order.
 [[nodiscard]] const std::array<std::string, 7>& brief_heads();
+/// One row per method, in their order.
 [[nodiscard]] std::vector<BriefRow> brief_rows(const std::vector<MethodSummary>& methods);
 
 /// All cases in one table of the main figures.

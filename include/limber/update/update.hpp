@@ -48,6 +48,9 @@ struct UpdateReport {
 
 /// @brief EKF update with the least-variance gain among those that obey L D C = 0 (null-space form).
 ///
+/// The gain is, with \f$ A = D C \f$, \f$ S = H P H^T + R \f$ and \f$ K = P H^T S^{-1} \f$,
+/// \f[ L = K - K A (A^T S^{-1} A)^{-1} A^T S^{-1}, \qquad
+/// P^+ = (I - K H) P + K A (A^T S^{-1} A)^{-1} (K A)^T . \f]
 /// With N a basis of the left null space of D C it is the ordinary EKF on Nᵀr, NᵀH, NᵀRN: m − rank(D C) rows,
 /// P stays symmetric positive definite. No constraint and no white covariance: the plain EKF. Rows that say
 /// nothing are taken out first (`compressed`), and what no state moves (the epipolar constraints) is solved

@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Builds the docs site: user pages, derivations, evidence and the API of include/limber, with equations drawn by a MathJax that
+# lies beside the pages (no network). Fails where a type, an enumeration or a free function is undocumented, and on
+# anything else that Doxygen warns of but members of documented types, whose names and units speak.
+#
+#   scripts/build_docs.sh [OUTPUT_FOLDER]       default: results/docs; the site begins at html/index.html
+set -euo pipefail
+
+out=$(realpath --canonicalize-missing -- "${1:-$(dirname "$0")/../results/docs}")
+cd "$(dirname "$0")/.."
+mathjax=/usr/share/javascript/mathjax
+if ! command -v doxygen >/dev/null || [[ ! -d $mathjax ]]; then
+  echo "build_docs: needs Debian's doxygen and libjs-mathjax" >&2
+  exit 1
+fi
+mkdir -p "$out"
+
+(cat docs/Doxyfile; echo "OUTPUT_DIRECTORY = \"$out\"") | doxygen - >"$out/doxygen.log" 2>"$out/warnings.log"
+members='\((variable|function|typedef|friend)\) of (class|struct) [^ ]+ is not documented'
+if grep -E 'warning:|error:' "$out/warnings.log" | grep -vE "$members" >&2; then
+  echo "build_docs: the names above need a comment, or the pages above mending" >&2
+  exit 1
+fi
+
+# Fonts as pictures are for browsers of the last century, and most of the weight.
+mkdir -p "$out/html/mathjax"
+tar --create --dereference --directory "$mathjax" --exclude=fonts/HTML-CSS/TeX/png --exclude=localization . |
+  tar --extract --directory "$out/html/mathjax"
+
+# What pages link to beside pages: examples lie beside them, folders are the list of pages. Doxygen has no anchors of
+# headings in other pages.
+cp -r examples "$out/html/"
+sed -i -E 's#href="\.\./examples/#href="examples/#g; s#href="docs/(evidence|derivations)"#href="pages.html"#g
+           s#href="\.\./conventions\.md\#[a-z-]+"#href="md_docs_conventions.html"#g' "$out"/html/*.html
+python3 tests/docs/site_links.py "$out/html"
+echo "$out/html/index.html"
