@@ -160,7 +160,7 @@ TEST(InitializeLandmark, RefusesWhatItCannotPlaceAndLeavesTheEstimateAsItWas) {
   }
 }
 
-TEST(InitializeLandmark, PointsAtAndBeyondInfinityAreBornFarAway) {
+TEST(InitializeLandmark, PointsAtAndBeyondInfinityBeginFarAway) {
   Generator generator(5);
   for (const LandmarkInitMode mode : {LandmarkInitMode::kClassical, LandmarkInitMode::kDiffuse}) {
     for (const double disparity_error : {0.0, 3.0}) {
@@ -202,7 +202,7 @@ TEST(InitializeLandmark, SeenByTheLeftCameraAloneItsDepthIsThePrior) {
   }
 }
 
-TEST(InitializeLandmark, DiffuselyBornPointsKnowNothingOfTheOthersButTheirAnchor) {
+TEST(InitializeLandmark, DiffuselyInitializedPointsKnowNothingOfTheOthersButTheirAnchor) {
   Generator generator(7);
   for (const LandmarkKind kind : {LandmarkKind::kInverseDepth, LandmarkKind::kCartesian}) {
     Estimate estimate = testing::random_map(generator, 5);

@@ -62,7 +62,7 @@ TEST(LinearityIndex, IsInfiniteBeyondInfinityAndZeroForACartesianPoint) {
   EXPECT_EQ(linearity_index(estimate, *estimate.find(1)), 0.0);
 }
 
-TEST(KeepUp, ConvertsALandmarkThatIsLinearEnoughAndJustSeen) {
+TEST(MapManagement, ConvertsALandmarkThatIsLinearEnoughAndJustSeen) {
   MapManagementOptions options = idle();
   options.linearity_index = 0.1;
   const auto kind_after = [&](double sigma_rho, std::int64_t last_seen_ns) {
@@ -184,7 +184,7 @@ Estimate aging_map(Generator& generator) {
   return estimate;
 }
 
-TEST(KeepUp, RemovesNothingWithoutReason) {
+TEST(MapManagement, RemovesNothingWithoutReason) {
   Generator generator(1);
   Estimate estimate = aging_map(generator);
   const testing::Snapshot before = testing::snapshot(estimate);
@@ -192,7 +192,7 @@ TEST(KeepUp, RemovesNothingWithoutReason) {
   EXPECT_EQ(testing::snapshot(estimate), before);
 }
 
-TEST(KeepUp, BeyondTheMostLandmarksThoseUnseenForLongestGo) {
+TEST(MapManagement, BeyondTheMostLandmarksThoseUnseenForLongestGo) {
   Generator generator(2);
   Estimate estimate = aging_map(generator);
   MapManagementOptions options = idle();
@@ -201,7 +201,7 @@ TEST(KeepUp, BeyondTheMostLandmarksThoseUnseenForLongestGo) {
   EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{4, 5, 6, 7, 8, 9}));
 }
 
-TEST(KeepUp, NeverRemovesForRoomWhatIsInView) {
+TEST(MapManagement, NeverRemovesForRoomWhatIsInView) {
   Generator generator(3);
   Estimate estimate = aging_map(generator);
   MapManagementOptions options = idle();
@@ -210,7 +210,7 @@ TEST(KeepUp, NeverRemovesForRoomWhatIsInView) {
   EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{8, 9}));
 }
 
-TEST(KeepUp, OfThoseUnseenForEquallyLongTheOlderTrackGoes) {
+TEST(MapManagement, OfThoseUnseenForEquallyLongTheOlderTrackGoes) {
   Generator generator(4);
   Estimate estimate = aging_map(generator);
   for (Landmark& landmark : estimate.landmarks()) {
@@ -222,7 +222,7 @@ TEST(KeepUp, OfThoseUnseenForEquallyLongTheOlderTrackGoes) {
   EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{3, 4, 5, 6, 7, 8, 9}));
 }
 
-TEST(KeepUp, ForgetsWhatWasUnseenForTooLong) {
+TEST(MapManagement, ForgetsWhatWasUnseenForTooLong) {
   Generator generator(5);
   Estimate estimate = aging_map(generator);
   MapManagementOptions options = idle();
@@ -231,7 +231,7 @@ TEST(KeepUp, ForgetsWhatWasUnseenForTooLong) {
   EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{4, 5, 6, 7, 8, 9}));
 }
 
-TEST(KeepUp, RemovesWhatWasRefusedTooOften) {
+TEST(MapManagement, RemovesWhatWasRefusedTooOften) {
   Generator generator(6);
   Estimate estimate = aging_map(generator);
   estimate.find(3)->refusals = 2;
@@ -241,7 +241,7 @@ TEST(KeepUp, RemovesWhatWasRefusedTooOften) {
   EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{0, 1, 2, 3, 4, 6, 7, 8}));
 }
 
-TEST(KeepUp, WhatOneRuleRemovesMakesRoomForTheOther) {
+TEST(MapManagement, WhatOneRuleRemovesMakesRoomForTheOther) {
   Generator generator(7);
   Estimate estimate = aging_map(generator);
   estimate.find(9)->refusals = 3;

@@ -164,7 +164,7 @@ TEST(StereoFilter, PointsThatLeaveAndComeBackAreStillKnown) {
   }
 }
 
-TEST(StereoFilter, APointOfTheRightCameraAloneIsNotBornButUsedOnceKnown) {
+TEST(StereoFilter, APointOfTheRightCameraAloneIsNotInitializedButUsedOnceKnown) {
   const Scene scene = small_scene();
   Feeder feeder(scene, with_method(scene, Method::kLcekf));
   StereoFrame frame = scene.frames[0];
@@ -185,7 +185,7 @@ TEST(StereoFilter, APointOfTheRightCameraAloneIsNotBornButUsedOnceKnown) {
   EXPECT_EQ(feeder.navigator.estimate().find(id)->last_seen_ns, frame.t_ns);
 }
 
-TEST(StereoFilter, APointOfTheLeftCameraAloneIsBornAndItsDepthFoundFromMotion) {
+TEST(StereoFilter, APointOfTheLeftCameraAloneIsInitializedAndItsDepthFoundFromMotion) {
   SceneOptions options;
   options.duration_s = 3.0;
   options.points = 40;
@@ -234,7 +234,7 @@ TEST(StereoFilter, TheMapKeepsToItsSize) {
   EXPECT_GT(removed, 0U);
 }
 
-TEST(StereoFilter, NewbornsThatContradictTheirFrameLeaveNoTrace) {
+TEST(StereoFilter, NewLandmarksThatContradictTheirFrameLeaveNoTrace) {
   const Scene scene = small_scene();
   for (const LandmarkKind kind : {LandmarkKind::kInverseDepth, LandmarkKind::kCartesian}) {
     Feeder with(scene, with_method(scene, Method::kLcekf, kind));

@@ -216,7 +216,7 @@ TEST(StackFrame, EachCameraThatSawThePointGivesTwoRows) {
   EXPECT_FALSE(z.frame.measurement.D.middleRows<2>(6).isZero(1.0));
 }
 
-TEST(StackFrame, OfANewbornOnlyTheRowsItsBirthLeft) {
+TEST(StackFrame, OfANewLandmarkOnlyTheRowsItsInitializationLeft) {
   Generator generator(4);
   const StereoCalibration rig = calibration(BodyFrame::kImu);
   const Estimate estimate = visible_map(generator, {MotionModel::kImu, false}, rig);
