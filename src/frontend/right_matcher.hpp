@@ -13,8 +13,8 @@
 namespace limber::frontend {
 
 /// @brief Right matches of left tracks, from frame to frame.
-/// A match is looked for where it was, moved as its nearest neighbour's has moved since; where that fails, all
-/// over the window. Tracks without match are asked again after 1, 2, 4 ... frames.
+/// A match is looked for where it was, moved as its nearest neighbour's has moved since; where that fails,
+/// all over the window. Tracks without match are asked again after 1, 2, 4 ... frames.
 class RightMatcher {
  public:
   RightMatcher(const StereoCalibration& assumed, const TrackerOptions& options);
