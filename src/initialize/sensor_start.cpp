@@ -97,6 +97,11 @@ struct SensorStart::Window {
   [[nodiscard]] std::vector<SmoothedState> trajectory() const;
   [[nodiscard]] SensorStartResult unsolved() const;
   void solve();
+  /// The rig says nothing about how long a metre is.
+  [[nodiscard]] bool leaves_scale_open() const {
+    return !model.right ||
+           !(model.directions.bottomRows<3>().transpose() * model.calibration.theta.tail<3>()).isZero();
+  }
   [[nodiscard]] double tilt_sigma() const;
   [[nodiscard]] double scale_sigma() const;
   [[nodiscard]] double parallax() const;
@@ -339,7 +344,8 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
     out.scale_sigma = w.scale_sigma();
   }
   const bool tilt = out.tilt_sigma <= w.options.tilt_sigma;
-  const bool scale = out.scale_sigma <= w.options.scale_sigma;
+  const bool scale =
+      out.scale_sigma <= (w.leaves_scale_open() ? w.options.open_scale_sigma : w.options.scale_sigma);
   if (!w.solution) {
     out.missing = "a motion that images and inputs agree upon";
   } else if (!scale) {

@@ -15,10 +15,13 @@ namespace limber {
 
 /// When a start from the sensors is good enough, and how long it may take.
 struct StartOptions {
-  double longest_s = 4.0;     ///< then it goes on with what is known, as it is known
+  double longest_s = 8.0;     ///< then it goes on with what is known, as it is known
   double shortest_s = 1.0;    ///< no start before
   double tilt_sigma = 0.02;   ///< [rad], asked for; recordings with an IMU
   double scale_sigma = 0.05;  ///< [-], of the logarithm of the map's scale, asked for
+  /// The same where the method distrusts the length of the baseline: its filter, which linearises each frame
+  /// once, learns the rest of the scale badly, the window well.
+  double open_scale_sigma = 0.02;
 };
 
 /// Whether a start may be used.
