@@ -1,28 +1,86 @@
 // SPDX-License-Identifier: MIT
 #include "frame_source.hpp"
 
-#include <memory>
+#include <chrono>
 #include <stdexcept>
 #ifdef LIMBER_WITH_FRONTEND
+#include "limber/frontend/image_reader.hpp"
 #include "limber/frontend/stereo_tracker.hpp"
+#include "read_ahead.hpp"
 #endif
 
 namespace limber::app {
+#ifdef LIMBER_WITH_FRONTEND
+namespace {
 
-FrameSource frame_source(const Recording& recording) {
+double ms_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// A frame, and what it took.
+struct TrackedFrame {
+  StereoFrame frame;
+  double decode_ms = 0.0, track_ms = 0.0;
+};
+
+/// Reads and tracks the images of a recording, one pair after the other.
+class ImageTracking {
+ public:
+  ImageTracking(const Recording& recording, const TrackerOptions& options)
+      : recording_(recording),
+        reader0_(recording.calibration.cam0),
+        reader1_(recording.calibration.cam1),
+        tracker_(recording.calibration, options) {}
+
+  TrackedFrame operator()(std::size_t n) {
+    const ImagePair& pair = recording_.images[n];
+    const auto begin = std::chrono::steady_clock::now();
+    const OwnedImage left = reader0_.read(pair.cam0), right = reader1_.read(pair.cam1);
+    TrackedFrame result;
+    result.decode_ms = ms_since(begin);
+    const auto decoded = std::chrono::steady_clock::now();
+    result.frame = tracker_.process(pair.t_ns, left.view(), right.view());
+    result.track_ms = ms_since(decoded);
+    return result;
+  }
+
+ private:
+  const Recording& recording_;
+  ImageReader reader0_, reader1_;
+  StereoTracker tracker_;
+};
+
+}  // namespace
+#endif
+
+ImageFrames image_frames(const Recording& recording, const FrontendArguments& arguments) {
   if (recording.images.empty()) {
-    return matched_frames(recording);
+    return {matched_frames(recording), nullptr};
   }
 #ifdef LIMBER_WITH_FRONTEND
-  auto tracker = std::make_shared<StereoTracker>(recording.calibration);
-  return [tracker, &recording](std::size_t n) {
-    const ImagePair& pair = recording.images[n];
-    return tracker->process(pair.t_ns, pair.cam0, pair.cam1);
-  };
+  TrackerOptions options;
+  options.max_tracks = arguments.max_tracks;
+  auto tracking = std::make_shared<ImageTracking>(recording, options);
+  std::function<TrackedFrame(std::size_t)> take = [tracking](std::size_t n) { return (*tracking)(n); };
+  if (arguments.threads > 1) {
+    auto ahead = std::make_shared<ReadAhead<TrackedFrame>>(take, recording.images.size());
+    take = [ahead](std::size_t n) { return ahead->take(n); };
+  }
+  auto record = std::make_shared<FrontendRecord>();
+  return {[take, record](std::size_t n) {
+            TrackedFrame tracked = take(n);
+            record->add(tracked.frame, tracked.decode_ms, tracked.track_ms);
+            return std::move(tracked.frame);
+          },
+          record};
 #else
   throw std::runtime_error(recording.name +
                            " holds images, but this program was built without the image front end");
 #endif
+}
+
+FrameSource frame_source(const Recording& recording) {
+  return image_frames(recording, {.threads = 1}).frames;
 }
 
 }  // namespace limber::app

@@ -1,13 +1,28 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <memory>
+
 #include "limber/run/run_recording.hpp"
 
 namespace limber::app {
 
-/// Frames of a recording: its matched points, or its images through the front end. The recording must outlive
-/// the source.
+struct FrontendArguments {
+  int max_tracks = 120;  ///< points followed at a time
+  int threads = 2;       ///< 1: images are read and tracked when the filter asks for them
+};
+
+/// Frames of a recording: its matched points, or its images through the front end.
+struct ImageFrames {
+  FrameSource frames;
+  std::shared_ptr<FrontendRecord> record;  ///< of the frames taken so far; nothing for matched points
+};
+
+/// @param recording  must outlive the source
 /// @throws std::runtime_error for images if this program was built without the front end
+[[nodiscard]] ImageFrames image_frames(const Recording& recording, const FrontendArguments& arguments);
+
+/// The frames alone, made on the thread that asks for them.
 [[nodiscard]] FrameSource frame_source(const Recording& recording);
 
 }  // namespace limber::app

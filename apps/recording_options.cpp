@@ -83,6 +83,14 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
                   "Of a frame; those beyond are left out, evenly over the image")
       ->check(whole_number(10, 5000))
       ->capture_default_str();
+  command.add_option("--max-tracks", arguments.frontend.max_tracks, "Images: points followed at a time")
+      ->check(whole_number(10, 2000))
+      ->capture_default_str();
+  command
+      .add_option("--threads", arguments.frontend.threads,
+                  "Images: 2 reads and tracks them while the filter works, 1 in turn; the result is the same")
+      ->check(whole_number(1, 2))
+      ->capture_default_str();
   command
       .add_option("--false-alarms", arguments.false_alarms_per_hour,
                   "Of the calibration monitor, per hour of a sound rig")

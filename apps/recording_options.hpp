@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "frame_source.hpp"
 #include "limber/run/run_options.hpp"
 
 /// What `limber run` and `limber health` ask alike: which recording, and what to assume of it.
@@ -16,6 +17,7 @@ struct RecordingArguments {
   std::string images;
   std::string assume_error, estimate, soften, start = "auto", clean = "on";
   std::size_t max_points = CleaningOptions{}.max_points;
+  FrontendArguments frontend;
   std::optional<double> sigma_px;
   double false_alarms_per_hour = RunOptions{}.false_alarms_per_hour;
 };

@@ -53,6 +53,13 @@ RunOptions to_options(const RunArguments& arguments, const Recording& recording)
   return options;
 }
 
+/// What the progress bar says of the latest pair of images.
+std::string timing_text(const FrontendRecord* frontend) {
+  if (frontend == nullptr || frontend->t_ns.empty()) return "";
+  return fmt::format("decode {:.1f} ms, track {:.1f} ms", frontend->decode_ms.back(),
+                     frontend->track_ms.back());
+}
+
 void run(const RunArguments& arguments) {
   Recording recording;
   RunOptions options;
@@ -64,9 +71,11 @@ void run(const RunArguments& arguments) {
     require_replaceable_run(arguments.out, arguments.force);
     require_writable_folder(arguments.out);
     Progress progress(arguments.method, frame_count(recording));
+    const ImageFrames source = image_frames(recording, arguments.frontend);
     record = run_recording(
-        recording, options, frame_source(recording), [&](std::size_t n) { progress.done(n); }, {},
-        Interrupt::asked);
+        recording, options, source.frames,
+        [&](std::size_t n) { progress.done(n, timing_text(source.record.get())); }, {}, Interrupt::asked);
+    if (source.record) add_frontend(*source.record, record);
   }
   if (record.frames.empty()) {
     throw std::runtime_error("stopped before the first frame: nothing is written");

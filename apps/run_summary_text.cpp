@@ -32,6 +32,16 @@ void print_run_summary(const RunSummary& s, const std::filesystem::path& folder)
   fmt::print(
       "  time            p50 {:.2f} ms, p99 {:.2f} ms, worst {:.2f} ms a frame, {:.1f} times real time\n",
       s.ms_per_frame_p50, s.ms_per_frame_p99, s.ms_per_frame_worst, s.realtime_factor);
+  if (const auto& f = s.frontend) {
+    fmt::print(
+        "  images          decoding p50 {:.2f} ms, p99 {:.2f} ms; tracking {:.2f} ms, {:.2f} ms; to the "
+        "state {:.2f} ms, "
+        "{:.2f} ms\n",
+        f->decode.p50, f->decode.p99, f->track.p50, f->track.p99, f->end_to_end.p50, f->end_to_end.p99);
+    fmt::print(
+        "  tracks          {:.1f} points in the left image, {:.1f} in the right one, {:.1f} frames a track\n",
+        f->left_points, f->right_points, f->frames_per_track);
+  }
   fmt::print("  results in      {}\n", folder.string());
 }
 

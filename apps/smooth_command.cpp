@@ -58,7 +58,7 @@ void smooth(const SmoothArguments& arguments) {
   RunRecord record;
   {
     Progress progress("smooth", 100);
-    record = smooth_recording(recording, options, frame_source(recording),
+    record = smooth_recording(recording, options, image_frames(recording, arguments.frontend).frames,
                               [&](std::size_t percent) { progress.done(percent); });
   }
   RunSummary summary = summarize(recording, options.run, record);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -103,6 +104,42 @@ double estimated_length(const RunRecord& record) {
   return length;
 }
 
+FrameTime frame_time(const std::vector<double>& ms) {
+  return {quantile(ms, 0.5), quantile(ms, 0.99), quantile(ms, 1.0)};
+}
+
+/// Of each frame of the run, what reading, tracking and filtering it took.
+std::vector<double> end_to_end_ms(const FrontendRecord& frontend, const RunRecord& record) {
+  std::map<std::int64_t, double> filter_ms;
+  for (std::size_t k = 0; k < record.trajectory.size(); ++k) {
+    filter_ms[record.trajectory[k].t_ns] = record.frame_ms[k];
+  }
+  std::vector<double> ms;
+  for (std::size_t k = 0; k < frontend.t_ns.size(); ++k) {
+    const auto filter = filter_ms.find(frontend.t_ns[k]);
+    if (filter != filter_ms.end())
+      ms.push_back(frontend.decode_ms[k] + frontend.track_ms[k] + filter->second);
+  }
+  return ms;
+}
+
+std::optional<FrontendSummary> summarize_frontend(const RunRecord& record) {
+  if (!record.frontend || record.frontend->t_ns.empty()) return std::nullopt;
+  const FrontendRecord& frontend = *record.frontend;
+  const auto frames = static_cast<double>(frontend.t_ns.size());
+  FrontendSummary out;
+  out.decode = frame_time(frontend.decode_ms);
+  out.track = frame_time(frontend.track_ms);
+  out.end_to_end = frame_time(end_to_end_ms(frontend, record));
+  out.left_points = static_cast<double>(frontend.left_points) / frames;
+  out.right_points = static_cast<double>(frontend.right_points) / frames;
+  if (!frontend.tracks.empty()) {
+    out.frames_per_track =
+        static_cast<double>(frontend.left_points) / static_cast<double>(frontend.tracks.size());
+  }
+  return out;
+}
+
 }  // namespace
 
 StartAlignment start_alignment(std::span<const MatchedPose> poses, StartMode start, MotionModel motion) {
@@ -141,7 +178,11 @@ RunSummary summarize(const Recording& recording, const RunOptions& options, cons
   out.ms_per_frame_worst = quantile(record.frame_ms, 1.0);
   const double filter_ms = std::accumulate(record.frame_ms.begin(), record.frame_ms.end(), 0.0);
   out.ms_per_frame_mean = filter_ms / static_cast<double>(out.frames);
-  const double spent_ms = filter_ms + std::accumulate(record.source_ms.begin(), record.source_ms.end(), 0.0);
+  out.frontend = summarize_frontend(record);
+  // Where the front end works beside the filter, the times of both do not add up.
+  const double spent_ms =
+      record.frontend ? 1e3 * record.elapsed_s
+                      : filter_ms + std::accumulate(record.source_ms.begin(), record.source_ms.end(), 0.0);
   out.realtime_factor = spent_ms > 0.0 ? 1e3 * out.duration_s / spent_ms : 0.0;
   out.peak_rss_mb = peak_rss_mb();
   out.inputs = summarize_inputs(record.frames);

@@ -44,7 +44,8 @@ cv::Mat read(const std::filesystem::path& file, const Camera& camera, int flags)
     throw DataError(file.string(), 0, expected + " (the calibration's resolution)",
                     size_text(size->width, size->height));
   } else if (!size) {
-    throw DataError(file.string(), 0, expected, "nothing that can be decoded as an image: no PNG or JPEG");
+    throw DataError(file.string(), 0, expected,
+                    "nothing that can be decoded as an image: no PNG, JPEG, TIFF, PGM or PPM");
   }
   cv::Mat image;
   try {
@@ -54,6 +55,9 @@ cv::Mat read(const std::filesystem::path& file, const Camera& camera, int flags)
     image.release();  // what OpenCV refuses to decode is no image to us
   }
   if (image.empty()) throw DataError(file.string(), 0, expected, "nothing that can be decoded as an image");
+  if (image.depth() != CV_8U && image.depth() != CV_16U) {
+    throw DataError(file.string(), 0, expected + " of 8 or 16 bit", "other numbers as pixels");
+  }
   if (image.cols != camera.width || image.rows != camera.height) {
     throw DataError(file.string(), 0, expected + " (the calibration's resolution)",
                     size_text(image.cols, image.rows));
@@ -66,7 +70,7 @@ cv::Mat read(const std::filesystem::path& file, const Camera& camera, int flags)
 // A camera's pixels stay where they are, whatever the file says about how to turn them for viewing.
 
 cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera) {
-  return read(file, camera, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  return read(file, camera, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
 }
 
 cv::Mat read_unchanged(const std::filesystem::path& file, const Camera& camera) {

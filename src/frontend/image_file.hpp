@@ -16,8 +16,7 @@ namespace limber::frontend {
 /// @throws DataError if it cannot be read or decoded, or has not the camera's resolution
 [[nodiscard]] cv::Mat read_unchanged(const std::filesystem::path& file, const Camera& camera);
 
-/// @brief Reads an image of any format OpenCV knows as 8 bit grey.
-/// @throws DataError if it cannot be read or decoded, or has not the camera's resolution
+/// @brief The same as grey, of 8 or 16 bit as it is stored.
 [[nodiscard]] cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera);
 
 }  // namespace limber::frontend

@@ -9,6 +9,7 @@
 #include "frontend/left_tracker.hpp"
 #include "frontend/pyramid.hpp"
 #include "frontend/right_matcher.hpp"
+#include "limber/frontend/image_reader.hpp"
 
 namespace limber {
 namespace {
@@ -55,11 +56,17 @@ void require_sensible(const TrackerOptions& options) {
 class StereoTracker::Impl {
  public:
   Impl(const StereoCalibration& assumed, const TrackerOptions& options)
-      : assumed_(assumed), left_(assumed.cam0, options), right_(assumed, options) {}
+      : reader0(assumed.cam0),
+        reader1(assumed.cam1),
+        assumed_(assumed),
+        left_(assumed.cam0, options),
+        right_(assumed, options) {}
 
   [[nodiscard]] const StereoCalibration& assumed() const { return assumed_; }
   void require_later(std::int64_t t_ns) const;
   StereoFrame process(std::int64_t t_ns, const cv::Mat& image0, const cv::Mat& image1);
+
+  ImageReader reader0, reader1;
 
  private:
   StereoCalibration assumed_;
@@ -103,9 +110,8 @@ StereoTracker& StereoTracker::operator=(StereoTracker&&) noexcept = default;
 StereoFrame StereoTracker::process(std::int64_t t_ns, const std::filesystem::path& image0,
                                    const std::filesystem::path& image1) {
   impl_->require_later(t_ns);
-  const cv::Mat left = frontend::read_grey(image0, impl_->assumed().cam0);
-  const cv::Mat right = frontend::read_grey(image1, impl_->assumed().cam1);
-  return impl_->process(t_ns, left, right);
+  const OwnedImage left = impl_->reader0.read(image0), right = impl_->reader1.read(image1);
+  return process(t_ns, left.view(), right.view());
 }
 
 StereoFrame StereoTracker::process(std::int64_t t_ns, const GreyImage& image0, const GreyImage& image1) {

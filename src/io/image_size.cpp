@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -70,15 +71,58 @@ std::optional<ImageSize> jpeg_size(std::istream& stream) {
   return std::nullopt;
 }
 
+// "P5" or "P6" (or their text forms), then width and height between blanks and comments.
+std::optional<ImageSize> pnm_size(std::istream& stream) {
+  if (stream.get() != 'P' || stream.peek() < '2' || stream.peek() > '6' || stream.get() == '4') {
+    return std::nullopt;
+  }
+  const auto number = [&stream]() -> std::optional<std::uint32_t> {
+    while (stream >> std::ws && stream.peek() == '#') {
+      stream.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+    }
+    std::uint32_t value = 0;
+    return stream >> value ? std::optional(value) : std::nullopt;
+  };
+  const auto width = number();
+  return size_of(width, number());
+}
+
+// Byte order, 42, place of the first directory; its entries of 12 bytes: tag, type, count, value.
+std::optional<ImageSize> tiff_size(std::istream& stream) {
+  std::array<char, 4> start{};
+  stream.read(start.data(), start.size());
+  const std::string_view order(start.data(), 4);
+  if (!stream || (order != "II*\0"sv && order != "MM\0*"sv)) {
+    return std::nullopt;
+  }
+  const auto number = [&stream, swapped = order[0] == 'I'](int count) -> std::optional<std::uint32_t> {
+    const auto value = big_endian(stream, count);
+    if (!value || !swapped) return value;
+    return count == 2 ? (*value >> 8 | (*value & 0xffU) << 8) : __builtin_bswap32(*value);
+  };
+  stream.seekg(number(4).value_or(0));
+  std::optional<std::uint32_t> width, height;
+  for (std::uint32_t entries = number(2).value_or(0); entries > 0 && stream; --entries) {
+    const auto tag = number(2), type = number(2), count = number(4);
+    const auto value = type == 3U ? number(2) : number(4);
+    if (type == 3U) stream.ignore(2);
+    if (count == 1U && tag == 256U) width = value;
+    if (count == 1U && tag == 257U) height = value;
+  }
+  return size_of(width, height);
+}
+
 }  // namespace
 
 std::optional<ImageSize> image_size_of(std::istream& content) {
-  if (const auto size = png_size(content)) {
-    return size;
+  for (const auto reader : {png_size, jpeg_size, pnm_size, tiff_size}) {
+    content.clear();
+    content.seekg(0);
+    if (const auto size = reader(content)) {
+      return size;
+    }
   }
-  content.clear();
-  content.seekg(0);
-  return jpeg_size(content);
+  return std::nullopt;
 }
 
 ImageSize read_image_size(const std::filesystem::path& path) {
@@ -88,7 +132,7 @@ ImageSize read_image_size(const std::filesystem::path& path) {
   }
   const auto size = image_size_of(stream);
   if (!size) {
-    throw DataError(path.string(), 0, "a PNG or JPEG image", "another or a damaged header");
+    throw DataError(path.string(), 0, "a PNG, JPEG, TIFF, PGM or PPM image", "another or a damaged header");
   }
   return *size;
 }

@@ -11,7 +11,7 @@ struct ImageSize {
   int width = 0, height = 0;  ///< [px]
 };
 
-/// Size from the header of a PNG or JPEG file. @throws DataError if it is missing or neither.
+/// Size from the header of a PNG, JPEG, TIFF, PGM or PPM file. @throws DataError if it is missing or neither.
 [[nodiscard]] ImageSize read_image_size(const std::filesystem::path& path);
 
 /// The same of a file's content; nothing if it is neither.

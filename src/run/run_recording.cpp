@@ -153,6 +153,28 @@ std::size_t frame_count(const Recording& recording) {
   return recording.images.empty() ? recording.frames.size() : recording.images.size();
 }
 
+void FrontendRecord::add(const StereoFrame& frame, double decoding_ms, double tracking_ms) {
+  t_ns.push_back(frame.t_ns);
+  decode_ms.push_back(decoding_ms);
+  track_ms.push_back(tracking_ms);
+  for (const StereoObservation& point : frame.observations) {
+    left_points += point.in_cam0;
+    right_points += point.in_cam1;
+    tracks.insert(point.track_id);
+  }
+}
+
+void add_frontend(const FrontendRecord& frontend, RunRecord& record) {
+  std::map<std::int64_t, double> spent_ms;
+  for (std::size_t k = 0; k < frontend.t_ns.size(); ++k) {
+    spent_ms[frontend.t_ns[k]] = frontend.decode_ms[k] + frontend.track_ms[k];
+  }
+  for (std::size_t k = 0; k < record.trajectory.size(); ++k) {
+    record.source_ms[k] = spent_ms[record.trajectory[k].t_ns];
+  }
+  record.frontend = frontend;
+}
+
 FrameSource matched_frames(const Recording& recording) {
   return [&recording](std::size_t n) { return recording.frames[n]; };
 }
@@ -160,6 +182,7 @@ FrameSource matched_frames(const Recording& recording) {
 RunRecord run_recording(const Recording& recording, const RunOptions& options, const FrameSource& source,
                         const std::function<void(std::size_t)>& progress, const FrameObserver& observe,
                         const std::function<bool()>& stop) {
+  const auto begin_run = Clock::now();
   const RunSetup setup = set_up_run(recording, options);
   const MotionModel motion = setup.navigator.motion;
   FrameCleaner cleaner(setup.calibration, options.cleaning);
@@ -236,6 +259,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     }
     done(record.frames.size() - 1, &navigator);
   }
+  record.elapsed_s = 1e-3 * milliseconds(begin_run, Clock::now());
   take_map(navigator, record);
   append(record.notes, remarks_on_inputs(summarize_inputs(record.frames)));
   record.cleaning = cleaner.report();

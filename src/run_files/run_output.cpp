@@ -95,6 +95,8 @@ Json to_json(const StartReport& report) {
           {"missing", report.missing}};
 }
 
+Json to_json(const FrameTime& time) { return {{"p50", time.p50}, {"p99", time.p99}, {"worst", time.worst}}; }
+
 Json to_json(const CleaningReport& report) {
   return {{"stale_frames", report.stale_frames},     {"stale_points", report.stale_points},
           {"leapt_matches", report.leapt_matches},   {"rig_jumps", report.rig_jumps},
@@ -123,6 +125,15 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
                           {"p99", s.ms_per_frame_p99},
                           {"p999", s.ms_per_frame_p999},
                           {"worst", s.ms_per_frame_worst}};
+  json["frontend"] = nullptr;
+  if (const auto& f = s.frontend) {
+    json["ms_per_frame"]["decode"] = to_json(f->decode);
+    json["ms_per_frame"]["track"] = to_json(f->track);
+    json["ms_per_frame"]["end_to_end"] = to_json(f->end_to_end);
+    json["frontend"] = {{"left_points", f->left_points},
+                        {"right_points", f->right_points},
+                        {"frames_per_track", f->frames_per_track}};
+  }
   json["realtime_factor"] = s.realtime_factor;
   json["peak_rss_mb"] = s.peak_rss_mb;
   json["points_per_frame"] = s.points_per_frame;

@@ -82,6 +82,25 @@ TEST_F(ImageFolder, IsNavigated) {
   EXPECT_LT(summary["ate_m"]["se3"], 0.05);
 }
 
+TEST_F(ImageFolder, IsNavigatedAlikeOnOneThreadAndOnTwoAndSaysWhatTheImagesTook) {
+  const fs::path alone = mav0().parent_path() / "alone", beside = mav0().parent_path() / "beside";
+  const std::string data = mav0().parent_path().string();
+  ASSERT_EQ(testing::run_limber({"run", data, "--threads", "1", "--out", alone.string()}).exit_code, 0);
+  ASSERT_EQ(testing::run_limber({"run", data, "--threads", "2", "--out", beside.string()}).exit_code, 0);
+  EXPECT_EQ(testing::read_text(alone / "trajectory.csv"), testing::read_text(beside / "trajectory.csv"));
+  const auto summary = nlohmann::json::parse(testing::read_text(beside / "summary.json"));
+  for (const char* const part : {"decode", "track", "end_to_end"}) {
+    EXPECT_GT(summary["ms_per_frame"][part]["p50"].get<double>(), 0.0) << part;
+    EXPECT_GE(summary["ms_per_frame"][part]["worst"], summary["ms_per_frame"][part]["p99"]) << part;
+  }
+  EXPECT_GE(summary["frontend"]["left_points"], summary["frontend"]["right_points"]);
+  EXPECT_GE(summary["frontend"]["frames_per_track"], 1.0);
+
+  const fs::path few = mav0().parent_path() / "few";
+  ASSERT_EQ(testing::run_limber({"run", data, "--max-tracks", "20", "--out", few.string()}).exit_code, 0);
+  EXPECT_LE(nlohmann::json::parse(testing::read_text(few / "summary.json"))["frontend"]["left_points"], 20.0);
+}
+
 TEST_F(ImageFolder, IsRefusedWhereAnImageIsMissing) {
   fs::remove(image("cam1", 2));
   expect_refused(mav0() / "cam1/data.csv:4", "expected the image 100000000.png");

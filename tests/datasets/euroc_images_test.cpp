@@ -89,9 +89,9 @@ TEST_F(EurocFolder, RefusesImagesThatDoNotFitTheCalibration) {
 
 TEST_F(EurocFolder, RefusesAnImageThatIsNone) {
   write_text(mav0() / "cam0/data/1000.png", "not a picture");
-  EXPECT_NE(std::string(error().what()).find("a PNG or JPEG image"), std::string::npos);
+  EXPECT_NE(std::string(error().what()).find("a PNG, JPEG, TIFF, PGM or PPM image"), std::string::npos);
   write_text(mav0() / "cam0/data/1000.png", png_header(752, 480).substr(0, 20));
-  EXPECT_NE(std::string(error().what()).find("a PNG or JPEG image"), std::string::npos);
+  EXPECT_NE(std::string(error().what()).find("a PNG, JPEG, TIFF, PGM or PPM image"), std::string::npos);
 }
 
 TEST_F(EurocFolder, RefusesCamerasWithoutACommonTime) {

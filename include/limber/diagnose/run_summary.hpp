@@ -15,6 +15,19 @@
 
 namespace limber {
 
+/// Quantiles of a time per frame [ms].
+struct FrameTime {
+  double p50 = 0.0, p99 = 0.0, worst = 0.0;
+};
+
+/// What an image front end did in a run. End to end: reading, tracking and filtering a frame, one after the
+/// other.
+struct FrontendSummary {
+  FrameTime decode, track, end_to_end;
+  double left_points = 0.0, right_points = 0.0;  ///< per frame
+  double frames_per_track = 0.0;                 ///< mean
+};
+
 /// Figures of merit of a run; what is not known is empty. Definitions: docs/formats.md.
 struct RunSummary {
   std::string method, dataset;
@@ -32,8 +45,9 @@ struct RunSummary {
   double nis = 0.0, nis_dof = 0.0;        ///< sums over all updates
   std::optional<double> nis_per_dof;
   double ms_per_frame_mean = 0.0, ms_per_frame_p50 = 0.0, ms_per_frame_p99 = 0.0, ms_per_frame_p999 = 0.0,
-         ms_per_frame_worst = 0.0;  ///< filter alone
-  double realtime_factor = 0.0;     ///< duration over time spent, front end included
+         ms_per_frame_worst = 0.0;          ///< filter alone
+  std::optional<FrontendSummary> frontend;  ///< nothing for matched points
+  double realtime_factor = 0.0;             ///< duration over time spent, front end included
   double peak_rss_mb = 0.0;
   std::size_t points_refused = 0;
   double points_per_frame = 0.0;

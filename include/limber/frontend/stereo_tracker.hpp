@@ -45,7 +45,7 @@ class StereoTracker {
 
   /// @brief Follows the points into the next stereo pair.
   /// @param t_ns    time of the pair [ns], later than that of the one before
-  /// @param image0  file of the left image, in any format OpenCV reads; colour is turned to grey
+  /// @param image0  file of the left image, as ImageReader takes it
   /// @param image1  file of the right image
   /// @return the points in raw (distorted) pixels, by rising track_id; all are in_cam0, and in_cam1 where the
   ///         right match can be trusted

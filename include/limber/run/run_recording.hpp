@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -43,12 +44,25 @@ struct CalibrationRow {
   CalibrationEstimate estimate;
 };
 
+/// What an image front end did, frame by frame.
+struct FrontendRecord {
+  std::vector<std::int64_t> t_ns;                 ///< of the frames
+  std::vector<double> decode_ms, track_ms;        ///< time spent on reading and on tracking a pair [ms]
+  std::size_t left_points = 0, right_points = 0;  ///< sums over the frames
+  std::set<std::int64_t> tracks;                  ///< track_ids
+
+  void add(const StereoFrame& frame, double decoding_ms, double tracking_ms);
+};
+
 /// What a run leaves behind.
 struct RunRecord {
   std::vector<TrajectoryRow> trajectory;  ///< after each frame
   std::vector<FrameReport> frames;        ///< one per row of the trajectory
   std::vector<double> frame_ms;           ///< filter time per frame [ms], without the frame source
   std::vector<double> source_ms;          ///< time in the frame source per frame [ms]
+  /// Where frames came from images: of all frames that were read, those that the run left out as well.
+  std::optional<FrontendRecord> frontend;
+  double elapsed_s = 0.0;                             ///< from the first frame read to the last state
   std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< the final map, p_world_landmark [m]
   RigParameters theta = RigParameters::Zero();        ///< what the filter takes for the rig at the end
   std::vector<CalibrationRow> calibration;            ///< one per row of the trajectory, if it is estimated
@@ -60,6 +74,10 @@ struct RunRecord {
   std::size_t frames_of_recording = 0;
   bool stopped = false;  ///< before the last frame, because the caller asked to
 };
+
+/// Adds what the front end behind the frame source did: source_ms becomes the work on each frame, where the
+/// run has measured how long it waited for it.
+void add_frontend(const FrontendRecord& frontend, RunRecord& record);
 
 /// @brief Runs one method over a recording. Estimators see what a rig would deliver; the truth is used for
 /// StartMode::kGroundTruth and for Method::kOracle only.
