@@ -32,17 +32,11 @@ struct DecalibrateArguments {
   std::uint64_t seed = 0;
 };
 
-/// A new place: nothing is replaced, and nothing is written into the recording.
-void require_new_folder(const fs::path& out, const fs::path& recording) {
-  if (fs::exists(out) && !(fs::is_directory(out) && fs::is_empty(out))) {
-    throw DataError(out.string(), 0, "no folder of this name, or an empty one",
-                    "something that is there already");
-  }
+void require_outside(const fs::path& out, const fs::path& recording) {
   const fs::path inner = fs::weakly_canonical(fs::absolute(out)), outer = fs::canonical(recording);
   if (std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end()) {
     throw DataError(out.string(), 0, "a folder outside the recording", "one within it");
   }
-  require_writable_folder(out);
 }
 
 /// @throws std::invalid_argument, DataError
@@ -108,7 +102,9 @@ void bend_points(const DecalibrateArguments& arguments, const Recording& recordi
 void decalibrate(const DecalibrateArguments& arguments) {
   const Recording recording = limber::read_recording(arguments.dataset);
   const std::vector<DecalibrationSignal> signals = signals_of(arguments.as, recording);
-  require_new_folder(arguments.out, arguments.dataset);
+  require_new_folder(arguments.out);
+  require_outside(arguments.out, arguments.dataset);
+  require_writable_folder(arguments.out);
   recording.images.empty() ? bend_points(arguments, recording, signals)
                            : bend_pictures(arguments, recording, signals);
 }

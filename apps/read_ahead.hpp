@@ -18,7 +18,8 @@ namespace limber::app {
 template <typename Item>
 class ReadAhead {
  public:
-  ReadAhead(std::function<Item(std::size_t)> make, std::size_t count) : make_(std::move(make)), count_(count) {}
+  ReadAhead(std::function<Item(std::size_t)> make, std::size_t count)
+      : make_(std::move(make)), count_(count) {}
   ~ReadAhead() {
     {
       const std::lock_guard lock(mutex_);

@@ -6,14 +6,21 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "interrupt.hpp"
 #include "limber/datasets/track_log.hpp"
+#include "limber/io/atomic_file.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
+#include "parsed_by.hpp"
+#include "progress.hpp"
 #include "scenario_options.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
+#ifdef LIMBER_WITH_FRONTEND
+#include "limber/render/render_recording.hpp"
+#endif
 
 namespace limber::app {
 namespace {
@@ -22,8 +29,63 @@ struct SimulateArguments {
   std::filesystem::path scenario, out;
   std::uint64_t seed = 0, run = 0;
   bool without_imu = false, print = false;
+#ifdef LIMBER_WITH_FRONTEND
+  bool images = false;
+  std::string scene = "room";
+  PictureOptions pictures;
+#endif
   ScenarioArguments changes;
 };
+
+#ifdef LIMBER_WITH_FRONTEND
+void render(const SimulateArguments& arguments, const Scenario& scenario) {
+  require_new_folder(arguments.out);
+  require_writable_folder(arguments.out);
+  PictureOptions options = arguments.pictures;
+  options.scene = scene_from_string(arguments.scene);
+  const FolderUnlessEmpty parent(std::filesystem::absolute(arguments.out).lexically_normal().parent_path());
+  StagedFolder staged(arguments.out);
+  std::size_t pairs = 0;
+  {
+    const Interrupt interrupt;
+    Progress progress("render", static_cast<std::size_t>(scenario.duration * scenario.stereo_rate) + 1);
+    pairs = render_recording(
+        scenario, arguments.seed, arguments.run, options, staged.path(),
+        [&](std::size_t n) { progress.done(n); }, Interrupt::asked);
+  }
+  {
+    const Uninterrupted until_written;
+    staged.replace();
+  }
+  fmt::print("{}: {} pairs of images in {:.1f} s of a {}, written to {}\n", scenario.name, pairs,
+             scenario.duration, arguments.scene, arguments.out.string());
+}
+
+void add_picture_options(CLI::App& command, SimulateArguments& arguments) {
+  CLI::Option* images =
+      command.add_flag("--images", arguments.images,
+                       "Rendered pictures (EuRoC folder) in place of matched points; --out must be new");
+  command.add_option("--scene", arguments.scene, "What they show: room, hall or street")
+      ->check(parsed_by(scene_from_string))
+      ->needs(images)
+      ->capture_default_str();
+  PictureOptions& p = arguments.pictures;
+  command.add_option("--image-noise", p.noise, "Sigma of each pixel [grey levels]")
+      ->check(number_that("a number from 0 to 100", [](double x) { return x >= 0.0 && x <= 100.0; }))
+      ->needs(images);
+  command
+      .add_option("--gain-difference", p.gain_difference,
+                  "Share by which the right camera is darker; both swing by half of it")
+      ->check(number_that("a number from 0 to 0.9", [](double x) { return x >= 0.0 && x <= 0.9; }))
+      ->needs(images);
+  command.add_option("--vignetting", p.vignetting, "Share of the light that is lost in the corners")
+      ->check(number_that("a number from 0 to 1", [](double x) { return x >= 0.0 && x <= 1.0; }))
+      ->needs(images);
+  command.add_option("--exposure", p.exposure, "Exposure time [s]: motion blur")
+      ->check(number_that("a number from 0 to 1", [](double x) { return x >= 0.0 && x <= 1.0; }))
+      ->needs(images);
+}
+#endif
 
 void simulate(const SimulateArguments& arguments) {
   Scenario scenario = read_scenario(arguments.scenario, arguments.changes);
@@ -37,6 +99,12 @@ void simulate(const SimulateArguments& arguments) {
   if (arguments.out.empty()) {
     throw CLI::RequiredError("--out");
   }
+#ifdef LIMBER_WITH_FRONTEND
+  if (arguments.images) {
+    render(arguments, scenario);
+    return;
+  }
+#endif
   require_writable_folder(arguments.out);
   const Recording recording = limber::simulate(scenario, arguments.seed, arguments.run);
   {
@@ -75,6 +143,9 @@ void add_simulate_command(CLI::App& app) {
   command->add_flag("--without-imu", arguments->without_imu, "Leave the IMU out, whatever the scenario says");
   command->add_flag("--print", arguments->print, "Print the scenario with every default filled in, and stop");
   add_scenario_options(*command, arguments->changes);
+#ifdef LIMBER_WITH_FRONTEND
+  add_picture_options(*command, *arguments);
+#endif
   command->footer("\nExample:\n  limber simulate scenarios/paper_ii.yaml --seed 1 --out data/paper_ii");
   command->callback([arguments] { simulate(*arguments); });
 }

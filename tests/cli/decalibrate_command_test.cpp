@@ -62,5 +62,27 @@ TEST_F(DecalibrateCommand, RefusesProfilesThatItCannotRead) {
   EXPECT_FALSE(std::filesystem::exists(out()));
 }
 
+TEST_F(DecalibrateCommand, BendsWhatSimulateHasRendered) {
+  const auto scenario = folder() / "small.yaml";
+  testing::write_text(scenario,
+                      "duration: 0.1\n"
+                      "rig: {theta: [0, 0, 0, -0.15, 0, 0], cam0: {resolution: [188, 120], intrinsics: [115, "
+                      "115, 93, 60]}}\n");
+  const auto pictures = folder() / "pictures";
+  const std::vector<std::string> simulate = {"simulate", scenario.string(), "--images",       "--scene",
+                                             "hall",     "--out",           pictures.string()};
+  const auto rendered = run_limber(simulate);
+  ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
+  EXPECT_THAT(rendered.out, HasSubstr("3 pairs of images"));
+  EXPECT_EQ(read_recording(pictures).images.size(), 3u);
+  EXPECT_THAT(run_limber(simulate).err, HasSubstr("expected no folder of this name, or an empty one"));
+  ASSERT_EQ(run_limber({"decalibrate", pictures.string(), "--as", "az=1", "--out", out().string()}).exit_code,
+            0);
+  EXPECT_NEAR(read_recording(out()).calibration_true.front().theta[2], 0.017453292519943295, 1e-9);
+  EXPECT_EQ(
+      run_limber({"simulate", scenario.string(), "--scene", "hall", "--out", pictures.string()}).exit_code,
+      2);
+}
+
 }  // namespace
 }  // namespace limber

@@ -20,7 +20,8 @@ struct OwnedImage {
 
 /// @brief Reads the images of one camera as 8 bit grey: PNG, JPEG, TIFF, PGM and PPM, 8 or 16 bit, grey or
 /// colour.
-/// Of 16 bit images the highest 8 bits in use are kept: 8, 10, 12, 14 or 16 bits, by the largest value so far.
+/// Of 16 bit images the highest 8 bits in use are kept: 8, 10, 12, 14 or 16 bits, by the largest value so
+/// far.
 class ImageReader {
  public:
   explicit ImageReader(Camera camera) : camera_(std::move(camera)) {}

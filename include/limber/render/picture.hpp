@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "limber/core/pose.hpp"
+#include "limber/render/scene.hpp"
+#include "limber/sensors/camera.hpp"
+
+namespace limber {
+
+/// @brief Takes pictures of a scene: one ray through the centre of each pixel of any lens, exact to single
+/// precision; the texture's pyramid keeps what is far from flickering.
+class PictureCamera {
+ public:
+  explicit PictureCamera(const Camera& camera);
+
+  /// Light at each pixel, row by row: grey levels, 0 where the lens shows nothing.
+  [[nodiscard]] std::vector<float> light(const Scene& scene, const Pose& T_world_cam) const;
+
+ private:
+  Camera camera_;
+  std::vector<float> x_, y_, z_;  ///< unit bearings of the pixels; zero where there is none
+};
+
+/// How light becomes grey values. Everything is off by default.
+struct SensorEffects {
+  double noise = 0.0;       ///< sigma [grey levels]
+  double gain = 1.0;
+  double vignetting = 0.0;  ///< light lost in the corners, 0 to 1; grows with the square of the radius
+};
+
+/// @param stream  tells pictures apart: of the noise
+[[nodiscard]] std::vector<std::uint8_t> develop(const std::vector<float>& light, const Camera& camera,
+                                                const SensorEffects& effects, std::uint64_t stream);
+
+}  // namespace limber
