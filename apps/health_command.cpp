@@ -54,7 +54,8 @@ Diagnosis diagnose(const HealthArguments& arguments, const Recording& recording,
   std::optional<Progress> progress;
   progress.emplace("health", frame_count(recording));
   return diagnose_recording(
-      recording, options, image_frames(recording, arguments.frontend).frames, [&](std::size_t n) { progress->done(n); },
+      recording, options, image_frames(recording, arguments.frontend).frames,
+      [&](std::size_t n) { progress->done(n); },
       [&](const RunRecord& record, const RunSummary& summary) {
         progress.reset();
         report_run(arguments, options, record, summary);

@@ -69,7 +69,8 @@ std::vector<float> PictureCamera::light(const Scene& scene, const Pose& T_world_
         const float t = wall.distance / towards;
         const float a = wall.u0 + t * (wall.u[0] * x[k] + wall.u[1] * y[k] + wall.u[2] * z[k]);
         const float b = wall.v0 + t * (wall.v[0] * x[k] + wall.v[1] * y[k] + wall.v[2] * z[k]);
-        const bool hit = (towards < 0.0f) & (t < near[k]) & (a >= 0.0f) & (b >= 0.0f) & (a <= wall.width) & (b <= wall.height);
+        const bool hit = (towards < 0.0f) & (t < near[k]) & (a >= 0.0f) & (b >= 0.0f) & (a <= wall.width) &
+                         (b <= wall.height);
         near[k] = hit ? t : near[k];
         index[k] = hit ? static_cast<int>(w) : index[k];
       }
@@ -83,7 +84,8 @@ std::vector<float> PictureCamera::light(const Scene& scene, const Pose& T_world_
       const SeenWall& seen = walls[w];
       const Wall& wall = scene.walls()[w];
       const Eigen::Vector3f bearing(x[k], y[k], z[k]);
-      const float a = seen.u0 + nearest[k] * seen.u.dot(bearing), b = seen.v0 + nearest[k] * seen.v.dot(bearing);
+      const float a = seen.u0 + nearest[k] * seen.u.dot(bearing),
+                  b = seen.v0 + nearest[k] * seen.v.dot(bearing);
       const float slant = std::max(0.05f, -seen.normal.dot(bearing));
       const float footprint = nearest[k] * pixel * texels / std::sqrt(slant);
       grey[row + k] = scene.textures()[wall.texture].at(a * texels + static_cast<float>(wall.offset.x()),
@@ -94,8 +96,8 @@ std::vector<float> PictureCamera::light(const Scene& scene, const Pose& T_world_
   return grey;
 }
 
-std::vector<std::uint8_t> develop(const std::vector<float>& light, const Camera& camera, const SensorEffects& effects,
-                                  std::uint64_t stream) {
+std::vector<std::uint8_t> develop(const std::vector<float>& light, const Camera& camera,
+                                  const SensorEffects& effects, std::uint64_t stream) {
   static const std::vector<float> kNormal = [] {  // drawn once: a picture needs half a million
     std::vector<float> values;
     const RandomStream draws(1, 0, "sensor noise");

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kBlurSteps = 8;        ///< instants of an exposure
+constexpr int kBlurSteps = 8;         ///< instants of an exposure
 constexpr double kSwingPeriod = 7.0;  ///< [s] of the exposure of both cameras
 
 void require_sensible(const PictureOptions& options) {
@@ -47,7 +47,8 @@ class Studio {
         cameras_{PictureCamera(calibration_.cam0), PictureCamera(calibration_.cam1)} {}
 
   /// Grey values of one camera in frame n.
-  [[nodiscard]] std::vector<std::uint8_t> picture(std::size_t camera, std::int64_t t_ns, std::size_t n) const {
+  [[nodiscard]] std::vector<std::uint8_t> picture(std::size_t camera, std::int64_t t_ns,
+                                                  std::size_t n) const {
     std::vector<float> light;
     const int steps = options_.exposure > 0.0 ? kBlurSteps : 1;
     for (int k = 0; k < steps; ++k) {
@@ -59,7 +60,8 @@ class Studio {
     }
     const double swing = std::sin(2.0 * M_PI * 1e-9 * static_cast<double>(t_ns) / kSwingPeriod);
     const double darker = camera == 1 ? options_.gain_difference : 0.0;
-    const SensorEffects effects{options_.noise, 1.0 - darker + 0.5 * options_.gain_difference * swing, options_.vignetting};
+    const SensorEffects effects{options_.noise, 1.0 - darker + 0.5 * options_.gain_difference * swing,
+                                options_.vignetting};
     return develop(light, camera == 0 ? calibration_.cam0 : calibration_.cam1, effects, 2 * n + camera);
   }
 
@@ -97,11 +99,10 @@ void write_text(const fs::path& file, const std::string& text) {
 
 /// The walls: with poses and theta they say where any pixel is seen by any other camera.
 std::string walls_text(const Scene& scene) {
-  std::string text =
-      "#corner x,y,z [m],u x,y,z,v x,y,z,width [m],height [m]; seen from the side of u x v\n";
+  std::string text = "#corner x,y,z [m],u x,y,z,v x,y,z,width [m],height [m]; seen from the side of u x v\n";
   for (const Wall& w : scene.walls()) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", w.corner.x(), w.corner.y(), w.corner.z(), w.u.x(), w.u.y(),
-                        w.u.z(), w.v.x(), w.v.y(), w.v.z(), w.width, w.height);
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", w.corner.x(), w.corner.y(), w.corner.z(),
+                        w.u.x(), w.u.y(), w.u.z(), w.v.x(), w.v.y(), w.v.z(), w.width, w.height);
   }
   return text;
 }
@@ -119,7 +120,8 @@ Scene make_scene(const Scenario& scenario, SceneKind kind, std::uint64_t seed, s
 
 std::size_t render_recording(const Scenario& scenario, std::uint64_t seed, std::uint64_t run,
                              const PictureOptions& options, const fs::path& folder,
-                             const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop) {
+                             const std::function<void(std::size_t)>& progress,
+                             const std::function<bool()>& stop) {
   require_sensible(options);
   Recording recording = simulate(scenario, seed, run);
   recording.pixel_noise.reset();
@@ -137,7 +139,8 @@ std::size_t render_recording(const Scenario& scenario, std::uint64_t seed, std::
     const std::string name = fmt::format("{:019}.png", t_ns);
     const auto take = [&](std::size_t camera) {
       write_png(mav0 / (camera == 0 ? "cam0" : "cam1") / "data" / name,
-                camera == 0 ? recording.calibration.cam0 : recording.calibration.cam1, studio.picture(camera, t_ns, n));
+                camera == 0 ? recording.calibration.cam0 : recording.calibration.cam1,
+                studio.picture(camera, t_ns, n));
     };
     auto right = std::async(std::launch::async, take, 1);
     take(0);

@@ -69,8 +69,10 @@ Scene::Scene(SceneKind kind, const AlignedBox3d& free, std::uint64_t seed) : see
     for (double at = low.x(); at < street.max().x(); ++k) {
       const Vector3d left = stream.uniform3(k, 0), right = stream.uniform3(k, 1);
       const double front = 6.0 + 8.0 * left.x(), gap = 3.0 * right.x();
-      add_box({Vector3d(at, low.y() - 12, low.z()), Vector3d(at + front, low.y() - 2.0 * left.y(), low.z() + 6 + 8 * left.z())});
-      add_box({Vector3d(at, street.max().y() + 2.0 * right.y(), low.z()), Vector3d(at + front, street.max().y() + 12, low.z() + 6 + 8 * right.z())});
+      add_box({Vector3d(at, low.y() - 12, low.z()),
+               Vector3d(at + front, low.y() - 2.0 * left.y(), low.z() + 6 + 8 * left.z())});
+      add_box({Vector3d(at, street.max().y() + 2.0 * right.y(), low.z()),
+               Vector3d(at + front, street.max().y() + 12, low.z() + 6 + 8 * right.z())});
       at += front + gap;
     }
     return;
@@ -81,7 +83,8 @@ Scene::Scene(SceneKind kind, const AlignedBox3d& free, std::uint64_t seed) : see
   const int things = hall ? 12 : 8;
   for (int k = 0; k < things; ++k) {
     // Between the free space and the walls, all around.
-    const Vector3d draw = stream.uniform3(static_cast<std::uint64_t>(k)), size = stream.uniform3(static_cast<std::uint64_t>(k), 1);
+    const Vector3d draw = stream.uniform3(static_cast<std::uint64_t>(k)),
+                   size = stream.uniform3(static_cast<std::uint64_t>(k), 1);
     const double reach = hall ? 8.0 : 2.5;
     const Vector3d half = hall ? Vector3d(0.3 + 0.3 * size.x(), 0.3 + 0.3 * size.y(), 0.0)
                                : Vector3d(0.3 + 0.4 * size.x(), 0.3 + 0.4 * size.y(), 0.0);
@@ -107,7 +110,9 @@ std::optional<Vector3d> Scene::hit(const Vector3d& origin, const Vector3d& direc
     const double a = wall.u.dot(at), b = wall.v.dot(at);
     if (t > 0.0 && t < nearest && a >= 0.0 && b >= 0.0 && a <= wall.width && b <= wall.height) nearest = t;
   }
-  return nearest < std::numeric_limits<double>::infinity() ? std::optional<Vector3d>(origin + nearest * direction) : std::nullopt;
+  return nearest < std::numeric_limits<double>::infinity()
+             ? std::optional<Vector3d>(origin + nearest * direction)
+             : std::nullopt;
 }
 
 }  // namespace limber

@@ -21,7 +21,8 @@ void add_noise(std::vector<float>& grey, int cell, double amplitude, const Rando
   const int cells = kSide / cell;
   std::vector<double> lattice;
   for (int k = 0; k < cells * cells; ++k) {
-    lattice.push_back(2.0 * stream.uniform(static_cast<std::uint64_t>(k), static_cast<std::uint32_t>(cell)) - 1.0);
+    lattice.push_back(2.0 * stream.uniform(static_cast<std::uint64_t>(k), static_cast<std::uint32_t>(cell)) -
+                      1.0);
   }
   const auto value = [&](int i, int j) {
     return lattice[static_cast<std::size_t>((j % cells) * cells + i % cells)];
@@ -30,10 +31,11 @@ void add_noise(std::vector<float>& grey, int cell, double amplitude, const Rando
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
       const int i = x / cell, j = y / cell;
-      const double fx = smooth(static_cast<double>(x % cell) / cell), fy = smooth(static_cast<double>(y % cell) / cell);
-      grey[index(x, y)] += static_cast<float>(
-          amplitude * ((1 - fy) * ((1 - fx) * value(i, j) + fx * value(i + 1, j)) +
-                       fy * ((1 - fx) * value(i, j + 1) + fx * value(i + 1, j + 1))));
+      const double fx = smooth(static_cast<double>(x % cell) / cell),
+                   fy = smooth(static_cast<double>(y % cell) / cell);
+      grey[index(x, y)] +=
+          static_cast<float>(amplitude * ((1 - fy) * ((1 - fx) * value(i, j) + fx * value(i + 1, j)) +
+                                          fy * ((1 - fx) * value(i, j + 1) + fx * value(i + 1, j + 1))));
     }
   }
 }
@@ -50,8 +52,9 @@ void add_mark(std::vector<float>& grey, std::uint64_t k, const RandomStream& str
     for (int dx = -reach; dx <= reach; ++dx) {
       const int x = static_cast<int>(u0) + dx, y = static_cast<int>(v0) + dy;
       const double a = x - u0, b = y - v0;
-      const double outside = disc ? std::hypot(a, b) - size
-                                  : std::max(std::abs(c * a + s * b) - size, std::abs(c * b - s * a) - 0.5 * size);
+      const double outside =
+          disc ? std::hypot(a, b) - size
+               : std::max(std::abs(c * a + s * b) - size, std::abs(c * b - s * a) - 0.5 * size);
       const double cover = std::clamp(0.5 - 0.7 * outside, 0.0, 1.0);
       grey[index(x + kSide, y + kSide)] += change * static_cast<float>(cover);
     }

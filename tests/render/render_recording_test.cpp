@@ -59,21 +59,24 @@ double rms(const std::vector<double>& values) {
 }
 
 double share_above(const std::vector<double>& values, double limit) {
-  return static_cast<double>(std::count_if(values.begin(), values.end(), [&](double v) { return v > limit; })) /
+  return static_cast<double>(
+             std::count_if(values.begin(), values.end(), [&](double v) { return v > limit; })) /
          static_cast<double>(values.size());
 }
 
-/// Whether the picture around a pixel shows two things, one behind the other: what is tracked there is no place.
-bool on_an_edge(const Scene& scene, const Pose& T_world_cam, const Camera& camera, const Eigen::Vector2d& uv) {
+/// Whether the picture around a pixel shows two things, one behind the other: what is tracked there is no
+/// place.
+bool on_an_edge(const Scene& scene, const Pose& T_world_cam, const Camera& camera,
+                const Eigen::Vector2d& uv) {
   const auto range = [&](const Eigen::Vector2d& at) {
     const auto bearing = unproject(camera, at);
     const auto seen = bearing ? scene.hit(T_world_cam.p, T_world_cam.R * *bearing) : std::nullopt;
     return seen ? (*seen - T_world_cam.p).norm() : 1e9;
   };
   const double here = range(uv);
-  for (const Eigen::Vector2d& by : {Eigen::Vector2d(6, 6), Eigen::Vector2d(-6, 6), Eigen::Vector2d(6, -6),
-                                    Eigen::Vector2d(-6, -6), Eigen::Vector2d(8, 0), Eigen::Vector2d(-8, 0),
-                                    Eigen::Vector2d(0, 8), Eigen::Vector2d(0, -8)}) {
+  for (const Eigen::Vector2d& by :
+       {Eigen::Vector2d(6, 6), Eigen::Vector2d(-6, 6), Eigen::Vector2d(6, -6), Eigen::Vector2d(-6, -6),
+        Eigen::Vector2d(8, 0), Eigen::Vector2d(-8, 0), Eigen::Vector2d(0, 8), Eigen::Vector2d(0, -8)}) {
     if (std::abs(range(uv + by) / here - 1.0) > 0.2) return true;
   }
   return false;
@@ -94,8 +97,8 @@ TEST_P(RenderedScene, IsTrackedToLessThanASixthOfAPixel) {
   for (const ImagePair& pair : recording.images) {
     const TruePoses poses(recording, pair.t_ns);
     for (const StereoObservation& point : tracker.process(pair.t_ns, pair.cam0, pair.cam1).observations) {
-      const auto seen = scene.hit(poses.T_world_cam0.p,
-                                  poses.T_world_cam0.R * *unproject(recording.calibration.cam0, point.uv_cam0));
+      const auto seen = scene.hit(
+          poses.T_world_cam0.p, poses.T_world_cam0.R * *unproject(recording.calibration.cam0, point.uv_cam0));
       if (!seen) continue;
       if (on_an_edge(scene, poses.T_world_cam0, recording.calibration.cam0, point.uv_cam0)) {
         places.erase(point.track_id);
@@ -103,14 +106,17 @@ TEST_P(RenderedScene, IsTrackedToLessThanASixthOfAPixel) {
         continue;
       }
       const auto [place, is_new] = places.try_emplace(point.track_id, *seen);
-      const auto expected0 = project(recording.calibration.cam0, poses.T_world_cam0.inverse() * place->second);
+      const auto expected0 =
+          project(recording.calibration.cam0, poses.T_world_cam0.inverse() * place->second);
       if (!is_new && expected0) left.push_back((expected0->uv - point.uv_cam0).norm());
       const auto expected1 = project(recording.calibration.cam1, poses.T_world_cam1.inverse() * *seen);
       if (point.in_cam1 && expected1) right.push_back((expected1->uv - point.uv_cam1).norm());
     }
   }
-  std::printf("left %.4f px rms, right %.4f px rms, beyond 1 px %.4f and %.4f, %zu and %zu points, %d on edges\n", rms(left),
-              rms(right), share_above(left, 1.0), share_above(right, 1.0), left.size(), right.size(), edges);
+  std::printf(
+      "left %.4f px rms, right %.4f px rms, beyond 1 px %.4f and %.4f, %zu and %zu points, %d on edges\n",
+      rms(left), rms(right), share_above(left, 1.0), share_above(right, 1.0), left.size(), right.size(),
+      edges);
   ASSERT_GT(left.size(), 500u);
   ASSERT_GT(right.size(), 500u);
   EXPECT_LT(rms(left), 0.15);
@@ -138,7 +144,8 @@ TEST(PictureCamera, SeesTheSamePaintOfAPlaceFromEverywhere) {
       if (!again || !in_image(camera, again->uv, 2.0)) continue;
       const Eigen::Vector2d whole = again->uv.array().floor(), part = again->uv - whole;
       const auto at = [&](int du, int dv) {
-        return in_b[static_cast<std::size_t>((static_cast<int>(whole.y()) + dv) * camera.width + static_cast<int>(whole.x()) + du)];
+        return in_b[static_cast<std::size_t>((static_cast<int>(whole.y()) + dv) * camera.width +
+                                             static_cast<int>(whole.x()) + du)];
       };
       const double grey = (1 - part.y()) * ((1 - part.x()) * at(0, 0) + part.x() * at(1, 0)) +
                           part.y() * ((1 - part.x()) * at(0, 1) + part.x() * at(1, 1));

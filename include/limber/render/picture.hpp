@@ -26,7 +26,7 @@ class PictureCamera {
 
 /// How light becomes grey values. Everything is off by default.
 struct SensorEffects {
-  double noise = 0.0;       ///< sigma [grey levels]
+  double noise = 0.0;  ///< sigma [grey levels]
   double gain = 1.0;
   double vignetting = 0.0;  ///< light lost in the corners, 0 to 1; grows with the square of the radius
 };

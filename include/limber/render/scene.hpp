@@ -12,10 +12,11 @@
 
 namespace limber {
 
-/// A rectangle in the world that is seen from one side: corner + a u + b v with 0 <= a <= width, 0 <= b <= height.
+/// A rectangle in the world that is seen from one side: corner + a u + b v with 0 <= a <= width, 0 <= b <=
+/// height.
 struct Wall {
-  Eigen::Vector3d corner;  ///< [m]
-  Eigen::Vector3d u, v;    ///< unit vectors, orthogonal; u x v points to the side that is seen
+  Eigen::Vector3d corner;            ///< [m]
+  Eigen::Vector3d u, v;              ///< unit vectors, orthogonal; u x v points to the side that is seen
   double width = 0.0, height = 0.0;  ///< [m]
   std::size_t texture = 0;
   Eigen::Vector2d offset = Eigen::Vector2d::Zero();  ///< of the texture [texels]
@@ -46,7 +47,8 @@ class Scene {
   [[nodiscard]] double texel() const { return texel_; }  ///< [m]
 
  private:
-  void add_wall(const Eigen::Vector3d& corner, const Eigen::Vector3d& along_u, const Eigen::Vector3d& along_v);
+  void add_wall(const Eigen::Vector3d& corner, const Eigen::Vector3d& along_u,
+                const Eigen::Vector3d& along_v);
   void add_box(const Eigen::AlignedBox3d& box);
   void add_inside(const Eigen::AlignedBox3d& box);
 

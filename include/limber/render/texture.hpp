@@ -14,8 +14,8 @@ class Texture {
 
   explicit Texture(std::uint64_t seed);
 
-  /// Grey value at (x, y) [texels], seen by a pixel that is 2^lod texels wide: linear between texels, and between
-  /// the levels of a pyramid of means.
+  /// Grey value at (x, y) [texels], seen by a pixel that is 2^lod texels wide: linear between texels, and
+  /// between the levels of a pyramid of means.
   [[nodiscard]] float at(float x, float y, float lod) const;
 
  private:
