@@ -13,6 +13,7 @@
 #include "commands.hpp"
 #include "limber/core/nearest_word.hpp"
 #include "messages.hpp"
+#include "version.hpp"
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -124,7 +125,7 @@ int main(int argc, char** argv) {
   open_standard_streams();
   keep_freed_memory();
   CLI::App app{"limber: stereo navigation for rigs that bend", "limber"};
-  app.set_version_flag("--version", "limber " LIMBER_VERSION, "Print the version and exit");
+  app.set_version_flag("--version", limber::app::version_text(), "Print version, commit and parts, and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
   app.footer(

@@ -48,30 +48,53 @@ foreach(component IN LISTS limber_components)
   string(APPEND limber_component_table "set(_limber_${component}_components ${needs_${component}})\n"
          "set(_limber_${component}_packages ${packages_${component}})\n")
 
-  install(TARGETS limber_${component} EXPORT limber_${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS limber_${component} EXPORT limber_${component} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+          COMPONENT development)
   install(
     EXPORT limber_${component}
     FILE limber_${component}.cmake
     NAMESPACE limber::
-    DESTINATION ${limber_package_dir})
+    DESTINATION ${limber_package_dir}
+    COMPONENT development)
   if(NOT component STREQUAL "filter")
     install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/limber/${component}
-            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber)
+            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber COMPONENT development)
   endif()
 endforeach()
 
 # The filter's headers, in the order of the data.
 foreach(room core sensors predict measure state landmarks stack update health navigate initialize)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/limber/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/limber/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/limber
+          COMPONENT development)
 endforeach()
 
 if(TARGET limber)
-  install(TARGETS limber RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS limber RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+  install(FILES ${PROJECT_SOURCE_DIR}/apps/limber.bash DESTINATION share/bash-completion/completions RENAME limber
+          COMPONENT program)
+  find_program(LIMBER_HELP2MAN help2man)
+  mark_as_advanced(LIMBER_HELP2MAN)
+  if(LIMBER_HELP2MAN)
+    set(pages ${PROJECT_BINARY_DIR}/man)
+    add_custom_command(
+      OUTPUT ${pages}/limber.1.gz
+      COMMAND ${PROJECT_SOURCE_DIR}/cmake/man_pages.sh $<TARGET_FILE:limber> ${PROJECT_VERSION} ${pages}
+      DEPENDS limber ${PROJECT_SOURCE_DIR}/cmake/man_pages.sh
+      COMMENT "Making manual pages"
+      VERBATIM)
+    add_custom_target(limber_man_pages ALL DEPENDS ${pages}/limber.1.gz)
+    install(DIRECTORY ${pages}/ DESTINATION share/man/man1 COMPONENT program FILES_MATCHING PATTERN *.1.gz)
+  endif()
 endif()
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+if(LIMBER_BUILD_PYTHON)
+  set(LIMBER_PYTHON_DIR lib/python3/dist-packages CACHE STRING "Where the Python module is installed, below the prefix")
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/python/limber DESTINATION ${LIMBER_PYTHON_DIR} COMPONENT python
+          PATTERN __pycache__ EXCLUDE)
+endif()
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/limberConfig.cmake.in
                               ${PROJECT_BINARY_DIR}/limberConfig.cmake INSTALL_DESTINATION ${limber_package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/limberConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/limberConfig.cmake ${PROJECT_BINARY_DIR}/limberConfigVersion.cmake
-        DESTINATION ${limber_package_dir})
+        DESTINATION ${limber_package_dir} COMPONENT development)
+include(LimberPackages)
