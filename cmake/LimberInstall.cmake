@@ -89,7 +89,8 @@ endif()
 if(LIMBER_BUILD_PYTHON)
   set(LIMBER_PYTHON_DIR lib/python3/dist-packages CACHE STRING "Where the Python module is installed, below the prefix")
   install(DIRECTORY ${PROJECT_BINARY_DIR}/python/limber DESTINATION ${LIMBER_PYTHON_DIR} COMPONENT python
-          PATTERN __pycache__ EXCLUDE)
+          PATTERN __pycache__ EXCLUDE PATTERN *.so EXCLUDE)
+  install(TARGETS limber_python LIBRARY DESTINATION ${LIMBER_PYTHON_DIR}/limber COMPONENT python)
 endif()
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/limberConfig.cmake.in

@@ -4,14 +4,15 @@
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME limber)
 set(CPACK_PACKAGE_VENDOR limber)
-set(CPACK_PACKAGE_CONTACT "limber developers <limber@localhost.localdomain>")
+set(LIMBER_PACKAGER "limber developers <limber@example.org>"
+    CACHE STRING "Who makes the Debian packages: name <mail>")
+set(CPACK_PACKAGE_CONTACT "${LIMBER_PACKAGER}")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ
                                                 WORLD_EXECUTE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_COMPONENTS_ALL program development)
 set(limber_long "limber estimates the motion of two cameras whose mutual calibration has
@@ -22,11 +23,11 @@ function(limber_package component package section summary)
   string(TOUPPER ${component} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${package} PARENT_SCOPE)
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section} PARENT_SCOPE)
-  set(CPACK_COMPONENT_${upper}_DESCRIPTION "${summary}\n${limber_long}" PARENT_SCOPE)
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${limber_long}" PARENT_SCOPE)
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${package} RENAME copyright COMPONENT ${component})
   string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
-  set(log ${PROJECT_BINARY_DIR}/packages/${package}/changelog.Debian)
-  file(WRITE ${log} "limber (${PROJECT_VERSION}-1) unstable; urgency=medium\n\n  * See CHANGELOG.md of the sources.\n\n"
+  set(log ${PROJECT_BINARY_DIR}/packages/${package}/changelog)
+  file(WRITE ${log} "limber (${PROJECT_VERSION}) unstable; urgency=medium\n\n  * See CHANGELOG.md of the sources.\n\n"
                     " -- ${CPACK_PACKAGE_CONTACT}  ${date}\n")
   execute_process(COMMAND gzip -9nf ${log})
   install(FILES ${log}.gz DESTINATION share/doc/${package} COMPONENT ${component} OPTIONAL)
@@ -40,7 +41,9 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS
 if(LIMBER_BUILD_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
   limber_package(python python3-limber python "Stereo navigation for rigs that bend: Python module")
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3-numpy")
+  math(EXPR next "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), \
+python3 (<< ${Python_VERSION_MAJOR}.${next}), python3-numpy")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS python3-matplotlib)
 endif()
 include(CPack)

@@ -16,6 +16,8 @@ TEST(Usage, VersionGoesToStdout) {
   const auto result = run_limber({"--version"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.out, StartsWith("limber 0."));
+  EXPECT_THAT(result.out, HasSubstr("\ncommit "));
+  EXPECT_THAT(result.out, HasSubstr("\nwith "));
   EXPECT_THAT(result.err, IsEmpty());
 }
 
