@@ -20,7 +20,8 @@ void add_health_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_decalibrate_command(CLI::App& app);  // LIMBER_WITH_FRONTEND
 void add_evaluate_command(CLI::App& app);
-void add_smooth_command(CLI::App& app);  // LIMBER_WITH_SMOOTHER
+void add_smooth_command(CLI::App& app);       // LIMBER_WITH_SMOOTHER
+void add_recalibrate_command(CLI::App& app);  // LIMBER_WITH_SMOOTHER
 void add_study_command(CLI::App& app);
 void add_paper_command(CLI::App& app);
 void add_report_command(CLI::App& app);

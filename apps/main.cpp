@@ -134,6 +134,7 @@ int main(int argc, char** argv) {
   limber::app::add_run_command(app);
 #ifdef LIMBER_WITH_SMOOTHER
   limber::app::add_smooth_command(app);
+  limber::app::add_recalibrate_command(app);
 #endif
   limber::app::add_health_command(app);
   limber::app::add_simulate_command(app);

@@ -218,6 +218,11 @@ std::string kitti_cam_to_cam(const StereoCalibration& calibration) {
          kitti_camera(calibration.cam1, "01", pose_from_rig(calibration.theta), pair.R1, pair.P1());
 }
 
+std::vector<std::string> rig_file_names() {
+  return {"cam0/sensor.yaml", "cam1/sensor.yaml", "camchain.yaml",       "imu.yaml",
+          "stereo.yml",       "calib.txt",        "calib_cam_to_cam.txt"};
+}
+
 std::vector<std::string> write_rig_files(const std::filesystem::path& folder,
                                          const StereoCalibration& calibration,
                                          const std::optional<ImuNoise>& noise) {

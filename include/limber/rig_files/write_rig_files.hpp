@@ -33,6 +33,9 @@ namespace limber {
 /// say
 [[nodiscard]] std::string kitti_cam_to_cam(const StereoCalibration& calibration);
 
+/// All names that write_rig_files may write, relative to its folder.
+[[nodiscard]] std::vector<std::string> rig_file_names();
+
 /// @brief All of them: cam0/sensor.yaml, cam1/sensor.yaml, camchain.yaml, imu.yaml (with noise), stereo.yml,
 /// calib.txt and calib_cam_to_cam.txt (where it can say it).
 /// @return the names, relative to `folder`, which exists

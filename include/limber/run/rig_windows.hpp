@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <bitset>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "limber/sensors/calibration.hpp"
+
+/// @file
+/// One rig from what several parts of a recording say of it, each for itself.
+namespace limber {
+
+using RigMatrix = Eigen::Matrix<double, 6, 6>;
+using RigAxes = std::bitset<6>;  ///< ax, ay, az, tx, ty, tz
+
+/// What one part of a recording says of theta: the minimum of its least squares and their curvature.
+struct RigWindow {
+  std::int64_t from_ns = 0, to_ns = 0;
+  RigParameters theta = RigParameters::Zero();
+  RigMatrix information = RigMatrix::Zero();  ///< inverse covariance by the noise of the sensors alone
+};
+
+/// A rig with its covariance.
+struct RigFit {
+  RigParameters theta = RigParameters::Zero();
+  RigMatrix covariance = RigMatrix::Zero();  ///< zero for axes that were not seen
+  RigAxes seen;                              ///< the others keep what was given
+  /// How much larger the differences between windows are than the noise of the sensors says (variance, >= 1);
+  /// `covariance` has it in.
+  double spread = 1.0;
+};
+
+/// @brief The windows' theta weighted by their information. An axis whose standard deviation is above its
+/// bound is left at what was given, the least known first, and the others are solved again.
+/// @param bounds  largest standard deviations of an axis that counts as seen [rad, m]
+/// @throws std::invalid_argument if there is no window
+[[nodiscard]] RigFit fit_rig(std::span<const RigWindow> windows, const RigParameters& given,
+                             const RigParameters& bounds);
+
+/// How far a rig is from what the windows say: the squared distances in their own metric, summed.
+[[nodiscard]] double misfit(std::span<const RigWindow> windows, const RigParameters& theta);
+
+/// What windows that did not take part say of a rig made from the others.
+struct HeldOut {
+  double given = 0.0, fitted = 0.0;  ///< misfits, summed over both halves
+};
+
+/// @brief Two halves, every second window each: the rig of one is judged by the other.
+/// @return zeros with fewer than two windows
+[[nodiscard]] HeldOut held_out(std::span<const RigWindow> windows, const RigParameters& given,
+                               const RigParameters& bounds);
+
+}  // namespace limber

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT
+#include "limber/run/recalibrate_recording.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "diagnose/epipolar_error.hpp"
+#include "limber/clean/frame_cleaner.hpp"
+#include "limber/core/time.hpp"
+#include "limber/measure/triangulate.hpp"
+#include "run/smooth_setup.hpp"
+
+namespace limber {
+namespace {
+
+using detail::Guess;
+using detail::KeptFrames;
+
+constexpr std::size_t kFewestWindows = 4, kFewestKeyframes = 6;
+constexpr double kPriorAngle = 10.0 * M_PI / 180.0, kPriorShare = 1.0;  // so vague that it says nothing
+constexpr double kTwoSided = 1.96;                                      // of a normal distribution: 95 %
+constexpr double kClip_px = 5.0;                                        // beyond, a point is a mismatch
+constexpr double kStep = 1e-6;                                          // of numerical derivatives [rad, m]
+constexpr std::array kDepths = {5.0, 10.0, 20.0};
+constexpr std::size_t kShareOfFilter = 40;  // [%] of the work
+
+struct Keyframe {
+  StereoFrame frame;
+  NavigationState state;
+};
+
+using Part = std::vector<Keyframe>;
+
+std::vector<Keyframe> keyframes_of(const Guess& guess, KeptFrames& frames, double per_s) {
+  std::map<std::int64_t, const NavigationState*> state_at;
+  for (const NavigationState& state : guess.states) {
+    state_at[state.t_ns] = &state;
+  }
+  std::vector<Keyframe> out;
+  const auto interval_ns = static_cast<std::int64_t>(0.9e9 / per_s);
+  for (StereoFrame& frame : frames.from(guess.record.trajectory.front().t_ns)) {
+    const auto state = state_at.find(frame.t_ns);
+    if (state != state_at.end() && (out.empty() || frame.t_ns - out.back().frame.t_ns >= interval_ns)) {
+      out.push_back({std::move(frame), *state->second});
+    }
+  }
+  return out;
+}
+
+/// Parts of equal duration; of more than `most` those that lie evenly among them.
+std::vector<Part> parts_of(const std::vector<Keyframe>& keyframes, const RecalibrateOptions& options) {
+  if (keyframes.size() < 2 * kFewestKeyframes) {
+    throw std::runtime_error(fmt::format("recalibrate: expected at least {} keyframes, found {}",
+                                         2 * kFewestKeyframes, keyframes.size()));
+  }
+  const std::int64_t begin = keyframes.front().frame.t_ns;
+  const double duration_s = seconds_between(begin, keyframes.back().frame.t_ns);
+  const auto wanted = static_cast<std::size_t>(duration_s / options.window_s);
+  const std::size_t count = std::clamp(wanted, kFewestWindows, std::max(wanted, kFewestWindows));
+  std::vector<Part> all(count);
+  for (const Keyframe& keyframe : keyframes) {
+    const double share = seconds_between(begin, keyframe.frame.t_ns) / duration_s;
+    all[std::min(count - 1, static_cast<std::size_t>(share * static_cast<double>(count)))].push_back(
+        keyframe);
+  }
+  std::erase_if(all, [](const Part& part) { return part.size() < kFewestKeyframes; });
+  std::vector<Part> out;
+  const std::size_t taken = std::min(all.size(), options.most_windows);
+  for (std::size_t k = 0; k < taken; ++k) {
+    out.push_back(std::move(all[k * all.size() / taken]));
+  }
+  return out;
+}
+
+RigParameters prior_sigma(double baseline) {
+  RigParameters out;
+  out << Eigen::Vector3d::Constant(kPriorAngle), Eigen::Vector3d::Constant(kPriorShare * baseline);
+  return out;
+}
+
+/// The smoother on one part; nothing if it finds no solution.
+std::optional<RigWindow> solve_part(const Part& part, const Recording& recording,
+                                    const StereoCalibration& given, const SmootherOptions& how) {
+  std::vector<StereoFrame> frames;
+  std::vector<NavigationState> states;
+  for (const Keyframe& keyframe : part) {
+    frames.push_back(keyframe.frame);
+    states.push_back(keyframe.state);
+  }
+  SmootherResult result;
+  try {
+    result = smooth(
+        {frames, recording.imu, recording.odometry, states, detail::without_data(states.front(), how.motion)},
+        given, how);
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+  if (!result.converged) {
+    return std::nullopt;
+  }
+  const RigMatrix prior = how.rig_sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+  RigWindow out;
+  out.from_ns = frames.front().t_ns;
+  out.to_ns = frames.back().t_ns;
+  const RigMatrix all = result.frames.front().theta_covariance.inverse();
+  // Without the prior, which every window has seen.
+  out.information = 0.5 * (all + all.transpose()) - prior;
+  const Eigen::SelfAdjointEigenSolver<RigMatrix> eigen(out.information);
+  out.information = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+                    eigen.eigenvectors().transpose();
+  const RigParameters step = result.frames.front().theta - given.theta;
+  out.theta = given.theta + out.information.ldlt().solve(all * step);
+  return out;
+}
+
+double clipped(double px) { return std::clamp(px, -kClip_px, kClip_px); }
+
+/// What the points of the keyframes say of both rigs, and of the change between them.
+void compare_epipolar(const std::vector<Keyframe>& keyframes, Recalibration& out) {
+  const double focal = out.given.cam1.fu;
+  double given = 0.0, fitted = 0.0, change = 0.0, count = 0.0;
+  RigMatrix slope2 = RigMatrix::Zero();
+  const Pose T_given = pose_from_rig(out.given.theta), T_fitted = pose_from_rig(out.fitted.theta);
+  std::array<Pose, 6> moved;
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    moved[static_cast<std::size_t>(k)] = pose_from_rig(out.fitted.theta + kStep * RigParameters::Unit(k));
+  }
+  for (const Keyframe& keyframe : keyframes) {
+    for (const StereoObservation& o : keyframe.frame.observations) {
+      const auto pair = detail::bearings(out.given, o);
+      if (!pair) {
+        continue;
+      }
+      const double before = focal * detail::epipolar_error(*pair, T_given);
+      const double after = focal * detail::epipolar_error(*pair, T_fitted);
+      if (std::abs(after) > kClip_px && std::abs(before) > kClip_px) {
+        continue;
+      }
+      RigParameters slope;
+      for (Eigen::Index k = 0; k < 6; ++k) {
+        slope(k) =
+            (focal * detail::epipolar_error(*pair, moved[static_cast<std::size_t>(k)]) - after) / kStep;
+      }
+      slope2 += slope * slope.transpose();
+      given += before * before;
+      fitted += clipped(after) * clipped(after);
+      change += (after - before) * (after - before);
+      count += 1.0;
+    }
+  }
+  if (count > 0.0) {
+    out.epipolar_px = {std::sqrt(given / count), std::sqrt(fitted / count)};
+    out.epipolar_change_px = std::sqrt(change / count);
+    out.epipolar_sigma_px = std::sqrt((slope2 * out.fit.covariance).trace() / count);
+  }
+}
+
+/// Measured over true depth less one, straight ahead.
+double depth_share(const RigParameters& assumed, const RigParameters& truth, double depth) {
+  const Eigen::Vector3d ahead = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d seen = pose_from_rig(truth) * Eigen::Vector3d(depth * ahead);
+  const auto rho = inverse_depth_along(ahead, seen.normalized(), pose_from_rig(assumed));
+  return rho && *rho > 0.0 ? 1.0 / (*rho * depth) - 1.0 : std::numeric_limits<double>::infinity();
+}
+
+DepthChange depth_change(const Recalibration& found, double depth) {
+  DepthChange out{depth, depth_share(found.given.theta, found.fitted.theta, depth), 0.0};
+  RigParameters slope;
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    const RigParameters step = kStep * RigParameters::Unit(k);
+    slope(k) = (depth_share(found.fitted.theta, found.fitted.theta + step, depth) -
+                depth_share(found.fitted.theta, found.fitted.theta - step, depth)) /
+               (2.0 * kStep);
+  }
+  out.sigma = std::sqrt(std::max(0.0, slope.dot(found.fit.covariance * slope)));
+  return out;
+}
+
+RecalibrationVerdict judge(const Recalibration& found, const RecalibrateOptions& options) {
+  const double px = found.epipolar_change_px, px_error = kTwoSided * found.epipolar_sigma_px;
+  const double depth = std::abs(found.at_tolerance.share), depth_error = kTwoSided * found.at_tolerance.sigma;
+  if (found.fit.seen.none() || found.windows.size() < 2) {
+    return RecalibrationVerdict::kCannotTell;
+  }
+  const bool outside = px - px_error > options.tolerance_px || depth - depth_error > options.tolerance_depth;
+  if (!outside) {
+    const bool inside =
+        px + px_error <= options.tolerance_px && depth + depth_error <= options.tolerance_depth;
+    return inside ? RecalibrationVerdict::kWithinTolerance : RecalibrationVerdict::kCannotTell;
+  }
+  const bool better =
+      found.held_out.fitted < found.held_out.given && found.epipolar_px.fitted <= found.epipolar_px.given;
+  return better ? RecalibrationVerdict::kBetter : RecalibrationVerdict::kNotBetter;
+}
+
+}  // namespace
+
+std::string to_string(RecalibrationVerdict verdict) {
+  switch (verdict) {
+    case RecalibrationVerdict::kBetter:
+      return "better";
+    case RecalibrationVerdict::kWithinTolerance:
+      return "within tolerance";
+    case RecalibrationVerdict::kNotBetter:
+      return "not better";
+    case RecalibrationVerdict::kCannotTell:
+      break;
+  }
+  return "cannot tell";
+}
+
+Recalibration recalibrate_recording(const Recording& recording, const RecalibrateOptions& options,
+                                    const FrameSource& source,
+                                    const std::function<void(std::size_t)>& progress) {
+  const auto told = [&](std::size_t share) {
+    if (progress) {
+      progress(share);
+    }
+  };
+  SmoothOptions smooth_options;
+  smooth_options.run = options.run;
+  smooth_options.run.cleaning.max_points = std::min(options.points, options.run.cleaning.max_points);
+  smooth_options.rig = RigModel::kConstant;
+  smooth_options.threads = options.threads;
+  const RunSetup setup = set_up_run(recording, smooth_options.run);
+  Recalibration out;
+  out.notes = setup.notes;
+  out.given = out.fitted = setup.calibration;
+  SmootherOptions how = detail::smoother_options(smooth_options, setup, out.notes);
+  how.rig_sigma = prior_sigma(out.given.baseline());
+  out.length_seen = !how.trust_length;
+
+  FrameCleaner cleaner(setup.calibration, smooth_options.run.cleaning);
+  const FrameSource cleaned = [&](std::size_t n) { return cleaner.clean(source(n)); };
+  KeptFrames kept(cleaned);
+  const std::size_t frames = std::max<std::size_t>(1, frame_count(recording));
+  const Guess guess = detail::guess_by(Method::kLcekf, recording, smooth_options.run, kept,
+                                       [&](std::size_t n) { told(kShareOfFilter * n / frames); });
+  const std::vector<Keyframe> keyframes = keyframes_of(guess, kept, options.keyframes_per_s);
+  const std::vector<Part> parts = parts_of(keyframes, options);
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    told(kShareOfFilter + (100 - kShareOfFilter) * k / parts.size());
+    if (const auto window = solve_part(parts[k], recording, out.given, how)) {
+      out.windows.push_back(*window);
+      out.keyframes += parts[k].size();
+    }
+  }
+  if (out.windows.empty()) {
+    throw std::runtime_error("recalibrate: no part of the recording could be solved");
+  }
+  RigParameters bounds;
+  bounds << Eigen::Vector3d::Constant(options.seen_angle),
+      Eigen::Vector3d::Constant(options.seen_share * out.given.baseline());
+  out.fit = fit_rig(out.windows, out.given.theta, bounds);
+  out.fitted.theta = out.fit.theta;
+  out.held_out = held_out(out.windows, out.given.theta, bounds);
+  compare_epipolar(keyframes, out);
+  for (const double depth : kDepths) {
+    out.depths.push_back(depth_change(out, depth));
+  }
+  out.at_tolerance = depth_change(out, options.baselines * out.given.baseline());
+  out.verdict = judge(out, options);
+  told(100);
+  return out;
+}
+
+}  // namespace limber

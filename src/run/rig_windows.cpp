@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "limber/run/rig_windows.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <stdexcept>
+
+namespace limber {
+namespace {
+
+using Eigen::Index;
+
+struct Sum {
+  RigMatrix information = RigMatrix::Zero();
+  RigParameters weighted = RigParameters::Zero();  ///< information times what to add to the given rig
+};
+
+Sum sum_of(std::span<const RigWindow> windows, const RigParameters& given) {
+  Sum out;
+  for (const RigWindow& window : windows) {
+    out.information += window.information;
+    out.weighted += window.information * (window.theta - given);
+  }
+  return out;
+}
+
+/// Rows and columns of axes that are left alone, as if they were known.
+RigFit solve(const Sum& sum, const RigParameters& given, const RigAxes& seen) {
+  std::vector<Index> free;
+  for (Index k = 0; k < 6; ++k) {
+    if (seen[static_cast<std::size_t>(k)]) {
+      free.push_back(k);
+    }
+  }
+  RigFit out;
+  out.theta = given;
+  out.seen = seen;
+  if (!free.empty()) {
+    const Eigen::MatrixXd information = sum.information(free, free);
+    const Eigen::LDLT<Eigen::MatrixXd> ldlt(information);
+    const Eigen::VectorXd step = ldlt.solve(Eigen::VectorXd(sum.weighted(free)));
+    out.theta(free) += step;
+    const Eigen::MatrixXd covariance =
+        ldlt.solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+    out.covariance(free, free) = covariance;
+  }
+  return out;
+}
+
+/// Variance of the differences between windows over what their information says.
+double spread_of(std::span<const RigWindow> windows, const RigFit& fit) {
+  const auto free = static_cast<double>(fit.seen.count());
+  const double dof = free * (static_cast<double>(windows.size()) - 1.0);
+  return dof > 0.0 ? std::max(1.0, misfit(windows, fit.theta) / dof) : 1.0;
+}
+
+/// The seen axis whose standard deviation is furthest above its bound; nothing if none is.
+std::optional<Index> worst_axis(const RigFit& fit, const RigParameters& bounds) {
+  std::optional<Index> worst;
+  double most = 1.0;
+  for (Index k = 0; k < 6; ++k) {
+    const double ratio = fit.covariance(k, k) / (bounds(k) * bounds(k));
+    if (fit.seen[static_cast<std::size_t>(k)] && !(ratio >= 0.0 && ratio <= most)) {
+      most = ratio;
+      worst = k;
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+double misfit(std::span<const RigWindow> windows, const RigParameters& theta) {
+  double out = 0.0;
+  for (const RigWindow& window : windows) {
+    const RigParameters d = theta - window.theta;
+    out += d.dot(window.information * d);
+  }
+  return out;
+}
+
+RigFit fit_rig(std::span<const RigWindow> windows, const RigParameters& given, const RigParameters& bounds) {
+  if (windows.empty()) {
+    throw std::invalid_argument("fit_rig: no window");
+  }
+  const Sum sum = sum_of(windows, given);
+  RigAxes seen;
+  for (Index k = 0; k < 6; ++k) {  // else not even with all others known
+    seen[static_cast<std::size_t>(k)] = sum.information(k, k) * bounds(k) * bounds(k) > 1.0;
+  }
+  for (;;) {
+    RigFit fit = solve(sum, given, seen);
+    fit.spread = spread_of(windows, fit);
+    fit.covariance *= fit.spread;
+    const std::optional<Index> worst = worst_axis(fit, bounds);
+    if (!worst) {
+      return fit;
+    }
+    seen.reset(static_cast<std::size_t>(*worst));
+  }
+}
+
+HeldOut held_out(std::span<const RigWindow> windows, const RigParameters& given,
+                 const RigParameters& bounds) {
+  HeldOut out;
+  if (windows.size() < 2) {
+    return out;
+  }
+  std::array<std::vector<RigWindow>, 2> halves;
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    halves[k % 2].push_back(windows[k]);
+  }
+  for (std::size_t half = 0; half < 2; ++half) {
+    const RigFit fit = fit_rig(halves[half], given, bounds);
+    out.given += misfit(halves[1 - half], given);
+    out.fitted += misfit(halves[1 - half], fit.theta);
+  }
+  return out;
+}
+
+}  // namespace limber

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "limber/run/rig_windows.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <random>
+
+#include "message_of.hpp"
+
+namespace limber {
+namespace {
+
+const RigParameters kGiven = (RigParameters() << 0.01, -0.02, 0.005, -0.11, 0.001, -0.002).finished();
+const RigParameters kBounds = RigParameters::Constant(0.02);
+
+RigParameters normal(std::mt19937& random) {
+  std::normal_distribution<double> draw;
+  RigParameters out;
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    out(k) = draw(random);
+  }
+  return out;
+}
+
+/// Windows of a true rig: information of different sizes and directions, errors as it says times `worse`.
+std::vector<RigWindow> windows_of(const RigParameters& truth, std::size_t count, double worse,
+                                  std::mt19937& random) {
+  std::vector<RigWindow> out(count);
+  for (RigWindow& window : out) {
+    RigMatrix root = RigMatrix::Identity() * 1000.0;
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      root.col(k) += 300.0 * normal(random);
+    }
+    window.information = root * root.transpose();
+    window.theta = truth + worse * root.transpose().inverse() * normal(random);
+  }
+  return out;
+}
+
+TEST(FitRig, ItsCovarianceIsThatOfItsErrors) {
+  std::mt19937 random(7);
+  constexpr int kRuns = 400;
+  for (const double worse : {1.0, 4.0}) {
+    double nees = 0.0;
+    for (int run = 0; run < kRuns; ++run) {
+      const RigFit fit = fit_rig(windows_of(kGiven, 8, worse, random), kGiven, kBounds);
+      ASSERT_TRUE(fit.seen.all());
+      const RigParameters error = fit.theta - kGiven;
+      nees += error.dot(fit.covariance.ldlt().solve(error)) / (6.0 * kRuns);
+    }
+    EXPECT_GT(nees, 0.8) << worse;
+    EXPECT_LT(nees, 1.2) << worse;
+  }
+}
+
+TEST(FitRig, WhatNoWindowSeesIsLeftAlone) {
+  std::mt19937 random(8);
+  RigParameters truth = kGiven;
+  truth(1) += 0.05;
+  std::vector<RigWindow> windows = windows_of(truth, 6, 1.0, random);
+  RigMatrix blind = RigMatrix::Identity();
+  blind(3, 3) = 0.0;
+  for (RigWindow& window : windows) {
+    window.information = blind * window.information * blind;
+    window.theta(3) += 7.0;  // means nothing
+  }
+  const RigFit fit = fit_rig(windows, kGiven, kBounds);
+  EXPECT_FALSE(fit.seen[3]);
+  EXPECT_EQ(fit.seen.count(), 5u);
+  EXPECT_EQ(fit.theta(3), kGiven(3));
+  EXPECT_EQ(fit.covariance(3, 3), 0.0);
+  EXPECT_NEAR(fit.theta(1), truth(1), 5e-3);
+}
+
+TEST(FitRig, WithoutWindowsThereIsNone) {
+  EXPECT_EQ(testing::message_of([] { static_cast<void>(fit_rig({}, kGiven, kBounds)); }),
+            "fit_rig: no window");
+}
+
+TEST(HeldOut, ASoundRigIsNotImprovedAndAWrongOneIs) {
+  std::mt19937 random(9);
+  constexpr int kRuns = 100;
+  int sound_kept = 0, wrong_mended = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    const HeldOut sound = held_out(windows_of(kGiven, 6, 1.0, random), kGiven, kBounds);
+    sound_kept += sound.fitted > sound.given ? 1 : 0;
+    const HeldOut wrong =
+        held_out(windows_of(kGiven + RigParameters::Constant(0.01), 6, 1.0, random), kGiven, kBounds);
+    wrong_mended += wrong.fitted < wrong.given ? 1 : 0;
+  }
+  EXPECT_GE(sound_kept, 85) << "an overfit half costs the other half twice what it gains";
+  EXPECT_EQ(wrong_mended, kRuns);
+}
+
+TEST(HeldOut, OneWindowHasNobodyToJudgeIt) {
+  std::mt19937 random(10);
+  const HeldOut one = held_out(windows_of(kGiven, 1, 1.0, random), kGiven, kBounds);
+  EXPECT_EQ(one.given, 0.0);
+  EXPECT_EQ(one.fitted, 0.0);
+}
+
+}  // namespace
+}  // namespace limber
