@@ -11,6 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
+namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using testing::expect_refused;
 using testing::files_below;
@@ -19,12 +20,12 @@ using testing::read_text;
 using testing::run_limber;
 using testing::write_text;
 
-/// Six seconds with a sound rig.
+/// Four seconds with a sound rig.
 class RecalibrateCommand : public ::testing::Test {
  protected:
   RecalibrateCommand() {
     Scenario scenario = testing::short_scenario();
-    scenario.duration = 6.0;
+    scenario.duration = 4.0;
     scenario.decalibration.clear();
     write_track_log(simulate(scenario, 3), log());
   }
@@ -33,7 +34,8 @@ class RecalibrateCommand : public ::testing::Test {
   [[nodiscard]] fs::path out() const { return folder_.path() / "out"; }
   [[nodiscard]] Json report() const { return Json::parse(read_text(out() / "recalibration.json")); }
   [[nodiscard]] ProgramResult recalibrate(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments = {"recalibrate", log().string(), "--out", out().string()};
+    std::vector<std::string> arguments = {"recalibrate",  log().string(), "--out",
+                                          out().string(), "--max-points", "40"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_limber(arguments);
   }
@@ -53,9 +55,9 @@ TEST_F(RecalibrateCommand, KeepsASoundRig) {
 TEST_F(RecalibrateCommand, MendsAWrongOneInEveryFormat) {
   const ProgramResult result = recalibrate({"--assume-error", "2,2,2,20%,20%,20%"});
   ASSERT_EQ(result.exit_code, 0) << result.err << result.out;
-  EXPECT_THAT(files_below(out()), IsSupersetOf({"cam0/sensor.yaml", "cam1/sensor.yaml", "camchain.yaml", "imu.yaml",
-                                                "stereo.yml", "calib.txt", "calib_cam_to_cam.txt",
-                                                "recalibration.json"}));
+  EXPECT_THAT(files_below(out()),
+              IsSupersetOf({"cam0/sensor.yaml", "cam1/sensor.yaml", "camchain.yaml", "imu.yaml", "stereo.yml",
+                            "calib.txt", "calib_cam_to_cam.txt", "recalibration.json"}));
   const RigParameters truth = read_recording(log()).calibration.theta;
   const StereoCalibration mended = read_rig_file(out() / "camchain.yaml").calibration;
   const Json axes = report()["axes"];
@@ -73,7 +75,8 @@ TEST_F(RecalibrateCommand, ReplacesNothingOfOthers) {
   expect_refused(recalibrate(), 1, "camchain.yaml");
   EXPECT_EQ(read_text(others), "cam0: mine\n");
   fs::create_directories(log() / "mav0");
-  std::vector<std::string> into = {"recalibrate", log().string(), "--out", (log() / "mav0").string(), "--force"};
+  std::vector<std::string> into = {"recalibrate", log().string(), "--out", (log() / "mav0").string(),
+                                   "--force"};
   expect_refused(run_limber(into), 1, "sensor.yaml");
 }
 
