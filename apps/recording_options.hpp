@@ -14,7 +14,7 @@ namespace limber::app {
 struct RecordingArguments {
   std::filesystem::path dataset, calibration, imu;
   std::string images;
-  std::string assume_error, estimate, soften, start = "auto", clean = "on";
+  std::string assume_error, estimate, soften, start = "auto", clean = "on", tolerance;
   std::size_t max_points = CleaningOptions{}.max_points;
   std::optional<double> sigma_px;
   double false_alarms_per_hour = RunOptions{}.false_alarms_per_hour;
