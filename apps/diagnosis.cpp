@@ -98,9 +98,9 @@ void add_past(Out out, const HealthSummary& health) {
     return;
   }
   for (const CalibrationState& state : health.past) {
-    fmt::format_to(out, "{:.1f} to {:.1f} s: {}, {:.2f} px, {:.1f} % of depth\n", health.seconds(state.from_ns),
-                   health.seconds(state.to_ns), to_string(state.verdict), state.effect.epipolar_px.size,
-                   100.0 * state.effect.depth.size);
+    fmt::format_to(out, "{:.1f} to {:.1f} s: {}, {:.2f} px, {:.1f} % of depth\n",
+                   health.seconds(state.from_ns), health.seconds(state.to_ns), to_string(state.verdict),
+                   state.effect.epipolar_px.size, 100.0 * state.effect.depth.size);
   }
   fmt::format_to(out, "since {:.1f} s: as above\n", health.seconds(health.present.from_ns));
 }
@@ -164,7 +164,8 @@ std::string to_text(const Diagnosis& diagnosis) {
     fmt::format_to(out, "{}\n", in_words(*diagnosis.health, diagnosis.judged_by.tolerance));
   }
   if (diagnosis.pose) {
-    fmt::format_to(out, "What the pose loses: ekf drifts {:.2f} m per 100 m from lcekf, scale {:.4f} ({:.0f} m)\n",
+    fmt::format_to(out,
+                   "What the pose loses: ekf drifts {:.2f} m per 100 m from lcekf, scale {:.4f} ({:.0f} m)\n",
                    diagnosis.pose->drift_per_100_m, diagnosis.pose->scale, diagnosis.pose->path_m);
   }
   fmt::format_to(out, "What to do: {}\n", advice(diagnosis));
@@ -191,21 +192,21 @@ std::string to_json(const Diagnosis& diagnosis) {
                       {"error_m", effect.error ? Json(*effect.error) : Json(nullptr)},
                       {"sigma_m", effect.sigma}});
   }
-  const Json json = {{"dataset", diagnosis.dataset},
-                     {"verdict", to_string(verdict_of(diagnosis))},
-                     {"frames", diagnosis.frames},
-                     {"duration_s", diagnosis.duration_s},
-                     {"nis_per_dof", diagnosis.nis_per_dof ? Json(*diagnosis.nis_per_dof) : Json(nullptr)},
-                     {"health", diagnosis.health ? Json::parse(limber::to_json(
-                                                       *diagnosis.health, diagnosis.judged_by))
-                                                 : Json(nullptr)},
-                     {"depths", depths},
-                     {"ekf_beside_lcekf", json_of(diagnosis.pose)},
-                     {"mistakes", all_mistakes(diagnosis)},
-                     {"time_offset_cam1_cam0", json_of(diagnosis.cam1_offset)},
-                     {"time_offset_cameras_imu", json_of(diagnosis.camera_offset)},
-                     {"failure", diagnosis.failure.empty() ? Json(nullptr) : Json(diagnosis.failure)},
-                     {"advice", advice(diagnosis)}};
+  const Json json = {
+      {"dataset", diagnosis.dataset},
+      {"verdict", to_string(verdict_of(diagnosis))},
+      {"frames", diagnosis.frames},
+      {"duration_s", diagnosis.duration_s},
+      {"nis_per_dof", diagnosis.nis_per_dof ? Json(*diagnosis.nis_per_dof) : Json(nullptr)},
+      {"health", diagnosis.health ? Json::parse(limber::to_json(*diagnosis.health, diagnosis.judged_by))
+                                  : Json(nullptr)},
+      {"depths", depths},
+      {"ekf_beside_lcekf", json_of(diagnosis.pose)},
+      {"mistakes", all_mistakes(diagnosis)},
+      {"time_offset_cam1_cam0", json_of(diagnosis.cam1_offset)},
+      {"time_offset_cameras_imu", json_of(diagnosis.camera_offset)},
+      {"failure", diagnosis.failure.empty() ? Json(nullptr) : Json(diagnosis.failure)},
+      {"advice", advice(diagnosis)}};
   return json.dump(2) + "\n";
 }
 

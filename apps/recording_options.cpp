@@ -90,10 +90,11 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       ->check(positive())
       ->capture_default_str();
   command
-      .add_option("--tolerance", arguments.tolerance,
-                  "NAME=OK[:WRONG],...: how wrong the calibration may be, by effect (px, depth in % at so many "
-                  "baselines) or by axis (ax, ay, az in deg, tx, ty, tz in mm); default "
-                  "px=0.3:1,depth=5:10,baselines=90")
+      .add_option(
+          "--tolerance", arguments.tolerance,
+          "NAME=OK[:WRONG],...: how wrong the calibration may be, by effect (px, depth in % at so many "
+          "baselines) or by axis (ax, ay, az in deg, tx, ty, tz in mm); default "
+          "px=0.3:1,depth=5:10,baselines=90")
       ->check(parsed_by([](const std::string& text) { (void)parse_tolerance(text); }));
 }
 

@@ -16,18 +16,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 6> kAxisWords = {"nod, about x",   "vergence, about y",
-                                                        "roll, about z",  "right, along x",
-                                                        "down, along y",  "forward, along z"};
+constexpr std::array<std::string_view, 6> kAxisWords = {"nod, about x",  "vergence, about y",
+                                                        "roll, about z", "right, along x",
+                                                        "down, along y", "forward, along z"};
 
 bool is_wrong(HealthVerdict verdict) {
   return verdict == HealthVerdict::kDegraded || verdict == HealthVerdict::kDecalibrated;
 }
 
 Json json_of(const SizeInterval& size, const Band& band, HealthVerdict verdict, double unit) {
-  return {{"size", unit * size.size},   {"low", unit * size.low}, {"high", unit * size.high},
-          {"ok", unit * band.ok},       {"wrong", unit * band.wrong},
-          {"verdict", to_string(verdict)}};
+  return {{"size", unit * size.size}, {"low", unit * size.low},     {"high", unit * size.high},
+          {"ok", unit * band.ok},     {"wrong", unit * band.wrong}, {"verdict", to_string(verdict)}};
 }
 
 Json json_of(const CalibrationState& state, const HealthSummary& summary, const Tolerance& tolerance) {
@@ -47,17 +46,18 @@ Json json_of(const CalibrationState& state, const HealthSummary& summary, const 
   Json depth = json_of(state.effect.depth, tolerance.depth, state.by_depth, 100.0);
   depth["error"] = 100.0 * state.effect.depth_signed;
   depth["baselines"] = tolerance.baselines;
-  return {{"verdict", to_string(state.verdict)},
-          {"from_s", summary.seconds(state.from_ns)},
-          {"to_s", summary.seconds(state.to_ns)},
-          {"epipolar_px", json_of(state.effect.epipolar_px, tolerance.epipolar_px, state.by_epipolar, 1.0)},
-          {"depth_percent", depth},
-          {"most_likely_axis", state.named ? Json(std::string(kParameterNames[*state.named])) : Json(nullptr)},
-          {"axes", axes},
-          {"windows", state.windows},
-          {"tracks", state.tracks},
-          {"points", state.points},
-          {"points_with_depth", state.deep}};
+  return {
+      {"verdict", to_string(state.verdict)},
+      {"from_s", summary.seconds(state.from_ns)},
+      {"to_s", summary.seconds(state.to_ns)},
+      {"epipolar_px", json_of(state.effect.epipolar_px, tolerance.epipolar_px, state.by_epipolar, 1.0)},
+      {"depth_percent", depth},
+      {"most_likely_axis", state.named ? Json(std::string(kParameterNames[*state.named])) : Json(nullptr)},
+      {"axes", axes},
+      {"windows", state.windows},
+      {"tracks", state.tracks},
+      {"points", state.points},
+      {"points_with_depth", state.deep}};
 }
 
 std::string range(const SizeInterval& size, double unit, const char* name) {
@@ -106,10 +106,9 @@ std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frame
 
 std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
   const CalibrationState& state = summary.present;
-  const std::string sizes =
-      fmt::format("{} off the epipolar lines, {} of the depth at {:g} baselines",
-                  range(state.effect.epipolar_px, 1.0, "px"), range(state.effect.depth, 100.0, "%"),
-                  tolerance.baselines);
+  const std::string sizes = fmt::format("{} off the epipolar lines, {} of the depth at {:g} baselines",
+                                        range(state.effect.epipolar_px, 1.0, "px"),
+                                        range(state.effect.depth, 100.0, "%"), tolerance.baselines);
   if (summary.comes_and_goes()) {
     return "it is within the tolerance now, but was not all the time: it comes and goes; now " + sizes;
   }

@@ -26,7 +26,8 @@ std::optional<PoseLoss> pose_loss(std::span<const StampedPose> trusting, std::sp
   out.path_m = evaluation.path_length;
   out.scale = evaluation.path_length_estimate / evaluation.path_length;
   out.drift_per_100_m = 100.0 * (last.p - poses.back().truth.p).norm() / evaluation.path_length;
-  out.turn_deg = Eigen::AngleAxisd(last.R.transpose() * poses.back().truth.R).angle() * 180.0 / std::numbers::pi;
+  out.turn_deg =
+      Eigen::AngleAxisd(last.R.transpose() * poses.back().truth.R).angle() * 180.0 / std::numbers::pi;
   return out;
 }
 

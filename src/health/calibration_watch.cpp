@@ -15,10 +15,10 @@ namespace limber {
 
 namespace {
 
-constexpr std::size_t kMostWindows = 400;  // that are kept; then neighbours are merged
-constexpr std::size_t kNew = 2;            // windows that a change has to last
-constexpr double kRelevant = 0.5;          // share of what is ok
-constexpr int kMainWays = 4;               // to leave the epipolar lines
+constexpr std::size_t kMostWindows = 400;       // that are kept; then neighbours are merged
+constexpr std::size_t kNew = 2;                 // windows that a change has to last
+constexpr double kRelevant = 0.5;               // share of what is ok
+constexpr int kMainWays = 4;                    // to leave the epipolar lines
 constexpr std::array kLooks = {0.2, 0.4, 0.7};  // at the first window, as shares of its length
 constexpr std::size_t kFewestTracks = 30;
 /// Relative errors of a metre: no sensor is believed to know it better, and none to be worse.

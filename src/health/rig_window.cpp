@@ -291,7 +291,8 @@ BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows, const RigP
   out.epipolar /= std::max(points, 1.0);
   const Matrix inverse = solve(all, out.beta);
   Matrix by_cell = Matrix::Zero(), by_window = Matrix::Zero();
-  const double few = static_cast<double>(cells.size()) / std::max(static_cast<double>(cells.size()) - 1.0, 1.0);
+  const double few =
+      static_cast<double>(cells.size()) / std::max(static_cast<double>(cells.size()) - 1.0, 1.0);
   for (const auto& [cell, sums] : cells) {
     const Vector score = sums.score(out.beta);
     by_cell += few * score * score.transpose();

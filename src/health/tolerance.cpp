@@ -131,9 +131,8 @@ Eigen::Index most_likely_axis(const RigEstimate& estimate) {
   Matrix6 correlation = unit.asDiagonal() * estimate.covariance * unit.asDiagonal();
   correlation.diagonal().array() += 1e-9;
   const Matrix6 inverse = correlation.llt().solve(Matrix6::Identity());
-  const RigParameters explained = (inverse * unit.cwiseProduct(estimate.delta))
-                                      .cwiseAbs2()
-                                      .cwiseQuotient(inverse.diagonal());
+  const RigParameters explained =
+      (inverse * unit.cwiseProduct(estimate.delta)).cwiseAbs2().cwiseQuotient(inverse.diagonal());
   Eigen::Index best = 0;
   explained.maxCoeff(&best);
   return best;

@@ -164,15 +164,14 @@ void Navigator::watch(const StereoFrame& frame, const StereoFilter& filter, cons
   }
   const Estimate& estimate = filter.estimate();
   TrajectoryQuality quality;
-  quality.sound = report.status == UpdateStatus::kUpdated && !report.reset && !report.inputs.contradiction &&
-                  (report.inputs.status == InputStatus::kSound ||
-                   report.inputs.status == InputStatus::kNotNeeded);
+  quality.sound =
+      report.status == UpdateStatus::kUpdated && !report.reset && !report.inputs.contradiction &&
+      (report.inputs.status == InputStatus::kSound || report.inputs.status == InputStatus::kNotNeeded);
   if (filter.options().motion == MotionModel::kImu) {
     const Eigen::Vector3d& v = estimate.nav.v_world_body;
     quality.speed_squared = v.squaredNorm();
     const Eigen::Vector3d along = v.stableNormalized();
-    quality.speed_variance =
-        along.dot(estimate.P.diagonal_block<3>(StateLayout::kVelocity) * along);
+    quality.speed_variance = along.dot(estimate.P.diagonal_block<3>(StateLayout::kVelocity) * along);
   }
   watch_->add(frame, estimate.nav.T_world_body * T_body_cam0_, quality);
 }

@@ -59,11 +59,11 @@ ReportTable tolerance_table(const Json& state) {
 }
 
 ReportTable axis_table(const Json& state) {
-  ReportTable table{"cam1 against cam0, axis by axis",
-                    {"axis", "", "true - assumed", "standard deviation", "ok up to", "wrong from", "unit",
-                     "verdict"},
-                    {},
-                    "Where the effect of an axis alone reaches the tolerance."};
+  ReportTable table{
+      "cam1 against cam0, axis by axis",
+      {"axis", "", "true - assumed", "standard deviation", "ok up to", "wrong from", "unit", "verdict"},
+      {},
+      "Where the effect of an axis alone reaches the tolerance."};
   for (std::size_t k = 0; k < 6; ++k) {
     const Json& axis = state.at("axes").at(std::string(kParameterNames[k]));
     table.rows.push_back({{std::string(kParameterNames[k])},
@@ -95,7 +95,8 @@ ReportTable stretch_table(const Json& health) {
 }
 
 void add_bands(const RunFolder& run, const Json& effect, std::size_t panel, ReportFigure& figure) {
-  const double from = run.seconds(run.health.front().window_from_ns), to = run.seconds(run.health.back().t_ns);
+  const double from = run.seconds(run.health.front().window_from_ns),
+               to = run.seconds(run.health.back().t_ns);
   for (const auto& [name, style] : {std::pair{"ok", kOkStyle}, std::pair{"wrong", kWrongStyle}}) {
     if (effect.contains(name)) {
       const double value = effect[name].get<double>();

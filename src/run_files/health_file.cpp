@@ -26,10 +26,10 @@ void add_six(std::vector<std::string>& names, const std::string& what) {
 }
 
 std::vector<std::string> health_columns() {
-  std::vector<std::string> names = {"t_ns",          "window_from_ns",     "since_ns",
-                                    "changed",       "verdict",            "window_verdict",
-                                    "epipolar [px]", "epipolar_low [px]",  "epipolar_high [px]",
-                                    "depth [%]",     "depth_low [%]",      "depth_high [%]",
+  std::vector<std::string> names = {"t_ns",           "window_from_ns",    "since_ns",
+                                    "changed",        "verdict",           "window_verdict",
+                                    "epipolar [px]",  "epipolar_low [px]", "epipolar_high [px]",
+                                    "depth [%]",      "depth_low [%]",     "depth_high [%]",
                                     "depth_error [%]"};
   add_six(names, "delta");
   add_six(names, "sigma");

@@ -46,7 +46,8 @@ TEST(Diagnosis, GivesTheAnswerFirstThenSizesAgainstTheTolerance) {
   diagnosis.pose = PoseLoss{120.0, 1.02, 1.5, 0.3};
   diagnosis.depths = {{10.0, -0.25, 0.01}, {20.0, std::nullopt, 0.0}};
   const std::string text = to_text(diagnosis);
-  EXPECT_THAT(text, ::testing::StartsWith("log: decalibrated\nthe calibration is not that of this rig: 0.00 px"));
+  EXPECT_THAT(text,
+              ::testing::StartsWith("log: decalibrated\nthe calibration is not that of this rig: 0.00 px"));
   EXPECT_THAT(text, HasSubstr("ekf drifts 1.50 m per 100 m from lcekf, scale 1.0200 (120 m)"));
   EXPECT_THAT(text, HasSubstr("since 12.2 s"));
   EXPECT_THAT(text, ::testing::ContainsRegex("depth at 90 baselines +25.000 +20.000 +30.000 +5 +10  %"));

@@ -39,9 +39,9 @@ FrameReport frame(std::int64_t t, const CalibrationState& present,
 }
 
 TEST(HealthSummary, IsThePresentStateAndNotTheWorst) {
-  const std::vector<FrameReport> frames = {
-      frame(0, state(kOk, 0, 0)), frame(5, state(kDecalibrated, 3, 5), state(kOk, 0, 3)),
-      frame(9, state(kOk, 7, 9), state(kDecalibrated, 3, 7))};
+  const std::vector<FrameReport> frames = {frame(0, state(kOk, 0, 0)),
+                                           frame(5, state(kDecalibrated, 3, 5), state(kOk, 0, 3)),
+                                           frame(9, state(kOk, 7, 9), state(kDecalibrated, 3, 7))};
   const HealthSummary summary = summarize_health(std::span(frames).first(2)).value();
   EXPECT_EQ(summary.verdict, kDecalibrated);
   EXPECT_EQ(summary.past.size(), 1u);
@@ -49,9 +49,9 @@ TEST(HealthSummary, IsThePresentStateAndNotTheWorst) {
 }
 
 TEST(HealthSummary, DoesNotAverageAwayWhatComesAndGoes) {
-  const std::vector<FrameReport> frames = {
-      frame(0, state(kOk, 0, 0)), frame(5, state(kDecalibrated, 3, 5), state(kOk, 0, 3)),
-      frame(9, state(kOk, 7, 9), state(kDecalibrated, 3, 7))};
+  const std::vector<FrameReport> frames = {frame(0, state(kOk, 0, 0)),
+                                           frame(5, state(kDecalibrated, 3, 5), state(kOk, 0, 3)),
+                                           frame(9, state(kOk, 7, 9), state(kDecalibrated, 3, 7))};
   const HealthSummary summary = summarize_health(frames).value();
   EXPECT_TRUE(summary.comes_and_goes());
   EXPECT_EQ(summary.verdict, kDegraded);

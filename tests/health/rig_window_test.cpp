@@ -72,8 +72,8 @@ TEST(RigWindow, WithoutMotionTheDepthIsNotKnown) {
   ASSERT_EQ(windows.size(), 1u);
   EXPECT_EQ(windows.front().deep, 0u);
   const RigParameters sigma = estimate_of(world).sigma();
-  EXPECT_GT(sigma(3), 0.04);                // of 0.11 m: the length of the baseline
-  EXPECT_LT(sigma(2), 0.1 * kDegree);       // roll shows in the epipolar lines
+  EXPECT_GT(sigma(3), 0.04);           // of 0.11 m: the length of the baseline
+  EXPECT_LT(sigma(2), 0.1 * kDegree);  // roll shows in the epipolar lines
 }
 
 TEST(RigWindow, ErrorsThatTracksAndPlacesShareMakeItAsUnsureAsItIs) {
@@ -92,8 +92,11 @@ TEST(RigWindow, ErrorsThatTracksAndPlacesShareMakeItAsUnsureAsItIs) {
     const RigEstimate found = estimate_of(world);
     robust += found.delta.cwiseQuotient(found.sigma()).squaredNorm() / (6.0 * kSeeds);
     const RigParameters scale = plausible_error(0.11);
-    const RigParameters white =
-        NormalEquations::Matrix(windows.front().all.information.inverse()).diagonal().head<6>().cwiseSqrt().cwiseProduct(scale);
+    const RigParameters white = NormalEquations::Matrix(windows.front().all.information.inverse())
+                                    .diagonal()
+                                    .head<6>()
+                                    .cwiseSqrt()
+                                    .cwiseProduct(scale);
     naive += found.delta.cwiseQuotient(white).squaredNorm() / (6.0 * kSeeds);
   }
   EXPECT_LT(robust, 2.0);

@@ -16,12 +16,12 @@
 namespace limber::testing {
 
 struct WorldOptions {
-  double speed = 1.0;          ///< to the right [m/s]
-  double white_px = 0.3;       ///< of every pixel of a frame
-  double per_track_px = 0.0;   ///< one draw a track, of its right pixel
-  double per_cell_px = 0.0;    ///< one draw a place of the right image (150 x 120 px)
-  double mismatches = 0.0;     ///< share of right pixels that are anywhere within 40 px
-  std::size_t points = 60;     ///< of a frame
+  double speed = 1.0;         ///< to the right [m/s]
+  double white_px = 0.3;      ///< of every pixel of a frame
+  double per_track_px = 0.0;  ///< one draw a track, of its right pixel
+  double per_cell_px = 0.0;   ///< one draw a place of the right image (150 x 120 px)
+  double mismatches = 0.0;    ///< share of right pixels that are anywhere within 40 px
+  std::size_t points = 60;    ///< of a frame
   double seconds = 10.0;
   unsigned seed = 1;
   std::function<RigParameters(double)> error;  ///< of theta, true minus assumed, over time [s]
@@ -53,7 +53,9 @@ inline World fly_past(const WorldOptions& options) {
   };
   std::unordered_map<std::int64_t, Point> points;
   std::unordered_map<int, Eigen::Vector2d> cells;
-  const auto draw = [&](double sigma) { return Eigen::Vector2d(sigma * normal(random), sigma * normal(random)); };
+  const auto draw = [&](double sigma) {
+    return Eigen::Vector2d(sigma * normal(random), sigma * normal(random));
+  };
   std::int64_t next = 0;
   for (int n = 0; n < static_cast<int>(options.seconds * kRate); ++n) {
     const double t = n / kRate;
@@ -90,7 +92,8 @@ inline World fly_past(const WorldOptions& options) {
       if (!left || !right || !in_image(truth.cam0, left->uv, 0.0) || !in_image(truth.cam1, right->uv, 0.0)) {
         continue;
       }
-      const int cell = static_cast<int>(right->uv.x() / 150.0) + 100 * static_cast<int>(right->uv.y() / 120.0);
+      const int cell =
+          static_cast<int>(right->uv.x() / 150.0) + 100 * static_cast<int>(right->uv.y() / 120.0);
       const auto lens = cells.try_emplace(cell, draw(options.per_cell_px)).first->second;
       StereoObservation o{id, left->uv + draw(options.white_px),
                           right->uv + draw(options.white_px) + known->second.own + lens};

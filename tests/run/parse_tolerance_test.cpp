@@ -26,8 +26,8 @@ TEST(ParseTolerance, ReadsEffectsAndAxes) {
 }
 
 TEST(ParseTolerance, RefusesAnythingElse) {
-  for (const char* bad : {"", "px", "px=", "px=0", "px=-1", "px=1:0.5", "nod=1", "px=1,", "px=nan", "px=1:2:3",
-                          "depth=5%"}) {
+  for (const char* bad :
+       {"", "px", "px=", "px=0", "px=-1", "px=1:0.5", "nod=1", "px=1,", "px=nan", "px=1:2:3", "depth=5%"}) {
     EXPECT_THROW((void)parse_tolerance(bad), std::invalid_argument) << bad;
   }
 }

@@ -78,8 +78,8 @@ class CalibrationWatch {
   bool metric_;
   RigWindow collecting_;
   double speed_squared_ = 0.0, speed_variance_ = 0.0;  // sums over the window
-  std::size_t looks_ = 0;             // at the first window
-  std::vector<RigEvidence> windows_;  // since the last change
+  std::size_t looks_ = 0;                              // at the first window
+  std::vector<RigEvidence> windows_;                   // since the last change
   std::shared_ptr<const CalibrationReport> report_;
 };
 

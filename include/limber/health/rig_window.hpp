@@ -41,11 +41,11 @@ struct RigEvidence {
   NormalEquations all;
   std::map<int, NormalEquations> cells;  ///< by where in the right image
   Matrix tracks = Matrix::Zero();        ///< sum over tracks of score scoreᵀ
-  Matrix both = Matrix::Zero();        ///< the same over tracks within cells
-  Matrix epipolar = Matrix::Zero();    ///< sum of J Jᵀ, J the px that a point leaves its epipolar line by
+  Matrix both = Matrix::Zero();          ///< the same over tracks within cells
+  Matrix epipolar = Matrix::Zero();      ///< sum of J Jᵀ, J the px that a point leaves its epipolar line by
   std::size_t points = 0, track_count = 0;
-  std::size_t deep = 0;       ///< points whose depth is known from motion
-  double scale_sigma = 0.0;   ///< relative standard deviation of the trajectory's scale
+  std::size_t deep = 0;      ///< points whose depth is known from motion
+  double scale_sigma = 0.0;  ///< relative standard deviation of the trajectory's scale
 };
 
 /// The rig's error, true minus assumed theta [rad, m], and a covariance that counts tracks and places in the

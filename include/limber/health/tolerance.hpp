@@ -34,7 +34,7 @@ struct Band {
 /// seen), and by how much a depth straight ahead is wrong.
 struct Tolerance {
   Band epipolar_px{0.3, 1.0};
-  Band depth{0.05, 0.10};  ///< share of the depth
+  Band depth{0.05, 0.10};   ///< share of the depth
   double baselines = 90.0;  ///< the depth where `depth` holds
   /// Of an axis alone, in place of its effects [rad, m].
   std::array<std::optional<Band>, 6> axes{};

@@ -12,10 +12,10 @@ namespace limber {
 
 /// A row of health.csv: what was known when a window ended.
 struct HealthRow {
-  std::int64_t t_ns = 0;            ///< last frame of the window
-  std::int64_t window_from_ns = 0;  ///< its first
-  std::int64_t since_ns = 0;        ///< first frame since the last change
-  bool changed = false;             ///< the change was found in this window
+  std::int64_t t_ns = 0;                                      ///< last frame of the window
+  std::int64_t window_from_ns = 0;                            ///< its first
+  std::int64_t since_ns = 0;                                  ///< first frame since the last change
+  bool changed = false;                                       ///< the change was found in this window
   HealthVerdict verdict = HealthVerdict::kCannotTell;         ///< since then
   HealthVerdict window_verdict = HealthVerdict::kCannotTell;  ///< of this window alone
   SizeInterval epipolar_px, depth;                            ///< since then; depth as a share
