@@ -65,8 +65,7 @@ RigParameters visible_slope(const RigParameters& theta, bool metric, const Toler
 }
 
 RigParameters px_by_axis(const BetaEstimate& estimate, const RigParameters& theta) {
-  NormalEquations::Vector px = estimate.epipolar.diagonal().cwiseMax(0.0).cwiseSqrt();
-  px(1) = px(6);  // vergence across the lines
+  const NormalEquations::Vector px = estimate.epipolar.diagonal().cwiseMax(0.0).cwiseSqrt();
   return px.head<6>().cwiseQuotient(plausible_error(theta.tail<3>().norm()));
 }
 

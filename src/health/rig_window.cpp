@@ -240,7 +240,9 @@ std::optional<RigEvidence> RigWindow::evidence() {
     if (row.along) {
       ++out.deep;
     } else if (row.weight > 0.0) {
-      out.epipolar.noalias() += row.J * row.J.transpose();
+      Vector of_the_rig = row.J;  // what the lens does is not the rig's error
+      std::swap(of_the_rig(kVergence), of_the_rig(kLens));
+      out.epipolar.noalias() += of_the_rig * of_the_rig.transpose();
       ++out.points;
     }
   }
