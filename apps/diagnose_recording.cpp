@@ -2,21 +2,48 @@
 #include "diagnose_recording.hpp"
 
 #include <exception>
+#include <optional>
 #include <vector>
 
 #include "limber/diagnose/calibration_mistakes.hpp"
 
 namespace limber::app {
 
+namespace {
+
+std::vector<StampedPose> poses_of(const RunRecord& record) {
+  std::vector<StampedPose> out;
+  for (const TrajectoryRow& row : record.trajectory) {
+    out.push_back({row.t_ns, row.T_world_body});
+  }
+  return out;
+}
+
+/// The same recording by a filter that trusts the calibration; nothing if it cannot.
+std::optional<PoseLoss> compare_with_ekf(const Recording& recording, RunOptions options,
+                                         const FrameSource& frames, const RunRecord& record) {
+  options.method = Method::kEkf;
+  options.watch = false;
+  try {
+    return pose_loss(poses_of(run_recording(recording, options, frames)), poses_of(record));
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
 Diagnosis diagnose_recording(const Recording& recording, const RunOptions& options, const FrameSource& frames,
                              const std::function<void(std::size_t)>& progress,
                              const std::function<void(const RunRecord&, const RunSummary&)>& done) {
   Diagnosis out;
   out.dataset = recording.name;
-  out.false_alarms_per_hour = options.false_alarms_per_hour;
+  out.judged_by = watch_options(options);
   const StereoCalibration assumed = corrected(recording.calibration, options.assume_error);
   std::vector<StereoFrame> seen;
+  std::size_t first = 0;
   const FrameSource remembered = [&](std::size_t n) {
+    first = seen.empty() ? n : first;
     seen.push_back(frames(n));
     return seen.back();
   };
@@ -27,6 +54,8 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     out.duration_s = summary.duration_s;
     out.nis_per_dof = summary.nis_per_dof;
     out.health = summary.health;
+    out.pose = compare_with_ekf(
+        recording, options, [&](std::size_t n) { return seen.at(n - first); }, record);
     if (done) {
       done(record, summary);
     }
@@ -40,7 +69,7 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     out.failure = error.what();
   }
   if (out.health) {
-    out.depths = depth_effects(assumed.theta, out.health->since_change);
+    out.depths = depth_effects(assumed.theta, out.health->present.estimate);
   }
   if (out.mistakes.empty()) {
     out.cam1_offset = cam1_time_offset(assumed, seen);

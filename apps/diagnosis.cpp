@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -16,32 +15,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array kAxisWords = {"nod, about x",   "vergence, about y", "roll, about z",
-                                   "right, along x", "down, along y",     "forward, along z"};
 constexpr double kSignificant = 5.0;                      // standard deviations of a time offset ...
 constexpr double kLeastCam1 = 1e-3, kLeastCamera = 3e-3;  // ... that is at least that large [s]
-constexpr double kAtTheStart = 5.0;                       // [s] a change that early was there before
-
-std::string_view conclusion(HealthVerdict verdict) {
-  switch (verdict) {
-    case HealthVerdict::kOk:
-      return "what was seen agrees with the calibration";
-    case HealthVerdict::kSuspect:
-      return "what was seen hardly agrees with the calibration, but there was no alarm";
-    case HealthVerdict::kDecalibrated:
-      return "the calibration is not that of this rig";
-    case HealthVerdict::kCannotTell:
-      break;
-  }
-  return "the points and the motion are too weak to judge the calibration";
-}
 
 std::string advice(const Diagnosis& diagnosis) {
   switch (verdict_of(diagnosis)) {
     case HealthVerdict::kOk:
       return "nothing; --method ekf gets the most out of a sound rig";
     case HealthVerdict::kSuspect:
-      return "record longer, with more motion, and look again";
+    case HealthVerdict::kDegraded:
+      return "recalibrate when you can; --method lcekf or adaptive do not rely on the calibration";
     case HealthVerdict::kDecalibrated:
       return diagnosis.mistakes.empty()
                  ? "recalibrate; until then --method lcekf or adaptive, which do not rely on the calibration"
@@ -78,16 +61,48 @@ std::vector<std::string> all_mistakes(const Diagnosis& diagnosis) {
 }
 
 template <typename Out>
-void add_axes(Out out, const HealthSummary& health) {
-  const RigParameters delta = in_degrees_and_mm(health.since_change.delta);
-  const RigParameters sigma = in_degrees_and_mm(health.since_change.sigma);
-  fmt::format_to(out, "\n{:<24}{:>15}{:>12}\n", "cam1 against cam0", "true - assumed", "± sigma");
+void add_effect(Out out, const char* name, const SizeInterval& size, const Band& band, double unit,
+                const char* unit_name, HealthVerdict verdict) {
+  fmt::format_to(out, "{:<26}{:>9.3f}{:>9.3f}{:>9.3f}{:>9.3g}{:>9.3g}  {:<4}{}\n", name, unit * size.size,
+                 unit * size.low, unit * size.high, unit * band.ok, unit * band.wrong, unit_name,
+                 to_string(verdict));
+}
+
+/// Sizes with their intervals against the tolerance.
+template <typename Out>
+void add_state(Out out, const CalibrationState& state, const Tolerance& tolerance) {
+  fmt::format_to(out, "\n{:<26}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "", "size", "from", "to (95 %)", "ok up to",
+                 "wrong");
+  add_effect(out, "off the epipolar line", state.effect.epipolar_px, tolerance.epipolar_px, 1.0, "px",
+             state.by_epipolar);
+  add_effect(out, fmt::format("depth at {:g} baselines", tolerance.baselines).c_str(), state.effect.depth,
+             tolerance.depth, 100.0, "%", state.by_depth);
+  const RigParameters delta = in_degrees_and_mm(state.estimate.delta);
+  const RigParameters sigma = in_degrees_and_mm(state.estimate.sigma());
+  const RigParameters unit = in_degrees_and_mm(RigParameters::Ones());
+  fmt::format_to(out, "\n{:<22}{:>15}{:>10}{:>10}{:>9}\n", "cam1 against cam0", "true - assumed", "± sigma",
+                 "ok up to", "wrong");
   for (std::size_t k = 0; k < 6; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    fmt::format_to(out, "{}  {:<20}{:>+15.4f}{:>12.4f} {:<4}{}\n", kParameterNames[k], kAxisWords[k],
-                   delta(i), sigma(i), k < 3 ? "deg" : "mm",
-                   health.axes[k] == HealthVerdict::kDecalibrated ? "MOVED" : to_string(health.axes[k]));
+    fmt::format_to(out, "{}  {:<18}{:>+15.4f}{:>10.4f}{:>10.3f}{:>9.3f}  {:<4}{}{}\n", kParameterNames[k],
+                   axis_in_words(k), delta(i), sigma(i), unit(i) * state.bands[k].ok,
+                   unit(i) * state.bands[k].wrong, k < 3 ? "deg" : "mm", to_string(state.axes[k]),
+                   state.named == k ? ", explains it best" : "");
   }
+}
+
+template <typename Out>
+void add_past(Out out, const HealthSummary& health) {
+  if (health.past.empty()) {
+    fmt::format_to(out, "no change in {:.1f} s\n", health.seconds(health.present.to_ns));
+    return;
+  }
+  for (const CalibrationState& state : health.past) {
+    fmt::format_to(out, "{:.1f} to {:.1f} s: {}, {:.2f} px, {:.1f} % of depth\n",
+                   health.seconds(state.from_ns), health.seconds(state.to_ns), to_string(state.verdict),
+                   state.effect.epipolar_px.size, 100.0 * state.effect.depth.size);
+  }
+  fmt::format_to(out, "since {:.1f} s: as above\n", health.seconds(health.present.from_ns));
 }
 
 template <typename Out>
@@ -103,18 +118,12 @@ void add_depths(Out out, const std::vector<DepthEffect>& depths) {
   }
 }
 
-template <typename Out>
-void add_certainty(Out out, const Diagnosis& diagnosis) {
-  const HealthSummary& health = *diagnosis.health;
-  if (!health.first_alarm_s) {
-    fmt::format_to(out, "no alarm at {:g} false alarms per hour; smallest p-value {:.2g}\n",
-                   diagnosis.false_alarms_per_hour, health.p_value);
-    return;
-  }
-  fmt::format_to(out, "alarm after {:.2f} s at {:g} false alarms per hour, p-value {:.2g}; since {}\n",
-                 *health.first_alarm_s, diagnosis.false_alarms_per_hour, health.p_value,
-                 *health.changed_s < kAtTheStart ? std::string("the start of the recording")
-                                                 : fmt::format("{:.2f} s", *health.changed_s));
+Json json_of(const std::optional<PoseLoss>& pose) {
+  return pose ? Json{{"path_m", pose->path_m},
+                     {"scale", pose->scale},
+                     {"drift_per_100_m", pose->drift_per_100_m},
+                     {"turn_deg", pose->turn_deg}}
+              : Json(nullptr);
 }
 
 Json json_of(const std::optional<TimeOffset>& offset) {
@@ -135,7 +144,8 @@ int exit_code(HealthVerdict verdict) {
     case HealthVerdict::kOk:
       return kExitDone;
     case HealthVerdict::kSuspect:
-      return kExitSuspect;
+    case HealthVerdict::kDegraded:
+      return kExitDegraded;
     case HealthVerdict::kDecalibrated:
       return kExitDecalibrated;
     case HealthVerdict::kCannotTell:
@@ -145,25 +155,33 @@ int exit_code(HealthVerdict verdict) {
 }
 
 std::string to_text(const Diagnosis& diagnosis) {
-  const HealthVerdict verdict = verdict_of(diagnosis);
-  std::string text = fmt::format("{}: {}, {}\n", diagnosis.dataset, to_string(verdict), conclusion(verdict));
+  std::string text = fmt::format("{}: {}\n", diagnosis.dataset, to_string(verdict_of(diagnosis)));
   auto out = std::back_inserter(text);
-  if (!diagnosis.failure.empty()) {
-    fmt::format_to(out, "no run was possible: {}\n", diagnosis.failure);
-  } else {
-    fmt::format_to(out, "{} frames in {:.1f} s; ", diagnosis.frames, diagnosis.duration_s);
-  }
-  if (diagnosis.health) {
-    add_certainty(out, diagnosis);
-    add_axes(out, *diagnosis.health);
-    add_depths(out, diagnosis.depths);
-  } else if (diagnosis.failure.empty()) {
-    fmt::format_to(out, "no frame had points that could be judged\n");
-  }
-  fmt::format_to(out, "\nWhat to do: {}\n", advice(diagnosis));
   for (const std::string& mistake : all_mistakes(diagnosis)) {
     fmt::format_to(out, "Looks like a mistake: {}\n", mistake);
   }
+  if (diagnosis.health) {
+    fmt::format_to(out, "{}\n", in_words(*diagnosis.health, diagnosis.judged_by.tolerance));
+  }
+  if (diagnosis.pose) {
+    fmt::format_to(out,
+                   "What the pose loses: ekf drifts {:.2f} m per 100 m from lcekf, scale {:.4f} ({:.0f} m)\n",
+                   diagnosis.pose->drift_per_100_m, diagnosis.pose->scale, diagnosis.pose->path_m);
+  }
+  fmt::format_to(out, "What to do: {}\n", advice(diagnosis));
+  if (!diagnosis.failure.empty()) {
+    fmt::format_to(out, "\nno run was possible: {}\n", diagnosis.failure);
+    return text;
+  }
+  fmt::format_to(out, "\n{} frames in {:.1f} s; ", diagnosis.frames, diagnosis.duration_s);
+  if (!diagnosis.health) {
+    fmt::format_to(out, "no window of {:g} s had points that could be judged\n",
+                   diagnosis.judged_by.window_s);
+    return text;
+  }
+  add_past(out, *diagnosis.health);
+  add_state(out, diagnosis.health->present, diagnosis.judged_by.tolerance);
+  add_depths(out, diagnosis.depths);
   return text;
 }
 
@@ -174,20 +192,21 @@ std::string to_json(const Diagnosis& diagnosis) {
                       {"error_m", effect.error ? Json(*effect.error) : Json(nullptr)},
                       {"sigma_m", effect.sigma}});
   }
-  const Json json = {{"dataset", diagnosis.dataset},
-                     {"verdict", to_string(verdict_of(diagnosis))},
-                     {"frames", diagnosis.frames},
-                     {"duration_s", diagnosis.duration_s},
-                     {"nis_per_dof", diagnosis.nis_per_dof ? Json(*diagnosis.nis_per_dof) : Json(nullptr)},
-                     {"health", diagnosis.health ? Json::parse(limber::to_json(
-                                                       *diagnosis.health, diagnosis.false_alarms_per_hour))
-                                                 : Json(nullptr)},
-                     {"depths", depths},
-                     {"mistakes", all_mistakes(diagnosis)},
-                     {"time_offset_cam1_cam0", json_of(diagnosis.cam1_offset)},
-                     {"time_offset_cameras_imu", json_of(diagnosis.camera_offset)},
-                     {"failure", diagnosis.failure.empty() ? Json(nullptr) : Json(diagnosis.failure)},
-                     {"advice", advice(diagnosis)}};
+  const Json json = {
+      {"dataset", diagnosis.dataset},
+      {"verdict", to_string(verdict_of(diagnosis))},
+      {"frames", diagnosis.frames},
+      {"duration_s", diagnosis.duration_s},
+      {"nis_per_dof", diagnosis.nis_per_dof ? Json(*diagnosis.nis_per_dof) : Json(nullptr)},
+      {"health", diagnosis.health ? Json::parse(limber::to_json(*diagnosis.health, diagnosis.judged_by))
+                                  : Json(nullptr)},
+      {"depths", depths},
+      {"ekf_beside_lcekf", json_of(diagnosis.pose)},
+      {"mistakes", all_mistakes(diagnosis)},
+      {"time_offset_cam1_cam0", json_of(diagnosis.cam1_offset)},
+      {"time_offset_cameras_imu", json_of(diagnosis.camera_offset)},
+      {"failure", diagnosis.failure.empty() ? Json(nullptr) : Json(diagnosis.failure)},
+      {"advice", advice(diagnosis)}};
   return json.dump(2) + "\n";
 }
 

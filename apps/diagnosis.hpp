@@ -7,28 +7,30 @@
 
 #include "limber/diagnose/depth_effect.hpp"
 #include "limber/diagnose/health_summary.hpp"
+#include "limber/diagnose/pose_loss.hpp"
 #include "limber/diagnose/time_offset.hpp"
 
 /// What `limber health` says: as an exit code, in plain words, and as JSON.
 namespace limber::app {
 
-inline constexpr int kExitDecalibrated = 3, kExitCannotTell = 4, kExitSuspect = 5;
+inline constexpr int kExitDecalibrated = 3, kExitCannotTell = 4, kExitDegraded = 5;
 
 struct Diagnosis {
   std::string dataset;
   std::size_t frames = 0;
   double duration_s = 0.0;
-  double false_alarms_per_hour = 0.0;
+  WatchOptions judged_by;
   std::optional<double> nis_per_dof;
   std::optional<HealthSummary> health;      ///< nothing if the run failed, or no frame could be judged
-  std::vector<DepthEffect> depths;          ///< of health->since_change
+  std::vector<DepthEffect> depths;          ///< of the present state
+  std::optional<PoseLoss> pose;             ///< of ekf beside lcekf
   std::vector<std::string> mistakes;        ///< of the calibration, see calibration_mistakes
   std::optional<TimeOffset> cam1_offset;    ///< of cam1 against cam0
   std::optional<TimeOffset> camera_offset;  ///< of the cameras against the IMU
   std::string failure;                      ///< why the run failed; empty if it did not
 };
 
-/// `decalibrated` if the monitor says so or a mistake was found.
+/// That of the calibration; `decalibrated` if a mistake was found.
 [[nodiscard]] HealthVerdict verdict_of(const Diagnosis& diagnosis);
 
 /// 0, 3, 4 or 5.

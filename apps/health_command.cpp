@@ -96,10 +96,12 @@ void add_health_command(CLI::App& app) {
   add_options(*command, *arguments);
   add_force_option(*command, arguments->force);
   command->footer(
-      "\nNavigates with lcekf, which no calibration can lead astray, and watches what the right camera says\n"
-      "against the assumed calibration. Also recognises swapped cameras, inverted transforms, a wrong\n"
+      "\nNavigates with lcekf, which no calibration can lead astray, estimates how wrong the calibration is, "
+      "and\n"
+      "compares the 95 % interval of that with the tolerance. Also recognises swapped cameras, inverted "
+      "transforms, a wrong\n"
       "resolution and clocks that disagree.\n"
-      "Exit codes: 0 ok, 3 decalibrated, 4 cannot tell, 5 suspect; 1 failed, 2 wrong usage.\n"
+      "Exit codes: 0 ok, 3 decalibrated, 4 cannot tell, 5 degraded; 1 failed, 2 wrong usage.\n"
       "Example:\n  limber health data/v101 --false-alarms 0.1 --out runs/v101-health");
   command->callback([arguments] { health(*arguments); });
 }

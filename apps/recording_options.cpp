@@ -7,6 +7,7 @@
 #include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/replace_calibration.hpp"
 #include "limber/io/parameter_text.hpp"
+#include "limber/run/parse_tolerance.hpp"
 #include "parsed_by.hpp"
 #include "validators.hpp"
 
@@ -93,9 +94,16 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       ->capture_default_str();
   command
       .add_option("--false-alarms", arguments.false_alarms_per_hour,
-                  "Of the calibration monitor, per hour of a sound rig")
+                  "Changes of the calibration seen in a rig that does not change, per hour")
       ->check(positive())
       ->capture_default_str();
+  command
+      .add_option(
+          "--tolerance", arguments.tolerance,
+          "NAME=OK[:WRONG],...: how wrong the calibration may be, by effect (px, depth in % at so many "
+          "baselines) or by axis (ax, ay, az in deg, tx, ty, tz in mm); default "
+          "px=0.3:1,depth=5:10,baselines=90")
+      ->check(parsed_by([](const std::string& text) { (void)parse_tolerance(text); }));
 }
 
 Recording open_recording(const RecordingArguments& arguments) {
@@ -133,6 +141,9 @@ RunOptions to_run_options(const RecordingArguments& arguments, const Recording& 
   options.sigma_px = arguments.sigma_px;
   options.cleaning = {arguments.clean == "on", arguments.max_points};
   options.start = start_mode_from_string(arguments.start);
+  if (!arguments.tolerance.empty()) {
+    options.tolerance = parse_tolerance(arguments.tolerance);
+  }
   options.false_alarms_per_hour = arguments.false_alarms_per_hour;
   return options;
 }

@@ -15,7 +15,7 @@ namespace limber::app {
 struct RecordingArguments {
   std::filesystem::path dataset, calibration, imu;
   std::string images;
-  std::string assume_error, estimate, soften, start = "auto", clean = "on";
+  std::string assume_error, estimate, soften, start = "auto", clean = "on", tolerance;
   std::size_t max_points = CleaningOptions{}.max_points;
   FrontendArguments frontend;
   std::optional<double> sigma_px;

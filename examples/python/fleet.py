@@ -10,7 +10,7 @@ recordings = [limber.read(path) for path in sys.argv[1:]] or [
 print(f"{'rig':<18}{'verdict':<15}{'since':>8}  moved")
 for recording in recordings:
     health = limber.health(recording)
-    monitor = health["health"] or {"axes": {}}
-    since = monitor.get("changed_s")
-    moved = [axis for axis, verdict in monitor["axes"].items() if verdict == "decalibrated"]
+    found = health["health"] or {"present": {"axes": {}}}
+    since = found.get("changed_s")
+    moved = [name for name, axis in found["present"]["axes"].items() if axis["verdict"] in ("degraded", "decalibrated")]
     print(f"{recording.name:<18}{health.verdict:<15}{'' if since is None else f'{since:.1f} s':>8}  {', '.join(moved)}")

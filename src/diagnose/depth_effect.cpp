@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/diagnose/depth_effect.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "limber/measure/triangulate.hpp"
@@ -10,18 +11,17 @@ namespace {
 
 constexpr double kStep = 1e-6;  // of the numerical derivative [rad, m]
 
-double variance(const RigParameters& assumed, const RigOffset& offset, double depth) {
-  double sum = 0.0;
+double variance(const RigParameters& assumed, const RigEstimate& offset, double depth) {
+  RigParameters slope = RigParameters::Zero();
   for (Eigen::Index k = 0; k < 6; ++k) {
     const RigParameters step = kStep * RigParameters::Unit(k);
     const auto above = depth_error(assumed, offset.delta + step, depth);
     const auto below = depth_error(assumed, offset.delta - step, depth);
     if (above && below) {
-      const double slope = (*above - *below) / (2.0 * kStep);
-      sum += slope * slope * offset.sigma(k) * offset.sigma(k);
+      slope(k) = (*above - *below) / (2.0 * kStep);
     }
   }
-  return sum;
+  return std::max(slope.dot(offset.covariance * slope), 0.0);
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ std::optional<double> depth_error(const RigParameters& assumed, const RigParamet
   return rho && *rho > 0.0 ? std::optional(1.0 / *rho - depth) : std::nullopt;
 }
 
-std::vector<DepthEffect> depth_effects(const RigParameters& assumed, const RigOffset& offset) {
+std::vector<DepthEffect> depth_effects(const RigParameters& assumed, const RigEstimate& offset) {
   std::vector<DepthEffect> out;
   for (const double depth : kShownDepths) {
     out.push_back(

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "limber/diagnose/health_summary.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -12,93 +15,64 @@ namespace limber {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Axes = std::array<HealthVerdict, 6>;
 
-std::vector<HealthReport> reports_of(std::span<const FrameReport> frames) {
-  std::vector<HealthReport> out;
-  for (const FrameReport& frame : frames) {
-    if (frame.health) {
-      out.push_back(*frame.health);
-    }
-  }
-  return out;
+constexpr std::array<std::string_view, 6> kAxisWords = {"nod, about x",  "vergence, about y",
+                                                        "roll, about z", "right, along x",
+                                                        "down, along y", "forward, along z"};
+
+bool is_wrong(HealthVerdict verdict) {
+  return verdict == HealthVerdict::kDegraded || verdict == HealthVerdict::kDecalibrated;
 }
 
-/// Over the windows that begin at `since_ns` or later; nothing without any.
-std::optional<RigOffset> mean_offset(const std::vector<HealthReport>& windows, std::int64_t since_ns) {
-  RigParameters weights = RigParameters::Zero();
-  RigOffset out;
-  for (const HealthReport& window : windows) {
-    if (window.gathered_since_ns >= since_ns) {
-      const RigParameters weight = window.gathered_sigma.cwiseAbs2().cwiseInverse();
-      weights += weight;
-      out.delta += weight.cwiseProduct(window.gathered_delta);
-      out.sigma += weight.cwiseProduct(window.gathered_sigma);
-    }
-  }
-  if (weights.isZero(0.0)) {
-    return std::nullopt;
-  }
-  return RigOffset{out.delta.cwiseQuotient(weights), out.sigma.cwiseQuotient(weights)};
+Json json_of(const SizeInterval& size, const Band& band, HealthVerdict verdict, double unit) {
+  return {{"size", unit * size.size}, {"low", unit * size.low},     {"high", unit * size.high},
+          {"ok", unit * band.ok},     {"wrong", unit * band.wrong}, {"verdict", to_string(verdict)}};
 }
 
-Axes named_axes(const std::vector<HealthReport>& reports, const HealthReport& first_alarm) {
-  std::array<std::size_t, 6> named{};
-  std::size_t decalibrated = 0;
-  for (const HealthReport& report : reports) {
-    decalibrated += report.verdict == HealthVerdict::kDecalibrated ? 1 : 0;
-    for (std::size_t k = 0; k < 6; ++k) {
-      named[k] += report.axes[k] == HealthVerdict::kDecalibrated ? 1 : 0;
-    }
-  }
-  Axes out{};  // kOk
-  const bool keeps_to_one = 2 * *std::max_element(named.begin(), named.end()) >= decalibrated;
+Json json_of(const CalibrationState& state, const HealthSummary& summary, const Tolerance& tolerance) {
+  const RigParameters delta = in_degrees_and_mm(state.estimate.delta);
+  const RigParameters sigma = in_degrees_and_mm(state.estimate.sigma());
+  const RigParameters unit = in_degrees_and_mm(RigParameters::Ones());
+  Json axes;
   for (std::size_t k = 0; k < 6; ++k) {
-    if (keeps_to_one ? 2 * named[k] >= decalibrated : first_alarm.axes[k] == HealthVerdict::kDecalibrated) {
-      out[k] = HealthVerdict::kDecalibrated;
-    }
+    const auto i = static_cast<Eigen::Index>(k);
+    axes[std::string(kParameterNames[k])] = {{"error", delta(i)},
+                                             {"sigma", sigma(i)},
+                                             {"ok", unit(i) * state.bands[k].ok},
+                                             {"wrong", unit(i) * state.bands[k].wrong},
+                                             {"unit", k < 3 ? "deg" : "mm"},
+                                             {"verdict", to_string(state.axes[k])}};
   }
-  return out;
+  Json depth = json_of(state.effect.depth, tolerance.depth, state.by_depth, 100.0);
+  depth["error"] = 100.0 * state.effect.depth_signed;
+  depth["baselines"] = tolerance.baselines;
+  return {
+      {"verdict", to_string(state.verdict)},
+      {"from_s", summary.seconds(state.from_ns)},
+      {"to_s", summary.seconds(state.to_ns)},
+      {"epipolar_px", json_of(state.effect.epipolar_px, tolerance.epipolar_px, state.by_epipolar, 1.0)},
+      {"depth_percent", depth},
+      {"most_likely_axis", state.named ? Json(std::string(kParameterNames[*state.named])) : Json(nullptr)},
+      {"axes", axes},
+      {"windows", state.windows},
+      {"tracks", state.tracks},
+      {"points", state.points},
+      {"points_with_depth", state.deep}};
 }
 
-/// Axes that no report could judge.
-void mark_unseen(const std::vector<HealthReport>& reports, Axes& axes) {
-  for (std::size_t k = 0; k < 6; ++k) {
-    const bool seen = std::any_of(reports.begin(), reports.end(), [k](const HealthReport& report) {
-      return report.axes[k] != HealthVerdict::kCannotTell;
-    });
-    if (!seen) {
-      axes[k] = HealthVerdict::kCannotTell;
-    }
-  }
+std::string range(const SizeInterval& size, double unit, const char* name) {
+  return fmt::format("{:.2f} {} ({:.2f} to {:.2f})", unit * size.size, name, unit * size.low,
+                     unit * size.high);
 }
-
-HealthVerdict verdict_without_alarm(const HealthReport& last, const Axes& axes) {
-  if (last.verdict == HealthVerdict::kSuspect) {
-    return HealthVerdict::kSuspect;
-  }
-  const bool blind = std::all_of(axes.begin(), axes.end(),
-                                 [](HealthVerdict axis) { return axis == HealthVerdict::kCannotTell; });
-  return blind ? HealthVerdict::kCannotTell : HealthVerdict::kOk;
-}
-
-/// Bonferroni: the smallest of so many.
-double smallest_p_value(const std::vector<HealthReport>& windows) {
-  double smallest = 1.0;
-  for (const HealthReport& window : windows) {
-    smallest = std::min(smallest, window.gathered_p_value);
-  }
-  return std::min(1.0, smallest * static_cast<double>(windows.size()));
-}
-
-std::vector<double> as_list(const RigParameters& theta) {
-  const RigParameters shown = in_degrees_and_mm(theta);
-  return {shown.data(), shown.data() + shown.size()};
-}
-
-Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 }  // namespace
+
+double HealthSummary::seconds(std::int64_t t_ns) const { return seconds_between(begin_ns, t_ns); }
+
+bool HealthSummary::comes_and_goes() const {
+  return past.size() >= 2 && present.verdict == HealthVerdict::kOk &&
+         std::any_of(past.begin(), past.end(), [](const CalibrationState& s) { return is_wrong(s.verdict); });
+}
 
 RigParameters in_degrees_and_mm(const RigParameters& theta) {
   RigParameters out = theta;
@@ -107,61 +81,74 @@ RigParameters in_degrees_and_mm(const RigParameters& theta) {
   return out;
 }
 
-std::vector<HealthReport> windows_of(std::span<const HealthReport> reports) {
-  std::vector<HealthReport> out;
-  for (std::size_t k = 0; k < reports.size(); ++k) {
-    if (k + 1 == reports.size() || reports[k + 1].gathered_since_ns != reports[k].gathered_since_ns) {
-      out.push_back(reports[k]);
-    }
-  }
-  return out;
-}
+std::string_view axis_in_words(std::size_t axis) { return kAxisWords.at(axis); }
 
 std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frames) {
-  const std::vector<HealthReport> reports = reports_of(frames);
-  if (reports.empty()) {
+  HealthSummary out;
+  const CalibrationReport* last = nullptr;
+  for (const FrameReport& frame : frames) {
+    const CalibrationReport* report = frame.calibration.get();
+    if (report != nullptr && report != last) {
+      if (report->past) {
+        out.past.push_back(*report->past);
+      }
+      out.present = report->state;
+      last = report;
+    }
+  }
+  if (last == nullptr) {
     return std::nullopt;
   }
-  const std::int64_t begin_ns = frames.front().t_ns;
-  const auto seconds = [begin_ns](std::int64_t t_ns) { return seconds_between(begin_ns, t_ns); };
-  const std::vector<HealthReport> windows = windows_of(reports);
-  HealthSummary out;
-  out.mean = *mean_offset(windows, begin_ns);
-  out.since_change = out.mean;
-  out.p_value = smallest_p_value(windows);
-  const auto alarm =
-      std::find_if(reports.begin(), reports.end(), [](const HealthReport& report) { return report.alarm; });
-  if (alarm != reports.end()) {
-    out.verdict = HealthVerdict::kDecalibrated;
-    out.axes = named_axes(reports, *alarm);
-    out.first_alarm_s = seconds(alarm->t_ns);
-    out.changed_s = seconds(*alarm->changed_ns);
-    out.since_change = mean_offset(windows, *alarm->changed_ns)
-                           .value_or(RigOffset{alarm->gathered_delta, alarm->gathered_sigma});
-    out.p_value = std::min(alarm->p_value, alarm->gathered_p_value);
-  }
-  mark_unseen(reports, out.axes);
-  if (alarm == reports.end()) {
-    out.verdict = verdict_without_alarm(reports.back(), out.axes);
-  }
+  out.begin_ns = frames.front().t_ns;
+  out.verdict = out.comes_and_goes() ? HealthVerdict::kDegraded : out.present.verdict;
   return out;
 }
 
-std::string to_json(const HealthSummary& summary, double false_alarms_per_hour) {
-  Json axes;
-  for (std::size_t k = 0; k < 6; ++k) {
-    axes[std::string(kParameterNames[k])] = to_string(summary.axes[k]);
+std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
+  const CalibrationState& state = summary.present;
+  const std::string sizes = fmt::format("{} off the epipolar lines, {} of the depth at {:g} baselines",
+                                        range(state.effect.epipolar_px, 1.0, "px"),
+                                        range(state.effect.depth, 100.0, "%"), tolerance.baselines);
+  if (summary.comes_and_goes()) {
+    return "it is within the tolerance now, but was not all the time: it comes and goes; now " + sizes;
   }
-  const Json json = {{"verdict", to_string(summary.verdict)},
-                     {"first_alarm_s", or_null(summary.first_alarm_s)},
-                     {"changed_s", or_null(summary.changed_s)},
-                     {"p_value", summary.p_value},
-                     {"axes", axes},
-                     {"delta_mean", as_list(summary.mean.delta)},
-                     {"delta_sigma", as_list(summary.mean.sigma)},
-                     {"delta_since_change", as_list(summary.since_change.delta)},
-                     {"sigma_since_change", as_list(summary.since_change.sigma)},
-                     {"false_alarms_per_hour", false_alarms_per_hour}};
+  switch (state.verdict) {
+    case HealthVerdict::kOk:
+      return "within the tolerance: " + sizes;
+    case HealthVerdict::kSuspect:
+    case HealthVerdict::kDegraded:
+      return "beyond what is ok, but of use: " + sizes;
+    case HealthVerdict::kDecalibrated:
+      return "the calibration is not that of this rig: " + sizes;
+    case HealthVerdict::kCannotTell:
+      break;
+  }
+  std::string why;
+  if (state.deep == 0) {
+    why = "the rig hardly moved, so that nothing but stereo tells a depth";
+  } else if (state.by_epipolar == HealthVerdict::kCannotTell &&
+             state.by_depth == HealthVerdict::kCannotTell) {
+    why = "the intervals reach over a limit";
+  } else {
+    why = state.by_depth == HealthVerdict::kCannotTell ? "the depth is not known well enough"
+                                                       : "the epipolar lines are not known well enough";
+  }
+  return why + ": " + sizes;
+}
+
+std::string to_json(const HealthSummary& summary, const WatchOptions& options) {
+  Json past = Json::array();
+  for (const CalibrationState& state : summary.past) {
+    past.push_back(json_of(state, summary, options.tolerance));
+  }
+  const Json json = {
+      {"verdict", to_string(summary.verdict)},
+      {"changed_s", summary.past.empty() ? Json(nullptr) : Json(summary.seconds(summary.present.from_ns))},
+      {"comes_and_goes", summary.comes_and_goes()},
+      {"present", json_of(summary.present, summary, options.tolerance)},
+      {"past", past},
+      {"window_s", options.window_s},
+      {"false_alarms_per_hour", options.false_alarms_per_hour}};
   return json.dump();
 }
 

@@ -50,20 +50,6 @@ void check(double value, const char* name) {
 
 }  // namespace
 
-std::string to_string(HealthVerdict verdict) {
-  switch (verdict) {
-    case HealthVerdict::kOk:
-      return "ok";
-    case HealthVerdict::kSuspect:
-      return "suspect";
-    case HealthVerdict::kDecalibrated:
-      return "decalibrated";
-    case HealthVerdict::kCannotTell:
-      break;
-  }
-  return "cannot tell";
-}
-
 HealthMonitor::HealthMonitor(const HealthOptions& options, double baseline)
     : options_(options), scale_(plausible_error(baseline)) {
   check(options.false_alarms_per_hour, "false_alarms_per_hour");

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "limber/core/time.hpp"
+#include "limber/measure/rig.hpp"
+#include "parameter_roles.hpp"
 
 namespace limber {
 
@@ -44,7 +46,14 @@ HealthOptions handover_alarm() {
 
 Navigator::Navigator(const NavigatorOptions& options, const StereoCalibration& calibration,
                      const InitialState& initial)
-    : baseline_(calibration.baseline()), filter_(options, calibration, initial) {
+    : baseline_(calibration.baseline()),
+      T_body_cam0_(mount(calibration)[0].T_cam_body.inverse()),
+      filter_(options, calibration, initial) {
+  if (detail::watches(options)) {
+    WatchOptions how = options.verdict;
+    how.false_alarms_per_hour = options.health->false_alarms_per_hour;
+    watch_.emplace(how, calibration, has_scale(options.motion));
+  }
   if (options.method == Method::kAdaptive) {
     const HealthMonitor alarm(handover_alarm(), baseline_);
     supervision_.emplace(Supervision{StereoFilter(constrained(options), calibration, initial),
@@ -148,15 +157,38 @@ void Navigator::begin_checkpoints(std::int64_t t_ns) {
   supervision_->older = supervision_->recent;
 }
 
+/// The calibration, judged from where the filter that it cannot lead astray (if there is one) says it was.
+void Navigator::watch(const StereoFrame& frame, const StereoFilter& filter, const FrameReport& report) {
+  if (!watch_) {
+    return;
+  }
+  const Estimate& estimate = filter.estimate();
+  TrajectoryQuality quality;
+  quality.sound =
+      report.status == UpdateStatus::kUpdated && !report.reset && !report.inputs.contradiction &&
+      (report.inputs.status == InputStatus::kSound || report.inputs.status == InputStatus::kNotNeeded);
+  if (filter.options().motion == MotionModel::kImu) {
+    const Eigen::Vector3d& v = estimate.nav.v_world_body;
+    quality.speed_squared = v.squaredNorm();
+    const Eigen::Vector3d along = v.stableNormalized();
+    quality.speed_variance = along.dot(estimate.P.diagonal_block<3>(StateLayout::kVelocity) * along);
+  }
+  watch_->add(frame, estimate.nav.T_world_body * T_body_cam0_, quality);
+}
+
 FrameReport Navigator::process(const StereoFrame& frame) {
   if (!supervision_) {
     FrameReport report = filter_.process(frame);
     health_ = report.health;
+    watch(frame, filter_, report);
+    report.calibration = calibration_report();
     return report;
   }
   Supervision& s = *supervision_;
   FrameReport parallel = s.parallel.process(frame);  // refuses a frame before anything has changed
   health_ = parallel.health;
+  watch(frame, s.parallel, parallel);
+  parallel.calibration = calibration_report();
   log(frame);
   if (s.replay) {
     replay();
@@ -170,6 +202,7 @@ FrameReport Navigator::process(const StereoFrame& frame) {
     return parallel;
   }
   report.health = health_;
+  report.calibration = parallel.calibration;
   return report;
 }
 

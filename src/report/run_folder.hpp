@@ -25,7 +25,7 @@ struct RunFolder {
   Json summary;  ///< an object
   std::vector<TrajectoryRow> trajectory;
   std::vector<FrameRow> frames;             ///< as many as trajectory, at the same times
-  std::vector<HealthReport> health;         ///< empty where the calibration was not watched
+  std::vector<HealthRow> health;            ///< empty where the calibration was not watched
   std::vector<CalibrationRow> calibration;  ///< empty where it was not estimated
   std::map<std::int64_t, Eigen::Vector3d> landmarks;
   std::vector<MatchedPose> matched;  ///< with the truth; empty where it is not known

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <optional>
 #include <utility>
 
 #include "limber/diagnose/health_summary.hpp"
@@ -12,167 +10,163 @@
 namespace limber::detail {
 namespace {
 
-constexpr double kSmallestDrawn = 1e-30;  // p-value; curves are 32-bit floats
-constexpr std::size_t kMostStretches = 25;
-constexpr const char* kOffsetStyle = "series 1";
-constexpr const char* kAlarmStyle = "series 2";
+constexpr double k95 = 1.96;
+constexpr const char* kSizeStyle = "series 1";
+constexpr const char* kChangeStyle = "series 2";
+constexpr const char* kOkStyle = "series 3";
+constexpr const char* kWrongStyle = "series 4";
 
-TableCell::Mark mark_of(HealthVerdict verdict) {
-  switch (verdict) {
-    case HealthVerdict::kOk:
-      return TableCell::Mark::kBest;
-    case HealthVerdict::kDecalibrated:
-      return TableCell::Mark::kBad;
-    case HealthVerdict::kSuspect:
-    case HealthVerdict::kCannotTell:
-      break;
+TableCell cell_of(const std::string& verdict) {
+  if (verdict == to_string(HealthVerdict::kOk)) {
+    return {verdict, TableCell::Mark::kBest};
   }
-  return TableCell::Mark::kNone;
+  const bool wrong = verdict == to_string(HealthVerdict::kDecalibrated);
+  return {verdict, wrong ? TableCell::Mark::kBad : TableCell::Mark::kNone};
 }
 
-TableCell cell_of(HealthVerdict verdict) { return {to_string(verdict), mark_of(verdict)}; }
+/// A number of summary.json as text.
+std::string number(const Json& json, const char* name, const char* format) {
+  return json.contains(name) && json[name].is_number()
+             ? fmt::format(fmt::runtime(format), json[name].get<double>())
+             : "–";
+}
 
 void append(double t, double value, ReportTrace& trace) {
   trace.x.push_back(t);
   trace.y.push_back(value);
 }
 
-/// Three axes of theta from `first` on, window by window.
-ReportFigure offset_figure(const RunFolder& run, const std::vector<HealthReport>& windows, std::size_t first,
-                           ReportFigure figure) {
-  for (std::size_t panel = 0; panel < 3; ++panel) {
-    const std::size_t axis = first + panel;
-    const auto k = static_cast<Eigen::Index>(axis);
-    ReportTrace delta{"offset", kOffsetStyle, TraceShape::kLine, {}, {}, {}, panel};
-    ReportTrace upper{"+3 sigma", kOffsetStyle, TraceShape::kBound, {}, {}, {}, panel};
-    ReportTrace lower{"-3 sigma", kOffsetStyle, TraceShape::kBound, {}, {}, {}, panel};
-    ReportTrace alarm{"alarm", kAlarmStyle, TraceShape::kDots, {}, {}, {}, panel};
-    for (const HealthReport& window : windows) {
-      const double t = run.seconds(window.t_ns);
-      const bool known = window.axes[axis] != HealthVerdict::kCannotTell;
-      const double value = known ? in_degrees_and_mm(window.gathered_delta)(k) : kNan;
-      const double bound = known ? 3.0 * in_degrees_and_mm(window.gathered_sigma)(k) : kNan;
-      append(t, value, delta);
-      append(t, bound, upper);
-      append(t, -bound, lower);
-      append(t, window.alarm ? value : kNan, alarm);
-    }
-    figure.traces.push_back(std::move(delta));
-    figure.traces.push_back(std::move(upper));
-    figure.traces.push_back(std::move(lower));
-    if (std::any_of(windows.begin(), windows.end(), [](const HealthReport& w) { return w.alarm; })) {
-      figure.traces.push_back(std::move(alarm));
-    }
-  }
-  return figure;
-}
-
-ReportFigure p_value_figure(const RunFolder& run) {
-  ReportFigure figure = figure_over_time(
-      "health-p-value", "p-value of the calibration", {{"p-value", ""}},
-      "Chance that a sound rig looks like that: of each frame alone, and of what was gathered in its window. "
-      "Values below 1e-30 are drawn there.");
-  figure.log_switch = true;
-  figure.starts_in_log = true;
-  ReportTrace frame{"frame", "band", TraceShape::kDots, {}, {}, {}, 0};
-  ReportTrace gathered{"gathered", kOffsetStyle, TraceShape::kLine, {}, {}, {}, 0};
-  ReportTrace alarm{"alarm", kAlarmStyle, TraceShape::kDots, {}, {}, {}, 0};
-  for (const HealthReport& report : run.health) {
-    const double t = run.seconds(report.t_ns);
-    append(t, std::max(report.p_value, kSmallestDrawn), frame);
-    append(t, std::max(report.gathered_p_value, kSmallestDrawn), gathered);
-    if (report.alarm) {
-      append(t, std::max(std::min(report.p_value, report.gathered_p_value), kSmallestDrawn), alarm);
-    }
-  }
-  figure.traces = {std::move(frame), std::move(gathered)};
-  if (!alarm.x.empty()) {
-    figure.traces.push_back(std::move(alarm));
-  }
-  return figure;
-}
-
-/// The whole run, axis by axis.
-ReportTable axis_table(const HealthSummary& summary) {
-  ReportTable table{"The rig over the whole recording",
-                    {"axis", "true - assumed", "standard deviation", "unit", "verdict"},
+/// Size against tolerance, as summary.json has it.
+ReportTable tolerance_table(const Json& state) {
+  ReportTable table{"Size against tolerance",
+                    {"", "size", "95 % from", "to", "ok up to", "wrong from", "unit", "verdict"},
                     {},
-                    "cam1 against cam0: mean of the windows, weighted by their information; the standard "
-                    "deviation is that of one window, because windows share the errors of pose and map."};
-  const RigParameters delta = in_degrees_and_mm(summary.mean.delta);
-  const RigParameters sigma = in_degrees_and_mm(summary.mean.sigma);
-  for (std::size_t axis = 0; axis < 6; ++axis) {
-    const auto k = static_cast<Eigen::Index>(axis);
-    table.rows.push_back({{std::string(kParameterNames[axis])},
-                          {fmt::format("{:+.4f}", delta(k))},
-                          {fmt::format("{:.4f}", sigma(k))},
-                          {axis < 3 ? "deg" : "mm"},
-                          cell_of(summary.axes[axis])});
+                    "Off the epipolar line: root mean square over the points seen."};
+  const auto add = [&](const std::string& name, const Json& effect, const char* unit) {
+    table.rows.push_back({{name},
+                          {number(effect, "size", "{:.2f}")},
+                          {number(effect, "low", "{:.2f}")},
+                          {number(effect, "high", "{:.2f}")},
+                          {number(effect, "ok", "{:g}")},
+                          {number(effect, "wrong", "{:g}")},
+                          {unit},
+                          cell_of(effect.value("verdict", ""))});
+  };
+  add("off the epipolar line", state.at("epipolar_px"), "px");
+  add(fmt::format("depth at {} baselines", number(state.at("depth_percent"), "baselines", "{:g}")),
+      state.at("depth_percent"), "%");
+  return table;
+}
+
+ReportTable axis_table(const Json& state) {
+  ReportTable table{
+      "cam1 against cam0, axis by axis",
+      {"axis", "", "true - assumed", "standard deviation", "ok up to", "wrong from", "unit", "verdict"},
+      {},
+      "Where the effect of an axis alone reaches the tolerance."};
+  for (std::size_t k = 0; k < 6; ++k) {
+    const Json& axis = state.at("axes").at(std::string(kParameterNames[k]));
+    table.rows.push_back({{std::string(kParameterNames[k])},
+                          {std::string(axis_in_words(k))},
+                          {number(axis, "error", "{:+.4f}")},
+                          {number(axis, "sigma", "{:.4f}")},
+                          {number(axis, "ok", "{:.3f}")},
+                          {number(axis, "wrong", "{:.3f}")},
+                          {axis.value("unit", "")},
+                          cell_of(axis.value("verdict", ""))});
   }
   return table;
 }
 
-/// Frames in a row with the same verdict.
-ReportTable stretch_table(const RunFolder& run) {
-  ReportTable table{"When", {"from", "to", "verdict", "axes that moved"}, {}, ""};
-  std::size_t stretches = 0;
-  for (std::size_t begin = 0, end = 0; begin < run.health.size(); begin = end) {
-    std::array<bool, 6> named{};
-    const HealthVerdict verdict = run.health[begin].verdict;
-    for (end = begin; end < run.health.size() && run.health[end].verdict == verdict; ++end) {
-      for (std::size_t k = 0; k < 6; ++k) {
-        named[k] |= run.health[end].axes[k] == HealthVerdict::kDecalibrated;
-      }
-    }
-    std::string axes;
-    for (std::size_t k = 0; k < 6; ++k) {
-      axes += named[k] ? (axes.empty() ? "" : ", ") + std::string(kParameterNames[k]) : "";
-    }
-    if (++stretches <= kMostStretches) {
-      table.rows.push_back({{fmt::format("{:.2f} s", run.seconds(run.health[begin].t_ns))},
-                            {fmt::format("{:.2f} s", run.seconds(run.health[end - 1].t_ns))},
-                            cell_of(verdict),
-                            {axes.empty() ? "–" : axes}});
-    }
+ReportTable stretch_table(const Json& health) {
+  ReportTable table{"When", {"from", "to", "verdict", "off the line [px]", "depth [%]"}, {}, ""};
+  const auto add = [&](const Json& state) {
+    table.rows.push_back({{number(state, "from_s", "{:.1f} s")},
+                          {number(state, "to_s", "{:.1f} s")},
+                          cell_of(state.value("verdict", "")),
+                          {number(state.at("epipolar_px"), "size", "{:.2f}")},
+                          {number(state.at("depth_percent"), "size", "{:.2f}")}});
+  };
+  for (const Json& state : health.at("past")) {
+    add(state);
   }
-  if (stretches > kMostStretches) {
-    table.note = fmt::format("The first {} of {} stretches; all of them are in health.csv.", kMostStretches,
-                             stretches);
-  }
+  add(health.at("present"));
   return table;
 }
 
-/// The reduction of health.csv, as in summary.json.
-HealthSummary summary_of(const RunFolder& run) {
-  std::vector<FrameReport> frames(run.health.size());
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    frames[k].t_ns = run.health[k].t_ns;
-    frames[k].health = run.health[k];
+void add_bands(const RunFolder& run, const Json& effect, std::size_t panel, ReportFigure& figure) {
+  const double from = run.seconds(run.health.front().window_from_ns),
+               to = run.seconds(run.health.back().t_ns);
+  for (const auto& [name, style] : {std::pair{"ok", kOkStyle}, std::pair{"wrong", kWrongStyle}}) {
+    if (effect.contains(name)) {
+      const double value = effect[name].get<double>();
+      figure.traces.push_back({name, style, TraceShape::kLine, {from, to}, {value, value}, {}, panel});
+    }
   }
-  return *summarize_health(frames);
+}
+
+/// Both effects since the last change, with the tolerance as bands.
+ReportFigure effect_figure(const RunFolder& run, const Json& state) {
+  ReportFigure figure = figure_over_time(
+      "health-effect", "What the calibration's error does", {{"off the line", "px"}, {"depth", "%"}},
+      "Since the last change, with 95 % bounds, and the tolerance. Dots: a change was found.");
+  for (std::size_t panel = 0; panel < 2; ++panel) {
+    ReportTrace size{"size", kSizeStyle, TraceShape::kLine, {}, {}, {}, panel};
+    ReportTrace low{"low", kSizeStyle, TraceShape::kBound, {}, {}, {}, panel}, high = low;
+    ReportTrace change{"change", kChangeStyle, TraceShape::kDots, {}, {}, {}, panel};
+    for (const HealthRow& row : run.health) {
+      const double t = run.seconds(row.t_ns), unit = panel == 0 ? 1.0 : 100.0;
+      const SizeInterval& interval = panel == 0 ? row.epipolar_px : row.depth;
+      append(t, unit * interval.size, size);
+      append(t, unit * interval.low, low);
+      append(t, unit * interval.high, high);
+      append(t, row.changed ? unit * interval.size : kNan, change);
+    }
+    figure.traces.insert(figure.traces.end(), {size, low, high, change});
+    add_bands(run, state.at(panel == 0 ? "epipolar_px" : "depth_percent"), panel, figure);
+  }
+  return figure;
+}
+
+/// Three axes of theta from `first` on, window by window.
+ReportFigure offset_figure(const RunFolder& run, std::size_t first, ReportFigure figure) {
+  for (std::size_t panel = 0; panel < 3; ++panel) {
+    const auto k = static_cast<Eigen::Index>(first + panel);
+    ReportTrace delta{"offset", kSizeStyle, TraceShape::kLine, {}, {}, {}, panel};
+    ReportTrace upper{"upper", kSizeStyle, TraceShape::kBound, {}, {}, {}, panel}, lower = upper;
+    for (const HealthRow& row : run.health) {
+      const double t = run.seconds(row.t_ns), value = in_degrees_and_mm(row.window_delta)(k);
+      const double bound = k95 * in_degrees_and_mm(row.window_sigma)(k);
+      append(t, value, delta);
+      append(t, value + bound, upper);
+      append(t, value - bound, lower);
+    }
+    figure.traces.insert(figure.traces.end(), {delta, upper, lower});
+  }
+  return figure;
 }
 
 }  // namespace
 
 ReportSection calibration_section(const RunFolder& run) {
-  const std::vector<HealthReport> windows = windows_of(run.health);
-  const HealthSummary summary = summary_of(run);
-  const std::string caption =
-      "True minus assumed calibration, as gathered in each window; dotted: three standard deviations about "
-      "zero, within which a sound rig stays. A gap: this axis could not be told.";
   ReportSection section{"calibration", "Calibration", {}};
-  section.blocks.emplace_back(ReportText{fmt::format("Verdict: {}.", to_string(summary.verdict))});
-  section.blocks.emplace_back(axis_table(summary));
+  const Json& health = run.summary.at("health");
+  const Json& state = health.at("present");
+  section.blocks.emplace_back(ReportText{fmt::format("Verdict: {}.", health.value("verdict", ""))});
+  section.blocks.emplace_back(tolerance_table(state));
+  section.blocks.emplace_back(axis_table(state));
+  section.blocks.emplace_back(stretch_table(health));
+  section.blocks.emplace_back(effect_figure(run, state));
+  const std::string caption =
+      "True minus assumed calibration of each window alone, with its 95 % interval (dotted).";
   section.blocks.emplace_back(
-      offset_figure(run, windows, 0,
+      offset_figure(run, 0,
                     figure_over_time("health-rotation", "Offset of the rig: rotation",
                                      {{"ax", "deg"}, {"ay", "deg"}, {"az", "deg"}}, caption)));
   section.blocks.emplace_back(
-      offset_figure(run, windows, 3,
+      offset_figure(run, 3,
                     figure_over_time("health-translation", "Offset of the rig: translation",
                                      {{"tx", "mm"}, {"ty", "mm"}, {"tz", "mm"}}, caption)));
-  section.blocks.emplace_back(p_value_figure(run));
-  section.blocks.emplace_back(stretch_table(run));
   return section;
 }
 

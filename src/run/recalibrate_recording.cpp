@@ -94,7 +94,7 @@ RigParameters prior_sigma(double baseline) {
 }
 
 /// The smoother on one part; nothing if it finds no solution.
-std::optional<RigWindow> solve_part(const Part& part, const Recording& recording,
+std::optional<RigPart> solve_part(const Part& part, const Recording& recording,
                                     const StereoCalibration& given, const SmootherOptions& how) {
   std::vector<StereoFrame> frames;
   std::vector<NavigationState> states;
@@ -114,7 +114,7 @@ std::optional<RigWindow> solve_part(const Part& part, const Recording& recording
     return std::nullopt;
   }
   const RigMatrix prior = how.rig_sigma.cwiseAbs2().cwiseInverse().asDiagonal();
-  RigWindow out;
+  RigPart out;
   out.from_ns = frames.front().t_ns;
   out.to_ns = frames.back().t_ns;
   const RigMatrix all = result.frames.front().theta_covariance.inverse();

@@ -138,6 +138,13 @@ StartMode start_mode_from_string(std::string_view text) {
   throw std::invalid_argument(fmt::format("expected a start 'auto' or 'groundtruth', found '{}'", text));
 }
 
+WatchOptions watch_options(const RunOptions& options) {
+  WatchOptions out;
+  out.tolerance = options.tolerance;
+  out.false_alarms_per_hour = options.false_alarms_per_hour;
+  return out;
+}
+
 RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   check(recording, options);
   RunSetup setup;
@@ -162,6 +169,7 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   navigator.gate = options.gate;
   if (options.watch) {
     navigator.health->false_alarms_per_hour = options.false_alarms_per_hour;
+    navigator.verdict = watch_options(options);
   } else {
     navigator.health.reset();
   }

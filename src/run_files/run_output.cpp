@@ -150,7 +150,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["events"] = to_json(s.inputs.events);
   json["lost_since_s"] =
       s.inputs.lost_since_ns ? Json(1e-9 * static_cast<double>(*s.inputs.lost_since_ns)) : Json(nullptr);
-  json["health"] = s.health ? Json::parse(to_json(*s.health, options.false_alarms_per_hour)) : Json(nullptr);
+  json["health"] = s.health ? Json::parse(to_json(*s.health, watch_options(options))) : Json(nullptr);
   json["seed"] = options.seed;
   json["options"] = to_json(options);
   json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start) : Json(nullptr);

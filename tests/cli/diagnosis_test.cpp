@@ -17,7 +17,7 @@ Diagnosis with(HealthVerdict verdict) {
   Diagnosis out;
   out.dataset = "log";
   out.health.emplace();
-  out.health->verdict = verdict;
+  out.health->verdict = out.health->present.verdict = verdict;
   return out;
 }
 
@@ -25,27 +25,33 @@ TEST(Diagnosis, HasAnExitCodeForEachVerdict) {
   EXPECT_EQ(exit_code(kOk), 0);
   EXPECT_EQ(exit_code(kDecalibrated), 3);
   EXPECT_EQ(exit_code(kCannotTell), 4);
-  EXPECT_EQ(exit_code(kSuspect), 5);
+  EXPECT_EQ(exit_code(kDegraded), 5);
 }
 
 TEST(Diagnosis, SaysWhatToDo) {
   EXPECT_THAT(to_text(with(kOk)), HasSubstr("What to do: nothing"));
   EXPECT_THAT(to_text(with(kDecalibrated)), HasSubstr("What to do: recalibrate"));
-  EXPECT_THAT(to_text(with(kSuspect)), HasSubstr("What to do: record longer"));
+  EXPECT_THAT(to_text(with(kDegraded)), HasSubstr("What to do: recalibrate when you can"));
   EXPECT_THAT(to_text(with(kCannotTell)), HasSubstr("What to do: record more motion"));
 }
 
-TEST(Diagnosis, NamesWhatMovedSinceWhenAndWhatItDoesToADepth) {
+TEST(Diagnosis, GivesTheAnswerFirstThenSizesAgainstTheTolerance) {
   Diagnosis diagnosis = with(kDecalibrated);
-  diagnosis.health->axes[1] = kDecalibrated;
-  diagnosis.health->first_alarm_s = 12.5;
-  diagnosis.health->changed_s = 12.25;
-  diagnosis.health->p_value = 1e-9;
+  CalibrationState& state = diagnosis.health->present;
+  state.from_ns = 12'250'000'000;
+  state.axes[1] = state.by_depth = kDecalibrated;
+  state.named = 1;
+  state.effect.depth = {0.25, 0.2, 0.3};
+  diagnosis.health->past.emplace_back();
+  diagnosis.pose = PoseLoss{120.0, 1.02, 1.5, 0.3};
   diagnosis.depths = {{10.0, -0.25, 0.01}, {20.0, std::nullopt, 0.0}};
   const std::string text = to_text(diagnosis);
-  EXPECT_THAT(text, HasSubstr("alarm after 12.50 s"));
-  EXPECT_THAT(text, HasSubstr("p-value 1e-09; since 12.25 s"));
-  EXPECT_THAT(text, ::testing::ContainsRegex("ay  vergence.*deg MOVED"));
+  EXPECT_THAT(text,
+              ::testing::StartsWith("log: decalibrated\nthe calibration is not that of this rig: 0.00 px"));
+  EXPECT_THAT(text, HasSubstr("ekf drifts 1.50 m per 100 m from lcekf, scale 1.0200 (120 m)"));
+  EXPECT_THAT(text, HasSubstr("since 12.2 s"));
+  EXPECT_THAT(text, ::testing::ContainsRegex("depth at 90 baselines +25.000 +20.000 +30.000 +5 +10  %"));
+  EXPECT_THAT(text, ::testing::ContainsRegex("ay  vergence.*deg decalibrated, explains it best"));
   EXPECT_THAT(text, HasSubstr("at 10 m  is wrong by -0.250 ± 0.010 m (-2.50 %)"));
   EXPECT_THAT(text, HasSubstr("at 20 m  cannot be measured"));
 }
@@ -66,9 +72,9 @@ TEST(Diagnosis, MentionsATimeOffsetThatIsLargeAndCertain) {
 }
 
 TEST(Diagnosis, IsJsonWithNullForWhatIsNotKnown) {
-  const auto json = nlohmann::json::parse(to_json(with(kSuspect)));
-  EXPECT_EQ(json["verdict"], "suspect");
-  EXPECT_EQ(json["health"]["verdict"], "suspect");
+  const auto json = nlohmann::json::parse(to_json(with(kDegraded)));
+  EXPECT_EQ(json["verdict"], "degraded");
+  EXPECT_EQ(json["health"]["verdict"], "degraded");
   EXPECT_TRUE(json["time_offset_cam1_cam0"].is_null() && json["failure"].is_null());
 }
 

@@ -50,7 +50,7 @@ TEST_F(HealthCommand, EndsWithZeroOnASoundRig) {
   write(sound());
   const ProgramResult result = health();
   EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
-  EXPECT_THAT(result.out, HasSubstr("log: ok, what was seen agrees with the calibration"));
+  EXPECT_THAT(result.out, HasSubstr("log: ok\nwithin the tolerance"));
   EXPECT_THAT(result.out, HasSubstr("What to do: nothing"));
 }
 
@@ -60,9 +60,10 @@ TEST_F(HealthCommand, EndsWithThreeOnAWrongCalibrationAndNamesWhatIsWrong) {
   EXPECT_EQ(result.exit_code, 3) << result.out << result.err;
   const Json json = Json::parse(result.out);
   EXPECT_EQ(json["verdict"], "decalibrated");
-  EXPECT_EQ(json["health"]["axes"]["az"], "decalibrated");
-  EXPECT_NEAR(json["health"]["delta_mean"][2].get<double>(), -0.5,
-              3.0 * json["health"]["delta_sigma"][2].get<double>());
+  const Json& present = json["health"]["present"];
+  EXPECT_EQ(present["most_likely_axis"], "az");
+  EXPECT_NEAR(present["axes"]["az"]["error"].get<double>(), -0.5,
+              3.0 * present["axes"]["az"]["sigma"].get<double>());
 }
 
 TEST_F(HealthCommand, EndsWithFourWhereNothingCanBeTold) {
@@ -106,6 +107,8 @@ TEST_F(HealthCommand, RefusesBadOptions) {
        std::vector<std::vector<std::string>>{{"--false-alarms", "0"},
                                              {"--false-alarms", "-1"},
                                              {"--gravity", "nan"},
+                                             {"--tolerance", "px=0"},
+                                             {"--tolerance", "nod=1"},
                                              {"--assume-error", "1,2"}}) {
     expect_refused(health(bad), 2, bad.front());
   }
@@ -115,7 +118,7 @@ TEST_F(HealthCommand, RefusesBadOptions) {
 
 TEST_F(HealthCommand, IsExplained) {
   const ProgramResult help = run_limber({"health", "--help"});
-  EXPECT_THAT(help.out, HasSubstr("0 ok, 3 decalibrated, 4 cannot tell, 5 suspect"));
+  EXPECT_THAT(help.out, HasSubstr("0 ok, 3 decalibrated, 4 cannot tell, 5 degraded"));
   EXPECT_THAT(help.out, HasSubstr("limber health data/v101"));
 }
 

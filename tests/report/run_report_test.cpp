@@ -178,13 +178,13 @@ TEST_F(RunReport, DrawsTheCalibrationWhereItWasWatched) {
   navigate(testing::short_recording());
   const ReportDocument document = run_report(folder_.path());
   EXPECT_EQ(std::get<ReportText>(document.sections[2].blocks[0]).text, "Verdict: decalibrated.");
-  const ReportFigure& p_value = figure(document, "health-p-value");
-  EXPECT_TRUE(p_value.starts_in_log);
-  EXPECT_EQ(p_value.traces[0].y.size(), record_.frames.size());
-  EXPECT_NE(find_trace(p_value, "alarm"), nullptr);
+  const ReportFigure& effect = figure(document, "health-effect");
+  for (const char* const name : {"size", "ok", "wrong"}) {
+    EXPECT_NE(find_trace(effect, name, 1), nullptr) << name;
+  }
   const ReportFigure& rotation = figure(document, "health-rotation");
   ASSERT_NE(find_trace(rotation, "offset", 2), nullptr);
-  EXPECT_NE(find_trace(rotation, "+3 sigma", 2), nullptr);
+  EXPECT_NE(find_trace(rotation, "upper", 2), nullptr);
   fs::remove(file("health.csv"));
   EXPECT_THAT(section_ids(run_report(folder_.path())), ::testing::Not(::testing::Contains("calibration")));
 }

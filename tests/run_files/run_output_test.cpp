@@ -278,7 +278,7 @@ TEST(WriteRunOutput, SummaryHasEveryAgreedKey) {
   EXPECT_TRUE(json["ms_per_frame"]["p50"].is_number());
   EXPECT_TRUE(json["ms_per_frame"]["p99"].is_number());
   for (const char* const key :
-       {"verdict", "first_alarm_s", "changed_s", "axes", "delta_mean", "delta_sigma"}) {
+       {"verdict", "changed_s", "comes_and_goes", "present", "past", "false_alarms_per_hour"}) {
     EXPECT_TRUE(json["health"].contains(key)) << key;
   }
   EXPECT_EQ(json["seed"], 7);

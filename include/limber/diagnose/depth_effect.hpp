@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "limber/diagnose/health_summary.hpp"
+#include "limber/health/rig_window.hpp"
 
 namespace limber {
 
@@ -13,7 +13,7 @@ namespace limber {
 struct DepthEffect {
   double depth = 0.0;           ///< true depth [m]
   std::optional<double> error;  ///< measured minus true [m]; nothing where the rays no longer meet in front
-  double sigma = 0.0;           ///< of the error, from that of the offset, axis by axis [m]
+  double sigma = 0.0;           ///< of the error, from the covariance of the offset [m]
 };
 
 /// Where the effect is shown [m].
@@ -25,7 +25,7 @@ inline constexpr std::array kShownDepths = {5.0, 10.0, 20.0};
 [[nodiscard]] std::optional<double> depth_error(const RigParameters& assumed, const RigParameters& delta,
                                                 double depth);
 
-/// The effect at kShownDepths; sigma to first order, the axes' errors taken for independent.
-[[nodiscard]] std::vector<DepthEffect> depth_effects(const RigParameters& assumed, const RigOffset& offset);
+/// The effect at kShownDepths; sigma to first order.
+[[nodiscard]] std::vector<DepthEffect> depth_effects(const RigParameters& assumed, const RigEstimate& offset);
 
 }  // namespace limber

@@ -9,23 +9,14 @@
 #include <string>
 #include <vector>
 
+#include "limber/health/tolerance.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/update/evidence.hpp"
 
 /// @file
-/// Is the assumed calibration still true? A sequential test with a stated false-alarm rate.
+/// The alarm: does the assumed calibration still explain what is seen? A sequential test with a stated
+/// false-alarm rate, within frames. How wrong it is, and whether that matters: CalibrationWatch.
 namespace limber {
-
-/// What can be said of a calibration, or of one of its axes.
-enum class HealthVerdict : std::uint8_t {
-  kOk,            ///< what is seen agrees with the assumed calibration
-  kSuspect,       ///< it hardly does; no alarm yet
-  kDecalibrated,  ///< it does not
-  kCannotTell     ///< the geometry is too weak to see
-};
-
-/// "ok", "suspect", "decalibrated", "cannot tell".
-[[nodiscard]] std::string to_string(HealthVerdict verdict);
 
 /// One number to choose, and what it rests on.
 struct HealthOptions {

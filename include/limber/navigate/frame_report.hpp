@@ -4,10 +4,12 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "limber/health/calibration_watch.hpp"
 #include "limber/health/health_monitor.hpp"
 #include "limber/health/input_alarm.hpp"
 #include "limber/predict/input_checks.hpp"
@@ -58,7 +60,9 @@ struct FrameReport {
   bool gate_overruled =
       false;  ///< the gate would have refused most points, so it refused none but gross outliers
   std::vector<Refusal> refused;
-  std::optional<HealthReport> health;  ///< if watched
+  std::optional<HealthReport> health;  ///< of the alarm, if watched; the verdict is `calibration`
+  /// What is known of the calibration, if watched and a window is over; the same object until the next is.
+  std::shared_ptr<const CalibrationReport> calibration;
   /// What the frame says against the rig that the filter takes for true (ekf-full, adaptive: its estimate).
   /// Nothing while an input fault is active: the rig is not to blame.
   std::optional<HealthInput> evidence;

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <variant>
 #include <vector>
 
+#include "limber/health/calibration_watch.hpp"
 #include "limber/health/health_monitor.hpp"
 #include "limber/navigate/stereo_filter.hpp"
 
@@ -56,8 +58,12 @@ class Navigator {
   [[nodiscard]] const NavigatorOptions& options() const { return filter_.options(); }
   /// Samples and frames that are kept to go back in time: some seconds of them, for `adaptive` alone.
   [[nodiscard]] std::size_t events_kept() const;
-  /// What the monitor made of the last frame; nothing before it, or if the calibration is not watched.
+  /// What the alarm made of the last frame; nothing before it, or if the calibration is not watched.
   [[nodiscard]] const std::optional<HealthReport>& health() const { return health_; }
+  /// What is known of the calibration; null before the first window is over, or if it is not watched.
+  [[nodiscard]] std::shared_ptr<const CalibrationReport> calibration_report() const {
+    return watch_ ? watch_->report() : nullptr;
+  }
 
  private:
   using Event = std::variant<ImuSample, OdometrySample, StereoFrame>;
@@ -90,9 +96,13 @@ class Navigator {
   [[nodiscard]] bool knows_scale(std::int64_t t_ns) const;
   void supervise(const FrameReport& report, const FrameReport& parallel);
 
+  void watch(const StereoFrame& frame, const StereoFilter& filter, const FrameReport& report);
+
   double baseline_;  // of the assumed calibration [m]
+  Pose T_body_cam0_;
   StereoFilter filter_;
   std::optional<HealthReport> health_;
+  std::optional<CalibrationWatch> watch_;
   std::optional<Supervision> supervision_;  // adaptive
 };
 

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "limber/health/calibration_watch.hpp"
 #include "limber/health/health_monitor.hpp"
 #include "limber/landmarks/landmark_initialization.hpp"
 #include "limber/landmarks/map_management.hpp"
@@ -50,6 +51,7 @@ struct NavigatorOptions {
   double gate_probability = 0.999;  ///< chance that a good point passes
   /// Watches the calibration; nothing: off. mono-left has nothing to watch.
   std::optional<HealthOptions> health = HealthOptions{};
+  WatchOptions verdict{};  ///< if watched; false alarms as in `health`
 };
 
 }  // namespace limber

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "limber/run/rig_windows.hpp"
+#include "limber/run/rig_parts.hpp"
 #include "limber/run/run_recording.hpp"
 
 /// @file
@@ -61,7 +61,7 @@ struct Recalibration {
   DepthChange at_tolerance;         ///< at `baselines`
   std::vector<DepthChange> depths;  ///< at 5, 10, 20 m
   HeldOut held_out;
-  std::vector<RigWindow> windows;
+  std::vector<RigPart> windows;
   std::size_t keyframes = 0;
   std::vector<std::string> notes;
 };

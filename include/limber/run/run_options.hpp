@@ -48,11 +48,15 @@ struct RunOptions {
   std::optional<ConstantVelocityNoise> constant_velocity_noise;          ///< nothing: the navigator's default
   double gravity = 9.81;                                                 ///< [m/s^2]
   double false_alarms_per_hour = HealthOptions{}.false_alarms_per_hour;  ///< of the health monitor; > 0
+  Tolerance tolerance{};                                                 ///< of the calibration's verdict
   std::uint64_t seed = 0;
   std::uint64_t run = 0;        ///< which draw of the start error
   bool stop_when_lost = false;  ///< a filter that broke down ends the run (studies) instead of beginning anew
   bool watch = true;            ///< false: no health monitor, for studies that do not ask for it
 };
+
+/// How the calibration of a run is judged.
+[[nodiscard]] WatchOptions watch_options(const RunOptions& options);
 
 /// A navigator's options for a recording, and every choice that was made on the user's behalf, in plain
 /// words.

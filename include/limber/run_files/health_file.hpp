@@ -1,20 +1,36 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <span>
 #include <vector>
 
-#include "limber/navigate/navigator.hpp"
+#include "limber/navigate/frame_report.hpp"
 
 namespace limber {
 
-/// @brief Writes health.csv: a row per frame that has a health report; angles in degrees, lengths in mm.
-/// Columns: docs/formats.md.
-/// @throws DataError if the file cannot be written
+/// A row of health.csv: what was known when a window ended.
+struct HealthRow {
+  std::int64_t t_ns = 0;                                      ///< last frame of the window
+  std::int64_t window_from_ns = 0;                            ///< its first
+  std::int64_t since_ns = 0;                                  ///< first frame since the last change
+  bool changed = false;                                       ///< the change was found in this window
+  HealthVerdict verdict = HealthVerdict::kCannotTell;         ///< since then
+  HealthVerdict window_verdict = HealthVerdict::kCannotTell;  ///< of this window alone
+  SizeInterval epipolar_px, depth;                            ///< since then; depth as a share
+  double depth_signed = 0.0;
+  RigParameters delta, sigma;                ///< since then, true minus assumed theta [rad, m]
+  RigParameters window_delta, window_sigma;  ///< of this window alone [rad, m]
+  std::array<HealthVerdict, 6> axes{};       ///< since then
+};
+
+[[nodiscard]] HealthRow health_row(std::int64_t t_ns, const CalibrationReport& report);
+
+/// Columns: docs/formats.md. One row for each window.
 void write_health_csv(const std::filesystem::path& path, std::span<const FrameReport> frames);
 
-/// @throws DataError if the file cannot be used
-[[nodiscard]] std::vector<HealthReport> read_health_csv(const std::filesystem::path& path);
+/// @throws DataError with file, line and what was expected
+[[nodiscard]] std::vector<HealthRow> read_health_csv(const std::filesystem::path& path);
 
 }  // namespace limber

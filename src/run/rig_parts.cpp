@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "limber/run/rig_windows.hpp"
+#include "limber/run/rig_parts.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -17,9 +17,9 @@ struct Sum {
   RigParameters weighted = RigParameters::Zero();  ///< information times what to add to the given rig
 };
 
-Sum sum_of(std::span<const RigWindow> windows, const RigParameters& given) {
+Sum sum_of(std::span<const RigPart> windows, const RigParameters& given) {
   Sum out;
-  for (const RigWindow& window : windows) {
+  for (const RigPart& window : windows) {
     out.information += window.information;
     out.weighted += window.information * (window.theta - given);
   }
@@ -50,7 +50,7 @@ RigFit solve(const Sum& sum, const RigParameters& given, const RigAxes& seen) {
 }
 
 /// Variance of the differences between windows over what their information says.
-double spread_of(std::span<const RigWindow> windows, const RigFit& fit) {
+double spread_of(std::span<const RigPart> windows, const RigFit& fit) {
   const auto free = static_cast<double>(fit.seen.count());
   const double dof = free * (static_cast<double>(windows.size()) - 1.0);
   return dof > 0.0 ? std::max(1.0, misfit(windows, fit.theta) / dof) : 1.0;
@@ -72,16 +72,16 @@ std::optional<Index> worst_axis(const RigFit& fit, const RigParameters& bounds) 
 
 }  // namespace
 
-double misfit(std::span<const RigWindow> windows, const RigParameters& theta) {
+double misfit(std::span<const RigPart> windows, const RigParameters& theta) {
   double out = 0.0;
-  for (const RigWindow& window : windows) {
+  for (const RigPart& window : windows) {
     const RigParameters d = theta - window.theta;
     out += d.dot(window.information * d);
   }
   return out;
 }
 
-RigFit fit_rig(std::span<const RigWindow> windows, const RigParameters& given, const RigParameters& bounds) {
+RigFit fit_rig(std::span<const RigPart> windows, const RigParameters& given, const RigParameters& bounds) {
   if (windows.empty()) {
     throw std::invalid_argument("fit_rig: no window");
   }
@@ -102,13 +102,13 @@ RigFit fit_rig(std::span<const RigWindow> windows, const RigParameters& given, c
   }
 }
 
-HeldOut held_out(std::span<const RigWindow> windows, const RigParameters& given,
+HeldOut held_out(std::span<const RigPart> windows, const RigParameters& given,
                  const RigParameters& bounds) {
   HeldOut out;
   if (windows.size() < 2) {
     return out;
   }
-  std::array<std::vector<RigWindow>, 2> halves;
+  std::array<std::vector<RigPart>, 2> halves;
   for (std::size_t k = 0; k < windows.size(); ++k) {
     halves[k % 2].push_back(windows[k]);
   }

@@ -17,7 +17,7 @@ using RigMatrix = Eigen::Matrix<double, 6, 6>;
 using RigAxes = std::bitset<6>;  ///< ax, ay, az, tx, ty, tz
 
 /// What one part of a recording says of theta: the minimum of its least squares and their curvature.
-struct RigWindow {
+struct RigPart {
   std::int64_t from_ns = 0, to_ns = 0;
   RigParameters theta = RigParameters::Zero();
   RigMatrix information = RigMatrix::Zero();  ///< inverse covariance by the noise of the sensors alone
@@ -37,11 +37,11 @@ struct RigFit {
 /// bound is left at what was given, the least known first, and the others are solved again.
 /// @param bounds  largest standard deviations of an axis that counts as seen [rad, m]
 /// @throws std::invalid_argument if there is no window
-[[nodiscard]] RigFit fit_rig(std::span<const RigWindow> windows, const RigParameters& given,
+[[nodiscard]] RigFit fit_rig(std::span<const RigPart> windows, const RigParameters& given,
                              const RigParameters& bounds);
 
 /// How far a rig is from what the windows say: the squared distances in their own metric, summed.
-[[nodiscard]] double misfit(std::span<const RigWindow> windows, const RigParameters& theta);
+[[nodiscard]] double misfit(std::span<const RigPart> windows, const RigParameters& theta);
 
 /// What windows that did not take part say of a rig made from the others.
 struct HeldOut {
@@ -50,7 +50,7 @@ struct HeldOut {
 
 /// @brief Two halves, every second window each: the rig of one is judged by the other.
 /// @return zeros with fewer than two windows
-[[nodiscard]] HeldOut held_out(std::span<const RigWindow> windows, const RigParameters& given,
+[[nodiscard]] HeldOut held_out(std::span<const RigPart> windows, const RigParameters& given,
                                const RigParameters& bounds);
 
 }  // namespace limber

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "limber/run/rig_windows.hpp"
+#include "limber/run/rig_parts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,10 +24,10 @@ RigParameters normal(std::mt19937& random) {
 }
 
 /// Windows of a true rig: information of different sizes and directions, errors as it says times `worse`.
-std::vector<RigWindow> windows_of(const RigParameters& truth, std::size_t count, double worse,
+std::vector<RigPart> windows_of(const RigParameters& truth, std::size_t count, double worse,
                                   std::mt19937& random) {
-  std::vector<RigWindow> out(count);
-  for (RigWindow& window : out) {
+  std::vector<RigPart> out(count);
+  for (RigPart& window : out) {
     RigMatrix root = RigMatrix::Identity() * 1000.0;
     for (Eigen::Index k = 0; k < 6; ++k) {
       root.col(k) += 300.0 * normal(random);
@@ -58,10 +58,10 @@ TEST(FitRig, WhatNoWindowSeesIsLeftAlone) {
   std::mt19937 random(8);
   RigParameters truth = kGiven;
   truth(1) += 0.05;
-  std::vector<RigWindow> windows = windows_of(truth, 6, 1.0, random);
+  std::vector<RigPart> windows = windows_of(truth, 6, 1.0, random);
   RigMatrix blind = RigMatrix::Identity();
   blind(3, 3) = 0.0;
-  for (RigWindow& window : windows) {
+  for (RigPart& window : windows) {
     window.information = blind * window.information * blind;
     window.theta(3) += 7.0;  // means nothing
   }

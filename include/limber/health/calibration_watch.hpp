@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "limber/health/rig_window.hpp"
+#include "limber/health/tolerance.hpp"
+
+namespace limber {
+
+/// How a calibration is judged.
+struct WatchOptions {
+  Tolerance tolerance{};
+  double window_s = 2.5;               ///< > 0
+  double false_alarms_per_hour = 0.1;  ///< of changes, of a rig that does not change; > 0
+};
+
+/// What is known of the calibration since it changed last.
+struct CalibrationState {
+  std::int64_t from_ns = 0, to_ns = 0;  ///< first and last frame
+  HealthVerdict verdict = HealthVerdict::kCannotTell;
+  HealthVerdict by_epipolar = HealthVerdict::kCannotTell, by_depth = HealthVerdict::kCannotTell;
+  std::array<HealthVerdict, 6> axes{};  ///< ax, ay, az, tx, ty, tz
+  std::array<Band, 6> bands{};          ///< of the axes [rad, m]
+  std::optional<std::size_t> named;     ///< the axis that explains best what is degraded or decalibrated
+  RigEstimate estimate;
+  CalibrationEffect effect;
+  std::size_t windows = 0, tracks = 0, points = 0, deep = 0;
+};
+
+/// The state of one stretch of windows.
+[[nodiscard]] CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta,
+                                        bool metric, const Tolerance& tolerance);
+
+/// After a window.
+struct CalibrationReport {
+  CalibrationState state;   ///< since the last change
+  CalibrationState window;  ///< of this window alone
+  /// Since this window a change is known: `past` is what was before.
+  std::optional<CalibrationState> past{};
+};
+
+/// What the trajectory that the points are seen from is worth.
+struct TrajectoryQuality {
+  bool sound = true;  ///< inputs were sound, and images agreed with them
+  /// Of the speed and its error [m^2/s^2]: what they say of the length of a metre. Zero: nothing.
+  double speed_squared = 0.0, speed_variance = 0.0;
+};
+
+/// @brief Judges the calibration while it goes: per window, and since it changed last.
+///
+/// A change: two windows in a row differ from those before, in depth or in one of the main ways to leave the
+/// epipolar lines, by more than chance (Student's t, `false_alarms_per_hour`) and by more than half of what
+/// the tolerance calls ok. From there on evidence gathers anew, and the verdict is that of the new state.
+/// @note docs/derivations/health.md
+class CalibrationWatch {
+ public:
+  /// @param metric  inputs say how long a metre is
+  /// @throws std::invalid_argument if an option makes no sense
+  CalibrationWatch(const WatchOptions& options, const StereoCalibration& assumed, bool metric);
+
+  void add(const StereoFrame& frame, const Pose& T_world_cam0, const TrajectoryQuality& quality);
+
+  /// What the windows so far say; null before there is one. The first is also looked
+  /// at while it grows. The same object until more is known.
+  [[nodiscard]] const std::shared_ptr<const CalibrationReport>& report() const { return report_; }
+
+ private:
+  void end_window(const RigEvidence& evidence);
+  [[nodiscard]] bool changed() const;
+
+  WatchOptions options_;
+  RigParameters theta_;
+  bool metric_;
+  RigWindow collecting_;
+  double speed_squared_ = 0.0, speed_variance_ = 0.0;  // sums over the window
+  std::size_t looks_ = 0;                              // at the first window
+  std::vector<RigEvidence> windows_;                   // since the last change
+  std::shared_ptr<const CalibrationReport> report_;
+};
+
+}  // namespace limber

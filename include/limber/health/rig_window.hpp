@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "limber/core/pose.hpp"
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/samples.hpp"
+
+/// @file
+/// What the right pixels of a stretch of frames say of the rig, with errors that are not white.
+namespace limber {
+
+/// @brief Weighted normal equations, information beta = vector.
+///
+/// beta: the rig's error in plausible errors (0.1 deg, 5 % of the baseline), and seventh what vergence would
+/// do across the epipolar lines (x y). That is what a wrong lens does too, so that it says nothing of ay,
+/// which shows in depths alone.
+struct NormalEquations {
+  static constexpr int kSize = 7;
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  Matrix information = Matrix::Zero();
+  Vector vector = Vector::Zero();
+
+  NormalEquations& operator+=(const NormalEquations& other);
+  /// Sum of the rows' scores at beta.
+  [[nodiscard]] Vector score(const Vector& beta) const { return vector - information * beta; }
+};
+
+/// A stretch of frames, summed up.
+struct RigEvidence {
+  using Matrix = NormalEquations::Matrix;
+  std::int64_t from_ns = 0, to_ns = 0;
+  NormalEquations all;
+  std::map<int, NormalEquations> cells;  ///< by where in the right image
+  Matrix tracks = Matrix::Zero();        ///< sum over tracks of score scoreᵀ
+  Matrix both = Matrix::Zero();          ///< the same over tracks within cells
+  Matrix epipolar = Matrix::Zero();      ///< sum of J Jᵀ, J the px that a point leaves its epipolar line by
+  std::size_t points = 0, track_count = 0;
+  std::size_t deep = 0;      ///< points whose depth is known from motion
+  double scale_sigma = 0.0;  ///< relative standard deviation of the trajectory's scale
+};
+
+/// The rig's error, true minus assumed theta [rad, m], and a covariance that counts tracks and places in the
+/// image, not pixels.
+struct RigEstimate {
+  RigParameters delta = RigParameters::Zero();
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  [[nodiscard]] RigParameters sigma() const { return covariance.diagonal().cwiseSqrt(); }
+};
+
+/// The same with all of beta, and what it does to the points that were seen.
+struct BetaEstimate {
+  NormalEquations::Vector beta = NormalEquations::Vector::Zero();
+  NormalEquations::Matrix covariance = NormalEquations::Matrix::Zero();
+  /// betaᵀ epipolar beta: mean square of the distance to the epipolar line [px^2].
+  NormalEquations::Matrix epipolar = NormalEquations::Matrix::Zero();
+
+  [[nodiscard]] RigEstimate rig(const RigParameters& theta) const;
+};
+
+/// @brief Frames of one window, and their robust regression on the rig's error.
+///
+/// Two rows a stereo point: its distance from the epipolar line, which needs nothing else; and along the line
+/// its distance from where the depth puts it that the left camera alone has found from the motion. Tukey's
+/// weights. Errors are alike along a track and at one place of the image: scores are kept by track and cell.
+/// @note docs/derivations/health.md
+class RigWindow {
+ public:
+  explicit RigWindow(const StereoCalibration& calibration);
+
+  /// @param follows  the pose can be trusted to have followed the motion since the frame before
+  void add(const StereoFrame& frame, const Pose& T_world_cam0, bool follows);
+
+  [[nodiscard]] bool empty() const { return frames_.empty(); }
+  [[nodiscard]] std::int64_t from_ns() const { return from_ns_; }
+
+  /// Of the frames so far; nothing with fewer than 100 points.
+  [[nodiscard]] std::optional<RigEvidence> evidence();
+  /// The same, and begins the next window.
+  [[nodiscard]] std::optional<RigEvidence> close();
+
+ private:
+  /// A track, as far as the poses follow each other.
+  using TrackKey = std::pair<std::int64_t, int>;
+  struct Seen {
+    TrackKey track;
+    Eigen::Vector3d d0, d1;  // z = 1
+    int cell;
+  };
+  struct Frame {
+    Pose T_world_cam0;
+    std::vector<Seen> points;
+  };
+  struct Row {
+    NormalEquations::Vector J;
+    double y, noise, weight;  // noise: in units of the common one
+    std::int64_t track;
+    int cell;
+    bool along;
+  };
+
+  void add_rows(const Frame& frame, const Seen& seen, std::vector<Row>& rows) const;
+  void triangulate();
+
+  struct Point {
+    Eigen::Vector3d in_world;
+    Eigen::Matrix3d covariance;  // [m^2] per rad^2 of the bearings' noise
+  };
+
+  StereoCalibration calibration_;
+  RigParameters scale_;  // one plausible error
+  double focal_px_;
+  std::int64_t from_ns_ = 0, last_ns_ = 0;
+  int stretch_ = 0;  // of poses that follow each other
+  std::size_t seen_ = 0;
+  std::vector<Frame> frames_;
+  std::map<TrackKey, Point> points_;
+};
+
+/// @brief The estimate of windows together: two-way clusters (track and cell: V_track + V_cell − V_both), and
+/// windows as clusters as they become many. Of few windows the covariance is enlarged (threefold for one):
+/// what all points of a window share, such as an error of its poses, shows between windows alone.
+/// @param metric  the trajectory knows how long a metre is; else nothing is said of the baseline's length
+[[nodiscard]] BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows,
+                                           const RigParameters& theta, bool metric);
+
+}  // namespace limber

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: MIT
+#include "limber/health/calibration_watch.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "limber/core/chi_square.hpp"
+#include "limber/core/time.hpp"
+
+namespace limber {
+
+namespace {
+
+constexpr std::size_t kMostWindows = 400;       // that are kept; then neighbours are merged
+constexpr std::size_t kNew = 2;                 // windows that a change has to last
+constexpr double kRelevant = 0.5;               // share of what is ok
+constexpr int kMainWays = 4;                    // to leave the epipolar lines
+constexpr std::array kLooks = {0.2, 0.4, 0.7};  // at the first window, as shares of its length
+constexpr std::size_t kFewestTracks = 30;
+/// Relative errors of a metre: no sensor is believed to know it better, and none to be worse.
+constexpr double kLeastScale = 0.01, kLargestScale = 0.5;
+
+void merge(const RigEvidence& other, RigEvidence& into) {
+  into.to_ns = other.to_ns;
+  into.all += other.all;
+  for (const auto& [cell, sums] : other.cells) {
+    into.cells[cell] += sums;
+  }
+  into.tracks += other.tracks;
+  into.both += other.both;
+  into.epipolar += other.epipolar;
+  into.points += other.points;
+  into.track_count += other.track_count;
+  into.deep += other.deep;
+  into.scale_sigma = std::max(into.scale_sigma, other.scale_sigma);
+}
+
+void halve(std::vector<RigEvidence>& windows) {
+  std::vector<RigEvidence> out;
+  for (std::size_t k = 0; k < windows.size(); k += 2) {
+    out.push_back(windows[k]);
+    if (k + 1 < windows.size()) {
+      merge(windows[k + 1], out.back());
+    }
+  }
+  windows = std::move(out);
+}
+
+}  // namespace
+
+namespace {
+
+/// Without a sensor that knows a metre the length of the baseline is trusted.
+RigParameters visible_slope(const RigParameters& theta, bool metric, const Tolerance& tolerance) {
+  RigParameters slope = depth_slope(theta, tolerance.baselines);
+  if (!metric) {
+    const Eigen::Vector3d along = theta.tail<3>().normalized();
+    slope.tail<3>() -= along * along.dot(slope.tail<3>());
+  }
+  return slope;
+}
+
+RigParameters px_by_axis(const BetaEstimate& estimate, const RigParameters& theta) {
+  const NormalEquations::Vector px = estimate.epipolar.diagonal().cwiseMax(0.0).cwiseSqrt();
+  return px.head<6>().cwiseQuotient(plausible_error(theta.tail<3>().norm()));
+}
+
+/// Two-sided p-value of Student's t: Wallace's approximation.
+double t_survival(double t, double dof) {
+  const double z2 = dof * std::log1p(t * t / dof);
+  const double factor = (8.0 * dof + 1.0) / (8.0 * dof + 3.0);
+  return chi_square_survival(factor * factor * z2, 1.0);
+}
+
+}  // namespace
+
+CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
+                          const Tolerance& tolerance) {
+  CalibrationState out;
+  out.from_ns = windows.front().from_ns;
+  out.to_ns = windows.back().to_ns;
+  out.windows = windows.size();
+  for (const RigEvidence& window : windows) {
+    out.points += window.points;
+    out.tracks += window.track_count;
+    out.deep += window.deep;
+  }
+  const BetaEstimate estimate = robust_estimate(windows, theta, metric);
+  const RigParameters slope = visible_slope(theta, metric, tolerance);
+  out.estimate = estimate.rig(theta);
+  out.effect = effect_of(estimate, theta, slope);
+  out.bands = axis_bands(tolerance, px_by_axis(estimate, theta), slope);
+  out.axes.fill(HealthVerdict::kCannotTell);
+  if (out.tracks < kFewestTracks) {
+    return out;
+  }
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    out.axes[i] = judge(axis_size(out.estimate, k), out.bands[i]);
+  }
+  out.by_epipolar = judge(out.effect.epipolar_px, tolerance.epipolar_px);
+  out.by_depth = judge(out.effect.depth, tolerance.depth);
+  out.verdict = worst(out.by_epipolar, out.by_depth);
+  for (std::size_t k = 0; k < 6; ++k) {
+    out.verdict = tolerance.axes[k] ? worst(out.verdict, out.axes[k]) : out.verdict;
+  }
+  if (out.verdict == HealthVerdict::kDegraded || out.verdict == HealthVerdict::kDecalibrated) {
+    out.named = static_cast<std::size_t>(most_likely_axis(out.estimate));
+  }
+  return out;
+}
+
+CalibrationWatch::CalibrationWatch(const WatchOptions& options, const StereoCalibration& assumed, bool metric)
+    : options_(options), theta_(assumed.theta), metric_(metric), collecting_(assumed) {
+  options.tolerance.check();
+  if (!(options.window_s > 0.0) || !(options.false_alarms_per_hour > 0.0)) {
+    throw std::invalid_argument("health: window_s and false_alarms_per_hour must be positive");
+  }
+}
+
+void CalibrationWatch::add(const StereoFrame& frame, const Pose& T_world_cam0,
+                           const TrajectoryQuality& quality) {
+  collecting_.add(frame, T_world_cam0, quality.sound);
+  speed_squared_ += quality.speed_squared;
+  speed_variance_ += quality.speed_variance;
+  const double age = seconds_between(collecting_.from_ns(), frame.t_ns);
+  const bool ends = age >= options_.window_s;
+  // The first window is also looked at while it grows: short recordings have no other.
+  const bool looks = windows_.empty() && looks_ < kLooks.size() && age >= kLooks[looks_] * options_.window_s;
+  if (!ends && !looks) {
+    return;
+  }
+  ++looks_;
+  std::optional<RigEvidence> evidence = ends ? collecting_.close() : collecting_.evidence();
+  const double variance =
+      speed_squared_ > 0.0 ? std::min(speed_variance_ / speed_squared_, kLargestScale * kLargestScale) : 0.0;
+  if (ends) {
+    speed_squared_ = speed_variance_ = 0.0;
+  }
+  if (!evidence) {
+    return;
+  }
+  evidence->scale_sigma = std::hypot(kLeastScale, std::sqrt(variance));
+  if (ends) {
+    end_window(*evidence);
+  } else {
+    auto report = std::make_shared<CalibrationReport>();
+    report->state = report->window = state_of({*evidence}, theta_, metric_, options_.tolerance);
+    report_ = std::move(report);
+  }
+}
+
+/// Two windows against those before.
+bool CalibrationWatch::changed() const {
+  if (windows_.size() < 2 * kNew) {
+    return false;
+  }
+  const auto split = windows_.end() - kNew;
+  const BetaEstimate before = robust_estimate({windows_.begin(), split}, theta_, metric_);
+  const BetaEstimate now = robust_estimate({split, windows_.end()}, theta_, metric_);
+  const BetaEstimate step{now.beta - before.beta, before.covariance + now.covariance, now.epipolar};
+  const double dof = static_cast<double>(windows_.size() - kNew) + 1.0;
+  const double limit = options_.false_alarms_per_hour * options_.window_s / 3600.0 / (1.0 + kMainWays);
+  const auto differs = [&](double value, double variance) {
+    return t_survival(value / std::sqrt(std::max(variance, 1e-30)), dof) < limit;
+  };
+  const CalibrationEffect effect =
+      effect_of(step, theta_, visible_slope(theta_, metric_, options_.tolerance));
+  const double depth_sigma = (effect.depth.high - effect.depth.size) / 1.96;
+  if (effect.depth.size > kRelevant * options_.tolerance.depth.ok &&
+      differs(effect.depth.size, depth_sigma * depth_sigma)) {
+    return true;
+  }
+  const Eigen::SelfAdjointEigenSolver<NormalEquations::Matrix> ways(step.epipolar);
+  for (Eigen::Index k = 0; k < kMainWays; ++k) {
+    const NormalEquations::Vector way = ways.eigenvectors().col(NormalEquations::kSize - 1 - k);
+    const double px = std::sqrt(std::max(ways.eigenvalues()(NormalEquations::kSize - 1 - k), 0.0));
+    const double size = way.dot(step.beta);
+    if (px * std::abs(size) > kRelevant * options_.tolerance.epipolar_px.ok &&
+        differs(size, way.dot(step.covariance * way))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void CalibrationWatch::end_window(const RigEvidence& evidence) {
+  const auto judged = [&](const std::vector<RigEvidence>& windows) {
+    return state_of(windows, theta_, metric_, options_.tolerance);
+  };
+  auto report = std::make_shared<CalibrationReport>();
+  report->window = judged({evidence});
+  windows_.push_back(evidence);
+  if (changed()) {
+    report->past = judged({windows_.begin(), windows_.end() - kNew});
+    windows_.erase(windows_.begin(), windows_.end() - kNew);
+  }
+  if (windows_.size() > kMostWindows) {
+    halve(windows_);
+  }
+  report->state = judged(windows_);
+  report_ = std::move(report);
+}
+
+}  // namespace limber

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: MIT
+#include "limber/health/rig_window.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace limber {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Matrix = NormalEquations::Matrix;
+using Vector = NormalEquations::Vector;
+
+namespace {
+
+constexpr double kPrior = 1e-2;  // of beta: ten plausible errors
+constexpr std::size_t kFewestPoints = 100;
+constexpr std::size_t kMostPoints = 12000;  // of a window
+constexpr double kCell_px = 150.0, kCellHeight_px = 120.0;
+constexpr int kColumns = 1 << 16;
+constexpr double kStep = 1e-6;         // of numerical derivatives [rad, m]
+constexpr double kMostDepthNoise = 2;  // px that the depth from motion adds, for 1 px of the left pixels
+constexpr double kMoving_px = 3.0;     // rms of a track's left pixels about one point: it moved, or is none
+constexpr std::size_t kShortestTrack = 4;  // frames
+constexpr double kHuber = 1.345, kTukey = 4.685;
+constexpr double kLeastNoise_px = 0.02;
+constexpr Eigen::Index kVergence = 1, kLens = 6;  // in beta
+/// What a window is taken to vary by, in variances within it, and how many windows that belief is worth.
+constexpr double kOfAWindow = 3.0, kWorthWindows = 2.0;
+constexpr int kHuberSteps = 6, kTukeySteps = 4;
+
+/// Unit normal (a, b, c), a² + b² = 1, of the epipolar line of a left bearing.
+Vector3d line_of(const Vector3d& d0, const Pose& rig) {
+  const Vector3d line = rig.p.cross(rig.R * d0);
+  return line / std::hypot(line.x(), line.y());
+}
+
+int cell_of(const Eigen::Vector2d& uv) {
+  return static_cast<int>(std::floor(uv.x() / kCell_px)) +
+         kColumns * static_cast<int>(std::floor(uv.y() / kCellHeight_px));
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Matrix solve(const NormalEquations& normal, Vector& beta) {
+  const Matrix inverse = normal.information.llt().solve(Matrix::Identity());
+  beta = inverse * normal.vector;
+  return inverse;
+}
+
+}  // namespace
+
+NormalEquations& NormalEquations::operator+=(const NormalEquations& other) {
+  information += other.information;
+  vector += other.vector;
+  return *this;
+}
+
+RigWindow::RigWindow(const StereoCalibration& calibration)
+    : calibration_(calibration),
+      scale_(plausible_error(calibration.baseline())),
+      focal_px_(calibration.cam1.fu) {}
+
+void RigWindow::add(const StereoFrame& frame, const Pose& T_world_cam0, bool follows) {
+  if (frames_.empty()) {
+    from_ns_ = frame.t_ns;
+    stretch_ = 0;
+    seen_ = 0;
+  }
+  last_ns_ = frame.t_ns;
+  stretch_ += follows ? 0 : 1;
+  Frame& kept = frames_.emplace_back(Frame{T_world_cam0, {}});
+  for (const StereoObservation& o : frame.observations) {
+    if (!o.in_cam0 || !o.in_cam1 || seen_ >= kMostPoints) {
+      continue;
+    }
+    const auto d0 = unproject(calibration_.cam0, o.uv_cam0), d1 = unproject(calibration_.cam1, o.uv_cam1);
+    if (d0 && d1 && d0->z() > 0.0 && d1->z() > 0.0) {
+      kept.points.push_back({{o.track_id, stretch_}, *d0 / d0->z(), *d1 / d1->z(), cell_of(o.uv_cam1)});
+      ++seen_;
+    }
+  }
+}
+
+/// Where the left camera alone, as it moved, sees each track; only where it moved enough.
+void RigWindow::triangulate() {
+  struct View {
+    Vector3d centre, bearing;
+  };
+  points_.clear();
+  std::map<TrackKey, std::vector<View>> tracks;
+  for (const Frame& frame : frames_) {
+    for (const Seen& seen : frame.points) {
+      tracks[seen.track].push_back({frame.T_world_cam0.p, (frame.T_world_cam0.R * seen.d0).normalized()});
+    }
+  }
+  for (const auto& [key, views] : tracks) {
+    if (views.size() < kShortestTrack) {
+      continue;
+    }
+    Vector3d point = views.front().centre;
+    Matrix3d N = Matrix3d::Zero();
+    for (int step = 0; step < 4; ++step) {  // midpoint, weighted by distance: angles count
+      N.setZero();
+      Vector3d n = Vector3d::Zero();
+      for (const View& view : views) {
+        const double range2 = step == 0 ? 1.0 : std::max((point - view.centre).squaredNorm(), 1e-6);
+        const Matrix3d across = (Matrix3d::Identity() - view.bearing * view.bearing.transpose()) / range2;
+        N += across;
+        n += across * (view.centre - views.front().centre);
+      }
+      const Eigen::LDLT<Matrix3d> ldlt(N);
+      point = views.front().centre + ldlt.solve(n);
+    }
+    double squares = 0.0;
+    bool behind = !point.allFinite();
+    for (const View& view : views) {
+      const Vector3d ray = point - view.centre;
+      behind = behind || ray.dot(view.bearing) <= 0.0;
+      squares += ray.normalized().cross(view.bearing).squaredNorm();
+    }
+    if (behind || std::sqrt(squares / static_cast<double>(views.size())) * focal_px_ > kMoving_px) {
+      continue;
+    }
+    points_[key] = {point, N.ldlt().solve(Matrix3d::Identity())};
+  }
+}
+
+void RigWindow::add_rows(const Frame& frame, const Seen& seen, std::vector<Row>& rows) const {
+  const Pose assumed = pose_from_rig(calibration_.theta);
+  std::array<std::pair<Pose, Pose>, 6> moved;
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    const RigParameters step = kStep * RigParameters::Unit(k);
+    moved[static_cast<std::size_t>(k)] = {pose_from_rig(calibration_.theta + step),
+                                          pose_from_rig(calibration_.theta - step)};
+  }
+  const auto derivative = [&](const auto& f) {
+    Vector J = Vector::Zero();
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      const auto& [above, below] = moved[static_cast<std::size_t>(k)];
+      J(k) = focal_px_ * scale_(k) * (f(above) - f(below)) / (2.0 * kStep);
+    }
+    return J;
+  };
+  const auto across = [&](const Pose& rig) { return line_of(seen.d0, rig).dot(seen.d1); };
+  Vector J_across = -derivative(across);
+  std::swap(J_across(kVergence), J_across(kLens));
+  rows.push_back({J_across, focal_px_ * across(assumed), 1.0, 1.0, seen.track.first, seen.cell, false});
+  const auto point = points_.find(seen.track);
+  if (point == points_.end()) {
+    return;
+  }
+  const Vector3d in_cam0 = frame.T_world_cam0.R.transpose() * (point->second.in_world - frame.T_world_cam0.p);
+  const Vector3d axis = frame.T_world_cam0.R.col(2);
+  const double z = in_cam0.z();
+  const double rho_sigma = std::sqrt(std::max(axis.dot(point->second.covariance * axis), 0.0)) / (z * z);
+  const double noise = assumed.p.norm() * rho_sigma;  // of the disparity, in those of the left pixel
+  if (!(z > 0.0) || !(noise < kMostDepthNoise)) {
+    return;
+  }
+  const auto predicted = [&](const Pose& rig) -> Vector3d {
+    const Vector3d p = rig.R * seen.d0 + rig.p / z;
+    return p / p.z();
+  };
+  const Vector3d normal = line_of(seen.d0, assumed);
+  const Vector3d along(normal.y(), -normal.x(), 0.0);
+  rows.push_back({derivative([&](const Pose& rig) { return along.dot(predicted(rig)); }),
+                  focal_px_ * along.dot(seen.d1 - predicted(assumed)), std::hypot(1.0, noise), 1.0,
+                  seen.track.first, seen.cell, true});
+}
+
+std::optional<RigEvidence> RigWindow::close() {
+  std::optional<RigEvidence> out = evidence();
+  frames_.clear();
+  return out;
+}
+
+std::optional<RigEvidence> RigWindow::evidence() {
+  if (seen_ < kFewestPoints) {
+    return std::nullopt;
+  }
+  triangulate();
+  std::vector<Row> rows;
+  rows.reserve(2 * seen_);
+  for (const Frame& frame : frames_) {
+    for (const Seen& seen : frame.points) {
+      add_rows(frame, seen, rows);
+    }
+  }
+  Vector delta = Vector::Zero();
+  const auto normal_of = [&] {
+    NormalEquations out;
+    out.information.diagonal().setConstant(kPrior);
+    for (const Row& row : rows) {
+      out.information.noalias() += row.weight * row.J * row.J.transpose();
+      out.vector += row.weight * row.y * row.J;
+    }
+    return out;
+  };
+  for (int step = 0; step < kHuberSteps + kTukeySteps; ++step) {
+    std::array<std::vector<double>, 2> off;
+    for (const Row& row : rows) {
+      off[row.along].push_back(std::abs(row.y - row.J.dot(delta)) / row.noise);
+    }
+    std::array<double, 2> noise{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      noise[k] = off[k].empty() ? 1.0 : std::max(1.4826 * median(off[k]), kLeastNoise_px);
+    }
+    for (Row& row : rows) {
+      const double sigma = noise[row.along] * row.noise;
+      const double u = std::abs(row.y - row.J.dot(delta)) / sigma;
+      const double share = u / kTukey;
+      const double weight = step < kHuberSteps ? (u > kHuber ? kHuber / u : 1.0)
+                            : share < 1.0      ? (1.0 - share * share) * (1.0 - share * share)
+                                               : 0.0;
+      row.weight = weight / (sigma * sigma);
+    }
+    solve(normal_of(), delta);
+  }
+  RigEvidence out;
+  out.from_ns = from_ns_;
+  out.to_ns = last_ns_;
+  std::unordered_map<std::int64_t, Vector> tracks;
+  std::map<std::pair<std::int64_t, int>, Vector> both;
+  for (const Row& row : rows) {
+    const NormalEquations one{row.weight * row.J * row.J.transpose(), row.weight * row.y * row.J};
+    out.all += one;
+    out.cells[row.cell] += one;
+    const Vector score = one.score(delta);
+    tracks.try_emplace(row.track, Vector::Zero()).first->second += score;
+    both.try_emplace({row.track, row.cell}, Vector::Zero()).first->second += score;
+    if (row.along) {
+      ++out.deep;
+    } else if (row.weight > 0.0) {
+      Vector of_the_rig = row.J;  // what the lens does is not the rig's error
+      std::swap(of_the_rig(kVergence), of_the_rig(kLens));
+      out.epipolar.noalias() += of_the_rig * of_the_rig.transpose();
+      ++out.points;
+    }
+  }
+  for (const auto& [id, score] : tracks) {
+    out.tracks.noalias() += score * score.transpose();
+  }
+  for (const auto& [id, score] : both) {
+    out.both.noalias() += score * score.transpose();
+  }
+  out.track_count = tracks.size();
+  return out;
+}
+
+namespace {
+
+Matrix positive_part(const Matrix& M) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (M + M.transpose()));
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+/// The larger of two covariances in every direction: a + positive part of (b − a).
+Matrix larger(const Matrix& a, const Matrix& b) { return a + positive_part(b - a); }
+
+}  // namespace
+
+BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows, const RigParameters& theta,
+                             bool metric) {
+  const RigParameters scale = plausible_error(theta.tail<3>().norm());
+  const Matrix prior = kPrior * Matrix::Identity();
+  const auto n = static_cast<double>(windows.size());
+  NormalEquations all{prior, Vector::Zero()};
+  std::map<int, NormalEquations> cells;
+  Matrix tracks = Matrix::Zero(), both = Matrix::Zero();
+  BetaEstimate out;
+  double trajectory = 0.0, points = 0.0;
+  for (const RigEvidence& window : windows) {
+    all += window.all;
+    tracks += window.tracks;
+    both += window.both;
+    for (const auto& [cell, sums] : window.cells) {
+      cells[cell] += sums;
+    }
+    trajectory += window.scale_sigma * window.scale_sigma / n;
+    out.epipolar += window.epipolar;
+    points += static_cast<double>(window.points);
+  }
+  out.epipolar /= std::max(points, 1.0);
+  const Matrix inverse = solve(all, out.beta);
+  Matrix by_cell = Matrix::Zero(), by_window = Matrix::Zero();
+  const double few =
+      static_cast<double>(cells.size()) / std::max(static_cast<double>(cells.size()) - 1.0, 1.0);
+  for (const auto& [cell, sums] : cells) {
+    const Vector score = sums.score(out.beta);
+    by_cell += few * score * score.transpose();
+  }
+  for (const RigEvidence& window : windows) {
+    const Vector score = window.all.score(out.beta);
+    by_window += n / std::max(n - 1.0, 1.0) * score * score.transpose();
+  }
+  const Matrix within = positive_part(larger(tracks, tracks + by_cell - both));
+  const Matrix expected = kOfAWindow * within;
+  const Matrix meat =
+      larger(within, (kWorthWindows * expected + (n - 1.0) * by_window) / (kWorthWindows + n - 1.0));
+  out.covariance = inverse * (meat + prior) * inverse;
+  Vector length = Vector::Zero();
+  length.segment<3>(3) = theta.tail<3>().cwiseQuotient(scale.tail<3>());
+  out.covariance += (metric ? trajectory : 0.25) * length * length.transpose();
+  return out;
+}
+
+RigEstimate BetaEstimate::rig(const RigParameters& theta) const {
+  const RigParameters scale = plausible_error(theta.tail<3>().norm());
+  return {scale.cwiseProduct(beta.head<6>()),
+          scale.asDiagonal() * covariance.topLeftCorner<6, 6>() * scale.asDiagonal()};
+}
+
+}  // namespace limber

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "limber/health/calibration_watch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <stdexcept>
+
+#include "health/stereo_world.hpp"
+#include "limber/core/time.hpp"
+
+namespace limber {
+namespace {
+
+using enum HealthVerdict;
+using testing::fly_past;
+using testing::World;
+using testing::WorldOptions;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+struct Judged {
+  std::shared_ptr<const CalibrationReport> last;
+  std::vector<CalibrationState> past;
+  std::int64_t begin_ns = 0;
+};
+
+Judged judge_world(const WorldOptions& options, const WatchOptions& how = {}) {
+  const World world = fly_past(options);
+  CalibrationWatch watch(how, world.assumed, true);
+  Judged out;
+  out.begin_ns = world.frames.front().t_ns;
+  for (std::size_t k = 0; k < world.frames.size(); ++k) {
+    watch.add(world.frames[k], world.poses[k], {});
+    if (watch.report() && watch.report() != out.last && watch.report()->past) {
+      out.past.push_back(*watch.report()->past);
+    }
+    out.last = watch.report();
+  }
+  return out;
+}
+
+WorldOptions with_step(double at, double degrees, double back = 1e9) {
+  WorldOptions options;
+  options.seconds = 20.0;
+  options.points = 40;
+  options.error = [=](double t) {
+    return t < at || t > back ? RigParameters(RigParameters::Zero())
+                              : RigParameters(degrees * kDegree * RigParameters::Unit(0));
+  };
+  return options;
+}
+
+TEST(CalibrationWatch, ASoundRigIsOkAndDoesNotChange) {
+  const Judged judged = judge_world(with_step(0.0, 0.0));
+  EXPECT_EQ(judged.last->state.verdict, kOk) << judged.last->state.effect.depth.high;
+  EXPECT_TRUE(judged.past.empty());
+  EXPECT_GT(judged.last->state.windows, 5u);
+}
+
+TEST(CalibrationWatch, FollowsTheStateAndSaysSinceWhen) {
+  const Judged judged = judge_world(with_step(9.0, 0.4));
+  ASSERT_EQ(judged.past.size(), 1u);
+  EXPECT_EQ(judged.past.front().verdict, kOk);
+  EXPECT_EQ(judged.last->state.verdict, kDecalibrated);
+  EXPECT_EQ(judged.last->state.named, 0u);
+  EXPECT_NEAR(seconds_between(judged.begin_ns, judged.last->state.from_ns), 9.0, 2.6);
+}
+
+TEST(CalibrationWatch, AnErrorThatIsOverIsOver) {
+  const Judged judged = judge_world(with_step(5.0, 0.4, 12.0));
+  EXPECT_EQ(judged.last->state.verdict, kOk);
+  EXPECT_EQ(judged.past.size(), 2u);
+}
+
+TEST(CalibrationWatch, StandingStillItCannotTell) {
+  WorldOptions options = with_step(0.0, 0.0);
+  options.speed = 0.0;
+  const Judged judged = judge_world(options);
+  EXPECT_EQ(judged.last->state.verdict, kCannotTell);
+  EXPECT_EQ(judged.last->state.by_depth, kCannotTell);
+}
+
+TEST(CalibrationWatch, AnAxisOfItsOwnToleranceCounts) {
+  WatchOptions how;
+  how.tolerance.axes[0] = Band{0.005 * kDegree, 0.02 * kDegree};
+  EXPECT_EQ(judge_world(with_step(0.0, 0.06), how).last->state.verdict, kDecalibrated);
+}
+
+TEST(CalibrationWatch, RefusesOptionsThatAreNone) {
+  WatchOptions how;
+  how.window_s = 0.0;
+  EXPECT_THROW(CalibrationWatch(how, testing::world_calibration(), true), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace limber
