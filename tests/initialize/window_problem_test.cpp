@@ -3,9 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "check_covariance.hpp"
 #include "check_jacobian.hpp"
 #include "initialize/window_guess.hpp"
-#include "scene.hpp"
+#include "navigate/scene.hpp"
 
 namespace limber::detail {
 namespace {
