@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "source_folder.hpp"
+
 /// Real recordings, which are not part of the repository: in the folder LIMBER_DATA, else beside the
 /// repository.
 namespace limber::testing {
@@ -13,7 +15,7 @@ namespace limber::testing {
 inline std::filesystem::path real_data_folder() {
   const char* folder = std::getenv("LIMBER_DATA");
   return folder != nullptr && *folder != '\0' ? std::filesystem::path(folder)
-                                              : std::filesystem::path(LIMBER_SOURCE_DIR) / "../shared/data";
+                                              : source_folder() / "../shared/data";
 }
 
 }  // namespace limber::testing

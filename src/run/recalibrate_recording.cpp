@@ -29,13 +29,13 @@ using detail::KeptFrames;
 
 constexpr std::size_t kFewestWindows = 4, kFewestKeyframes = 6;
 constexpr double kPriorAngle = 10.0 * M_PI / 180.0, kPriorShare = 1.0;  // so vague that it says nothing
-/// Beside what the windows show: accepted calibrations of one rig differ by 0.10 to 0.15 px and up to 4 % of depth at
-/// 90 baselines, by lens models that are wrong in the same way all the time. Standard deviations.
+/// Beside what the windows show: accepted calibrations of one rig differ by 0.10 to 0.15 px and up to 4 % of
+/// depth at 90 baselines, by lens models that are wrong in the same way all the time. Standard deviations.
 constexpr double kLens_px = 0.1, kLensDepth = 0.02;
 constexpr double kHeldOutShare = 0.25;  // of the misfit may be left by a rig that is right
-constexpr double kTwoSided = 1.96;                                      // of a normal distribution: 95 %
-constexpr double kClip_px = 5.0;                                        // beyond, a point is a mismatch
-constexpr double kStep = 1e-6;                                          // of numerical derivatives [rad, m]
+constexpr double kTwoSided = 1.96;      // of a normal distribution: 95 %
+constexpr double kClip_px = 5.0;        // beyond, a point is a mismatch
+constexpr double kStep = 1e-6;          // of numerical derivatives [rad, m]
 constexpr std::array kDepths = {5.0, 10.0, 20.0};
 constexpr std::size_t kShareOfFilter = 40;  // [%] of the work
 
@@ -95,7 +95,7 @@ RigParameters prior_sigma(double baseline) {
 
 /// The smoother on one part; nothing if it finds no solution.
 std::optional<RigPart> solve_part(const Part& part, const Recording& recording,
-                                    const StereoCalibration& given, const SmootherOptions& how) {
+                                  const StereoCalibration& given, const SmootherOptions& how) {
   std::vector<StereoFrame> frames;
   std::vector<NavigationState> states;
   for (const Keyframe& keyframe : part) {
@@ -192,8 +192,10 @@ DepthChange depth_change(const Recalibration& found, double depth) {
 }
 
 RecalibrationVerdict judge(const Recalibration& found, const RecalibrateOptions& options) {
-  const double px = found.epipolar_change_px, px_error = kTwoSided * std::hypot(found.epipolar_sigma_px, kLens_px);
-  const double depth = std::abs(found.at_tolerance.share), depth_error = kTwoSided * std::hypot(found.at_tolerance.sigma, kLensDepth);
+  const double px = found.epipolar_change_px,
+               px_error = kTwoSided * std::hypot(found.epipolar_sigma_px, kLens_px);
+  const double depth = std::abs(found.at_tolerance.share),
+               depth_error = kTwoSided * std::hypot(found.at_tolerance.sigma, kLensDepth);
   if (found.fit.seen.none() || found.windows.size() < 2) {
     return RecalibrationVerdict::kCannotTell;
   }
@@ -203,8 +205,8 @@ RecalibrationVerdict judge(const Recalibration& found, const RecalibrateOptions&
         px + px_error <= options.tolerance_px && depth + depth_error <= options.tolerance_depth;
     return inside ? RecalibrationVerdict::kWithinTolerance : RecalibrationVerdict::kCannotTell;
   }
-  const bool better =
-      found.held_out.fitted < kHeldOutShare * found.held_out.given && found.epipolar_px.fitted <= found.epipolar_px.given;
+  const bool better = found.held_out.fitted < kHeldOutShare * found.held_out.given &&
+                      found.epipolar_px.fitted <= found.epipolar_px.given;
   return better ? RecalibrationVerdict::kBetter : RecalibrationVerdict::kNotBetter;
 }
 

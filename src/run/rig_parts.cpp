@@ -102,8 +102,7 @@ RigFit fit_rig(std::span<const RigPart> windows, const RigParameters& given, con
   }
 }
 
-HeldOut held_out(std::span<const RigPart> windows, const RigParameters& given,
-                 const RigParameters& bounds) {
+HeldOut held_out(std::span<const RigPart> windows, const RigParameters& given, const RigParameters& bounds) {
   HeldOut out;
   if (windows.size() < 2) {
     return out;

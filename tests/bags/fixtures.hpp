@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "limber/bags/bag_contents.hpp"
+#include "source_folder.hpp"
 
 /// What the scripts in fixtures/ put into each of their files.
 namespace limber::testing {
@@ -18,7 +19,7 @@ inline constexpr int kFixtureWidth = 16, kFixtureHeight = 12;
 inline constexpr std::size_t kFixtureFrames = 5, kFixtureImu = 41;
 
 inline std::filesystem::path fixture(const std::string& name) {
-  return std::filesystem::path(LIMBER_SOURCE_DIR) / "tests" / "bags" / "fixtures" / name;
+  return source_folder() / "tests" / "bags" / "fixtures" / name;
 }
 
 /// All sound files: each format and compression, made by other people's writers.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_program.hpp"
+#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -15,7 +16,7 @@ using namespace limber::testing;
 using ::testing::HasSubstr;
 
 std::string bag(const std::string& name) {
-  return (fs::path(LIMBER_SOURCE_DIR) / "tests" / "bags" / "fixtures" / name).string();
+  return (source_folder() / "tests" / "bags" / "fixtures" / name).string();
 }
 
 /// Kalibr's files for the cameras of the fixtures.

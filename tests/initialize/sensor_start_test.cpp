@@ -8,8 +8,9 @@
 #include <functional>
 #include <stdexcept>
 
+#include "check_covariance.hpp"
 #include "limber/core/so3.hpp"
-#include "scene.hpp"
+#include "navigate/scene.hpp"
 
 namespace limber {
 namespace {

@@ -6,7 +6,7 @@
 #include "limber/core/so3.hpp"
 #include "limber/initialize/stereo_motion.hpp"
 #include "limber/measure/rig.hpp"
-#include "scene.hpp"
+#include "navigate/scene.hpp"
 
 /// The first second of a scene, as a start sees it.
 namespace limber::testing {

@@ -5,9 +5,10 @@
 
 #include <Eigen/Cholesky>
 
+#include "check_covariance.hpp"
 #include "check_jacobian.hpp"
 #include "initialize/window_guess.hpp"
-#include "scene.hpp"
+#include "navigate/scene.hpp"
 
 namespace limber::detail {
 namespace {

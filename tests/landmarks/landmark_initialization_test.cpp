@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "check_covariance.hpp"
 #include "limber/core/so3.hpp"
 #include "state/small_map.hpp"
 

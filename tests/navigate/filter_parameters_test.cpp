@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <string>
 
+#include "check_covariance.hpp"
 #include "limber/core/chi_square.hpp"
 #include "limber/navigate/stereo_filter.hpp"
 #include "scene.hpp"

@@ -6,6 +6,7 @@
 
 #include "report/small_study.hpp"
 #include "reproduce/paper_scenario.hpp"
+#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -49,7 +50,7 @@ Got got(const std::string& label, double position, double attitude = 0.1) {
 }
 
 TEST(PaperCase, RecognisesTheShippedScenarios) {
-  const std::string folder = std::string(LIMBER_SOURCE_DIR) + "/scenarios/";
+  const std::string folder = (testing::source_folder() / "scenarios/").string();
   const std::vector<std::pair<std::string, PaperNoise>> files = {
       {"paper_i", PaperNoise::kNone},    {"paper_ii", PaperNoise::kConstant},
       {"paper_iii", PaperNoise::kSinus}, {"paper_iv", PaperNoise::kSteps},

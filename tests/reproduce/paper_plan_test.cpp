@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "limber/simulate/scenario_file.hpp"
+#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -38,7 +39,7 @@ const StudyCase& case_named(const StudyPlan& plan, const std::string& name) {
 
 TEST(PaperPlan, IsMadeOfTheShippedScenariosAndUsesThemAll) {
   std::set<std::string> shipped, used;
-  for (const auto& entry : std::filesystem::directory_iterator(LIMBER_SOURCE_DIR "/scenarios")) {
+  for (const auto& entry : std::filesystem::directory_iterator(testing::source_folder() / "scenarios")) {
     if (entry.path().filename().string().starts_with("paper_")) {
       shipped.insert(entry.path().stem().string());
     }
@@ -47,8 +48,7 @@ TEST(PaperPlan, IsMadeOfTheShippedScenariosAndUsesThemAll) {
   for (const StudyCase& study_case : plan.cases) {
     const std::string& name = study_case.scenario.name;
     used.insert(name);
-    const Scenario file =
-        read_scenario(std::filesystem::path(LIMBER_SOURCE_DIR) / "scenarios" / (name + ".yaml"));
+    const Scenario file = read_scenario(testing::source_folder() / "scenarios" / (name + ".yaml"));
     EXPECT_EQ(format_scenario(study_case.scenario), format_scenario(file));
   }
   EXPECT_EQ(used, shipped);

@@ -25,7 +25,7 @@ RigParameters normal(std::mt19937& random) {
 
 /// Windows of a true rig: information of different sizes and directions, errors as it says times `worse`.
 std::vector<RigPart> windows_of(const RigParameters& truth, std::size_t count, double worse,
-                                  std::mt19937& random) {
+                                std::mt19937& random) {
   std::vector<RigPart> out(count);
   for (RigPart& window : out) {
     RigMatrix root = RigMatrix::Identity() * 1000.0;

@@ -13,6 +13,7 @@
 #include "limber/simulate/simulator.hpp"
 #include "message_of.hpp"
 #include "simulate/recordings.hpp"
+#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -24,7 +25,7 @@ constexpr std::int64_t kSecond = 1'000'000'000;
 constexpr double kGravity = 9.80665;
 
 Scenario drone() {
-  Scenario s = read_scenario(std::filesystem::path(LIMBER_SOURCE_DIR) / "scenarios" / "drone_none.yaml");
+  Scenario s = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
   s.duration = 4.0;
   return s;
 }

@@ -12,6 +12,7 @@
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "simulate/recordings.hpp"
+#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -22,7 +23,7 @@ using testing::same;
 
 /// The drone without white noise.
 Scenario drone(double duration = 10.0) {
-  Scenario s = read_scenario(std::filesystem::path(LIMBER_SOURCE_DIR) / "scenarios" / "drone_none.yaml");
+  Scenario s = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
   s.noise.pixel = 0.0;
   s.duration = duration;
   return s;

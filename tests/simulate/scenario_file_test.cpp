@@ -12,6 +12,7 @@
 
 #include "limber/core/errors.hpp"
 #include "message_of.hpp"
+#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -21,7 +22,7 @@ using Eigen::Vector3d;
 
 Scenario parse(const std::string& text) { return parse_scenario(text, "folder/case.yaml"); }
 
-std::filesystem::path scenario_folder() { return std::filesystem::path(LIMBER_SOURCE_DIR) / "scenarios"; }
+std::filesystem::path scenario_folder() { return testing::source_folder() / "scenarios"; }
 
 std::vector<std::filesystem::path> shipped_scenarios() {
   std::vector<std::filesystem::path> files;

@@ -20,6 +20,7 @@
 #include "limber/simulate/scenario_file.hpp"
 #include "real_data.hpp"
 #include "simulate/recordings.hpp"
+#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -29,7 +30,7 @@ using Eigen::Vector4d;
 using testing::same;
 
 Scenario shipped(const std::string& name) {
-  return read_scenario(std::filesystem::path(LIMBER_SOURCE_DIR) / "scenarios" / (name + ".yaml"));
+  return read_scenario(testing::source_folder() / "scenarios" / (name + ".yaml"));
 }
 
 /// A few seconds of the paper's case (i).

@@ -11,6 +11,7 @@
 #include "limber/core/so3.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "random_geometry.hpp"
+#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -165,9 +166,9 @@ TEST_P(EveryKindOfTrajectory, LastsAsLongAsTheScenario) {
 INSTANTIATE_TEST_SUITE_P(Scenarios, EveryKindOfTrajectory,
                          ::testing::Values(NamedTrajectory{"RandomSpline", RandomSplineTrajectory{}},
                                            NamedTrajectory{"FigureEight", FigureEightTrajectory{}},
-                                           NamedTrajectory{
-                                               "File", FileTrajectory{LIMBER_SOURCE_DIR "/scenarios/walk.tum",
-                                                                      0.5, 0.1}}),
+                                           NamedTrajectory{"File", FileTrajectory{testing::source_folder() /
+                                                                                      "scenarios/walk.tum",
+                                                                                  0.5, 0.1}}),
                          [](const auto& kind) { return kind.param.name; });
 
 TEST(RandomSplineTrajectory, NeverExceedsItsSpeedAndRateAndStaysInItsBox) {

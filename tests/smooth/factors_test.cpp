@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "check_covariance.hpp"
 #include "check_jacobian.hpp"
 #include "predict/navigation_error.hpp"
 #include "smooth/pose_manifold.hpp"

@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "check_covariance.hpp"
 #include "smooth/factors.hpp"
 #include "smooth/least_squares.hpp"
 #include "smooth/pose_manifold.hpp"

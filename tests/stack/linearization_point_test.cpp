@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "check_covariance.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/navigate/method.hpp"
 #include "state/small_map.hpp"

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "check_covariance.hpp"
 #include "limber/core/so3.hpp"
 #include "message_of.hpp"
 #include "small_map.hpp"

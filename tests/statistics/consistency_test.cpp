@@ -8,6 +8,7 @@
 #include "limber/run/run_recording.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
+#include "source_folder.hpp"
 
 /// A small version of docs/evidence/results.md: three runs of ten seconds of each case.
 namespace limber {
@@ -21,8 +22,7 @@ struct Outcome {
 };
 
 Outcome outcome(const std::string& name, Method method) {
-  Scenario scenario =
-      read_scenario(std::filesystem::path(LIMBER_SOURCE_DIR) / "scenarios" / (name + ".yaml"));
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / (name + ".yaml"));
   scenario.duration = 10.0;
   RunOptions options;
   options.method = method;

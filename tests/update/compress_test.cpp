@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "check_covariance.hpp"
 #include "stereo_problem.hpp"
 
 namespace limber {

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
+#include "check_covariance.hpp"
 #include "limber/update/constraint.hpp"
 #include "limber/update/update.hpp"
 #include "stereo_problem.hpp"

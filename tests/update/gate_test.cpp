@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <set>
 
+#include "check_covariance.hpp"
 #include "limber/core/chi_square.hpp"
 #include "limber/update/consensus.hpp"
 #include "limber/update/constraint.hpp"

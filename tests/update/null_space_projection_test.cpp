@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include "check_covariance.hpp"
 #include "limber/update/constraint.hpp"
 #include "limber/update/null_space_projection.hpp"
 #include "limber/update/update.hpp"

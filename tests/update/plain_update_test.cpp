@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 
+#include "check_covariance.hpp"
 #include "limber/core/divergence_error.hpp"
 #include "limber/update/innovation.hpp"
 #include "limber/update/update.hpp"

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "check_covariance.hpp"
 #include "limber/core/chi_square.hpp"
 #include "limber/update/update.hpp"
 #include "stereo_problem.hpp"

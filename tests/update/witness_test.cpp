@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
+#include "check_covariance.hpp"
 #include "limber/update/update.hpp"
 #include "stereo_problem.hpp"
 
