@@ -87,6 +87,15 @@ std::vector<Part> parts_of(const std::vector<Keyframe>& keyframes, const Recalib
   return out;
 }
 
+/// A camera that moves by less than a baseline learns no depth that the pair itself does not claim: then
+/// nothing tells a turned camera from other depths.
+bool moves(const Part& part, double baseline) {
+  const Eigen::Vector3d& first = part.front().state.T_world_body.p;
+  return std::any_of(part.begin(), part.end(), [&](const Keyframe& keyframe) {
+    return (keyframe.state.T_world_body.p - first).norm() >= baseline;
+  });
+}
+
 RigParameters prior_sigma(double baseline) {
   RigParameters out;
   out << Eigen::Vector3d::Constant(kPriorAngle), Eigen::Vector3d::Constant(kPriorShare * baseline);
@@ -254,7 +263,14 @@ Recalibration recalibrate_recording(const Recording& recording, const Recalibrat
   const Guess guess = detail::guess_by(Method::kLcekf, recording, smooth_options.run, kept,
                                        [&](std::size_t n) { told(kShareOfFilter * n / frames); });
   const std::vector<Keyframe> keyframes = keyframes_of(guess, kept, options.keyframes_per_s);
-  const std::vector<Part> parts = parts_of(keyframes, options);
+  std::vector<Part> parts = parts_of(keyframes, options);
+  const std::size_t still =
+      std::erase_if(parts, [&](const Part& part) { return !moves(part, out.given.baseline()); });
+  if (still > 0) {
+    out.notes.push_back(
+        fmt::format("{} of {} windows left out: the camera moved by less than a baseline ({:.3g} m)", still,
+                    still + parts.size(), out.given.baseline()));
+  }
   for (std::size_t k = 0; k < parts.size(); ++k) {
     told(kShareOfFilter + (100 - kShareOfFilter) * k / parts.size());
     if (const auto window = solve_part(parts[k], recording, out.given, how)) {
@@ -262,15 +278,18 @@ Recalibration recalibrate_recording(const Recording& recording, const Recalibrat
       out.keyframes += parts[k].size();
     }
   }
-  if (out.windows.empty()) {
+  if (out.windows.empty() && !parts.empty()) {
     throw std::runtime_error("recalibrate: no part of the recording could be solved");
   }
   RigParameters bounds;
   bounds << Eigen::Vector3d::Constant(options.seen_angle),
       Eigen::Vector3d::Constant(options.seen_share * out.given.baseline());
-  out.fit = fit_rig(out.windows, out.given.theta, bounds);
-  out.fitted.theta = out.fit.theta;
-  out.held_out = held_out(out.windows, out.given.theta, bounds);
+  out.fit.theta = out.given.theta;
+  if (!out.windows.empty()) {
+    out.fit = fit_rig(out.windows, out.given.theta, bounds);
+    out.fitted.theta = out.fit.theta;
+    out.held_out = held_out(out.windows, out.given.theta, bounds);
+  }
   compare_epipolar(keyframes, out);
   for (const double depth : kDepths) {
     out.depths.push_back(depth_change(out, depth));
