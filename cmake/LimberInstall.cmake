@@ -20,6 +20,10 @@ function(limber_package_of library out)
     set(package "")  # a file, not a package
   elseif(library STREQUAL "SQLite::SQLite3")
     set(package SQLite3)
+  elseif(library MATCHES "^(BZip2|ZLIB)::")
+    set(package ${CMAKE_MATCH_1})
+  elseif(library MATCHES "^(lz4|zstd)$")
+    set(package "")  # plain libraries
   else()
     message(FATAL_ERROR "Name the package of '${library}' in cmake/LimberInstall.cmake: "
                         "an installed component links it.")

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "limber/bags/bag_file.hpp"
+#include "limber/bags/messages.hpp"
+
+namespace limber {
+
+/// One topic of a bag, all but its pixels. The vectors are in the order of the file, one entry a readable
+/// message.
+struct BagStream {
+  BagTopic topic;
+  MessageKind kind = MessageKind::kOther;
+  std::size_t messages = 0;              ///< readable or not
+  std::size_t unreadable = 0;            ///< not what their type says, or with numbers that are not finite
+  std::vector<std::int64_t> recorded_ns;  ///< bag times
+  std::vector<std::int64_t> stamps_ns;   ///< of the headers; bag times where `stamped` is false
+  bool stamped = true;  ///< false: of a type that limber does not read, or all stamps are zero
+
+  // By kind; the other ones are empty.
+  std::optional<ImageHeader> first_image;
+  std::size_t other_images = 0;  ///< of another size or encoding than the first
+  std::vector<BagPlace> places;  ///< of images
+  std::vector<ImuMessage> imu;
+  std::vector<StampedPose> poses;
+  std::vector<OdometrySample> twists;
+};
+
+struct BagContents {
+  std::string format;
+  std::vector<BagStream> streams;
+  std::vector<std::string> damages;  ///< what could not be read, and where
+};
+
+/// @brief Walks through a bag once and takes everything but the pixels.
+/// @param wanted  topics that are taken; the others are counted only. Empty: all
+/// @param progress  told the messages so far, now and then; may be empty
+[[nodiscard]] BagContents scan_bag(BagFile& bag, const std::function<bool(const BagTopic&)>& wanted = {},
+                                   const std::function<void(std::size_t)>& progress = {});
+
+/// What the times of a stream say.
+struct Timing {
+  std::size_t count = 0;
+  std::int64_t first_ns = 0, last_ns = 0;  ///< smallest and largest
+  double median_interval_s = 0.0;          ///< 0 for fewer than two
+  std::size_t gaps = 0;                    ///< intervals longer than 1.5 medians
+  double longest_gap_s = 0.0;              ///< the longest interval
+  std::int64_t longest_gap_at_ns = 0;      ///< where it begins
+  std::size_t backward = 0;                ///< times that lie before an earlier one
+  double largest_step_back_s = 0.0;
+  std::size_t repeated = 0;  ///< the same time again
+
+  [[nodiscard]] double duration_s() const { return static_cast<double>(last_ns - first_ns) * 1e-9; }
+  [[nodiscard]] double rate_hz() const { return median_interval_s > 0.0 ? 1.0 / median_interval_s : 0.0; }
+};
+[[nodiscard]] Timing timing_of(const std::vector<std::int64_t>& t_ns);
+
+/// Left and right images that belong together: indices into two lists of times.
+struct PairedTimes {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< in order of time
+  double median_difference_s = 0.0;  ///< right minus left
+  double spread_s = 0.0;             ///< largest distance of a difference from the median
+};
+/// @brief Each left time with the nearest right one, at most a third of the left's interval (and 20 ms) away.
+/// @param left,right  increasing
+[[nodiscard]] PairedTimes pair_times(const std::vector<std::int64_t>& left,
+                                     const std::vector<std::int64_t>& right);
+
+}  // namespace limber

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+/// Files of messages: ROS 1 bags (format 2.0), MCAP files and ROS 2 bags (sqlite3), without ROS.
+namespace limber {
+
+/// How the bytes of a message are to be read.
+enum class Serialization { kRos1, kCdr, kOther };
+
+struct BagTopic {
+  std::string name;  ///< "/cam0/image_raw"
+  std::string type;  ///< "sensor_msgs/Image": ROS 2's "/msg/" is left out
+  Serialization serialization = Serialization::kOther;
+  std::string serialization_name;  ///< as the file has it
+};
+
+/// Where a message lies.
+struct BagPlace {
+  std::uint64_t at = 0;      ///< byte in the file, of the message or of its compressed chunk; or row of a database
+  std::uint64_t within = 0;  ///< byte in the chunk once it is decompressed
+  std::uint64_t size = 0;    ///< [bytes]
+  std::uint32_t file = 0;    ///< of a bag of several files
+  bool in_chunk = false;     ///< compressed
+};
+
+struct BagMessage {
+  std::size_t topic = 0;  ///< index into topics()
+  std::int64_t t_ns = 0;  ///< when it was recorded: bag time, not the stamp in its header
+  BagPlace place;
+  std::span<const std::uint8_t> data;  ///< its beginning, as much as was wanted; valid during the call
+};
+
+/// @brief One bag. Nothing of it is kept in memory but its topics and a few decompressed chunks.
+/// No index is needed: the messages themselves are walked through, so a bag that was never closed is read
+/// like any other. What is damaged is left out, and `damages` says what and where.
+class BagFile {
+ public:
+  virtual ~BagFile() = default;
+
+  /// How many bytes of each message of a topic the visitor wants; 0: none, and the message is only counted.
+  using Wanted = std::function<std::size_t(const BagTopic&)>;
+  using Visitor = std::function<void(const BagMessage&)>;
+
+  /// @brief Visits all messages in the order of the file.
+  /// @throws DataError (file, byte) if the file cannot be read at all; what a visitor throws passes through
+  virtual void walk(const Wanted& wanted, const Visitor& visitor) = 0;
+
+  /// The whole of a message that walk() visited. @throws DataError if the file has changed since
+  [[nodiscard]] virtual std::vector<std::uint8_t> read(const BagPlace& place) = 0;
+
+  /// Topics that walk() has met, in the order of their appearance.
+  [[nodiscard]] virtual const std::vector<BagTopic>& topics() const = 0;
+  /// What walk() could not read, in plain words with byte offsets; empty for a sound file.
+  [[nodiscard]] virtual const std::vector<std::string>& damages() const = 0;
+  [[nodiscard]] virtual std::string format() const = 0;  ///< "ROS 1 bag", "MCAP", "ROS 2 bag (sqlite3)"
+};
+
+/// Whether open_bag() would know the file by its first bytes, or the folder by the bags in it.
+[[nodiscard]] bool is_bag(const std::filesystem::path& path);
+
+/// @brief Opens a bag; its content tells the format. A folder is a ROS 2 bag: all its .db3 or .mcap files, by
+/// name.
+/// @throws DataError if it is none, or of a version that is not read
+[[nodiscard]] std::unique_ptr<BagFile> open_bag(const std::filesystem::path& path);
+
+}  // namespace limber

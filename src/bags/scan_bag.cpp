@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "limber/bags/bag_contents.hpp"
+
+namespace limber {
+namespace {
+
+constexpr std::size_t kEnough = 4096;  // bytes before the pixels of an image, and of every other message
+
+bool same_form(const ImageHeader& a, const ImageHeader& b) {
+  return a.image.width == b.image.width && a.image.height == b.image.height &&
+         a.image.encoding == b.image.encoding && a.format == b.format;
+}
+
+bool take_image(BagStream& stream, const BagMessage& message) {
+  auto header = decode_image_header(message.data, stream.topic.serialization, stream.kind);
+  if (!header || header->data_at + header->data_size > message.place.size) {
+    return false;
+  }
+  stream.stamps_ns.push_back(header->t_ns);
+  stream.places.push_back(message.place);
+  if (!stream.first_image) {
+    stream.first_image = std::move(header);
+  } else if (!same_form(*stream.first_image, *header)) {
+    ++stream.other_images;
+  }
+  return true;
+}
+
+/// Puts a decoded message, if it is one, and its time.
+template <typename Message>
+bool put(std::optional<Message> message, std::vector<Message>& out, std::vector<std::int64_t>& stamps,
+         std::int64_t t_ns) {
+  if (message) {
+    out.push_back(*message);
+    stamps.push_back(t_ns);
+  }
+  return message.has_value();
+}
+
+bool take(BagStream& stream, const BagMessage& message) {
+  const Serialization serialization = stream.topic.serialization;
+  switch (stream.kind) {
+    case MessageKind::kImage:
+    case MessageKind::kCompressedImage:
+      return take_image(stream, message);
+    case MessageKind::kImu: {
+      const auto imu = decode_imu(message.data, serialization);
+      return put(imu, stream.imu, stream.stamps_ns, imu ? imu->sample.t_ns : 0);
+    }
+    case MessageKind::kPose: {
+      const auto pose = decode_pose(message.data, stream.topic);
+      return put(pose, stream.poses, stream.stamps_ns, pose ? pose->t_ns : 0);
+    }
+    case MessageKind::kTwist: {
+      const auto twist = decode_twist(message.data, serialization);
+      return put(twist, stream.twists, stream.stamps_ns, twist ? twist->t_ns : 0);
+    }
+    case MessageKind::kOdometry: {
+      const auto odometry = decode_odometry(message.data, serialization);
+      if (odometry) {
+        stream.poses.push_back(odometry->pose);
+        stream.twists.push_back(odometry->twist);
+        stream.stamps_ns.push_back(odometry->pose.t_ns);
+      }
+      return odometry.has_value();
+    }
+    case MessageKind::kOther:
+      break;
+  }
+  stream.stamps_ns.push_back(message.t_ns);
+  return true;
+}
+
+/// Headers that nobody has stamped: the time of recording is all there is.
+void fall_back_on_bag_time(BagStream& stream) {
+  if (stream.kind == MessageKind::kOther) {
+    stream.stamped = false;
+    return;
+  }
+  const auto is_zero = [](std::int64_t t_ns) { return t_ns == 0; };
+  if (stream.stamps_ns.empty() || !std::all_of(stream.stamps_ns.begin(), stream.stamps_ns.end(), is_zero)) {
+    return;
+  }
+  stream.stamped = false;
+  stream.stamps_ns = stream.recorded_ns;
+  for (std::size_t k = 0; k < stream.stamps_ns.size(); ++k) {
+    const std::int64_t t_ns = stream.stamps_ns[k];
+    if (!stream.imu.empty()) stream.imu[k].sample.t_ns = t_ns;
+    if (!stream.poses.empty()) stream.poses[k].t_ns = t_ns;
+    if (!stream.twists.empty()) stream.twists[k].t_ns = t_ns;
+  }
+}
+
+}  // namespace
+
+BagContents scan_bag(BagFile& bag, const std::function<bool(const BagTopic&)>& wanted,
+                     const std::function<void(std::size_t)>& progress) {
+  constexpr std::size_t kTellEvery = 1000;
+  BagContents out;
+  std::vector<bool> taken;
+  std::size_t messages = 0;
+  const auto is_wanted = [&](const BagTopic& topic) { return !wanted || wanted(topic); };
+  const auto add_streams = [&] {
+    for (std::size_t k = out.streams.size(); k < bag.topics().size(); ++k) {
+      const BagTopic& topic = bag.topics()[k];
+      out.streams.emplace_back().topic = topic;
+      out.streams.back().kind = kind_of(topic);
+      taken.push_back(is_wanted(topic));
+    }
+  };
+  bag.walk(
+      [&](const BagTopic& topic) {
+        return kind_of(topic) != MessageKind::kOther && is_wanted(topic) ? kEnough : 0;
+      },
+      [&](const BagMessage& message) {
+        add_streams();
+        BagStream& stream = out.streams[message.topic];
+        ++stream.messages;
+        if (taken[message.topic]) {
+          if (take(stream, message)) {
+            stream.recorded_ns.push_back(message.t_ns);
+          } else {
+            ++stream.unreadable;
+          }
+        }
+        if (progress && ++messages % kTellEvery == 0) {
+          progress(messages);
+        }
+      });
+  add_streams();
+  std::for_each(out.streams.begin(), out.streams.end(), fall_back_on_bag_time);
+  out.format = bag.format();
+  out.damages = bag.damages();
+  return out;
+}
+
+}  // namespace limber
