@@ -22,10 +22,21 @@ void ChunkedBag::walk(const Wanted& wanted, const Visitor& visitor) {
   wanted_bytes_.clear();
   channels_.clear();
   damages_.clear();
-  more_damages_ = 0;
+  more_damages_ = unknown_ = 0;
   wanted_ = &wanted;
   visitor_ = &visitor;
+  try {
+    read_index();
+  } catch (const Damage&) {
+    channels_.clear();  // the messages are walked through all the same, and introduce their channels
+    topics_.clear();
+    wanted_bytes_.clear();
+  }
   walk_file();
+  if (unknown_ > 0) {
+    damages_.push_back(fmt::format("{}: {} messages of topics that nothing introduces are left out",
+                                   file_.path().string(), unknown_));
+  }
   if (more_damages_ > 0) {
     damages_.push_back(fmt::format("{}: {} more damaged places", file_.path().string(), more_damages_));
   }
@@ -58,7 +69,8 @@ void ChunkedBag::visit(const Place& place, std::uint64_t channel, std::int64_t t
                        std::uint64_t size) {
   const auto known = channels_.find(channel);
   if (known == channels_.end()) {
-    throw Damage(fmt::format("a message of the unknown channel {}", channel));
+    ++unknown_;
+    return;
   }
   const std::size_t count = std::min<std::uint64_t>(wanted_bytes_[known->second], size);
   BagMessage message{known->second, t_ns, {at, 0, size, 0, false}, {}};

@@ -41,6 +41,9 @@ class ChunkedBag : public BagFile {
     const ChunkHead* chunk;  ///< the compressed one that holds them; null: none
   };
 
+  /// Makes the channels known that an index at the end of the file lists, if there is one: the chunk that
+  /// introduces a channel may be the damaged one. @throws Damage
+  virtual void read_index() = 0;
   /// Visits the records of the whole file, through visit(), walk_chunk() and damaged(). @throws Damage
   virtual void walk_file() = 0;
   /// The records of a chunk. @throws Damage
@@ -68,6 +71,7 @@ class ChunkedBag : public BagFile {
   std::map<std::uint64_t, std::size_t> channels_;  ///< to indices of topics_
   std::vector<std::string> damages_;
   std::size_t more_damages_ = 0;
+  std::size_t unknown_ = 0;  ///< messages of channels that nothing introduces
   const Wanted* wanted_ = nullptr;
   const Visitor* visitor_ = nullptr;
   std::deque<std::pair<std::uint64_t, std::vector<std::uint8_t>>> recent_;  ///< decompressed chunks

@@ -41,6 +41,7 @@ class McapFile final : public ChunkedBag {
   [[nodiscard]] std::string format() const override { return "MCAP"; }
 
  private:
+  void read_index() override;
   void walk_file() override;
   void walk_records(const Place& place) override;
   [[nodiscard]] ChunkHead chunk_at(std::uint64_t at) override { return head_of(mcap_record_at(file_, at), at); }
@@ -135,8 +136,34 @@ void McapFile::walk_records(const Place& place) {
   }
 }
 
-void McapFile::walk_file() {
+void McapFile::read_index() {
   types_.clear();
+  constexpr std::uint64_t kFooterContent = 20;  // where the summary begins, where its offsets begin, CRC
+  constexpr std::uint64_t kTail = kRecordHead + kFooterContent + mcap::kMagic.size();
+  if (file_.size() < mcap::kMagic.size() + kTail) {
+    return;
+  }
+  const std::uint64_t end = file_.size() - kTail;
+  const McapRecord footer = mcap_record_at(file_, end);
+  if (footer.op != mcap::kFooter || footer.size != kFooterContent) {
+    return;
+  }
+  auto at = FieldReader(file_.view(footer.at, kFooterContent)).integer<std::uint64_t>();
+  while (at > 0 && at < end) {
+    const McapRecord record = mcap_record_at(file_, at);
+    if (record.op == mcap::kSchema) {
+      add_schema(file_, record);
+    } else if (record.op == mcap::kChannel) {
+      add_mcap_channel(file_, record);
+    }
+    if (record.size > end - record.at) {
+      return;
+    }
+    at = record.at + record.size;
+  }
+}
+
+void McapFile::walk_file() {
   const Place whole{file_, mcap::kMagic.size(), file_.size(), nullptr};
   std::uint64_t at = whole.begin;
   bool ended = false;

@@ -75,6 +75,7 @@ class Ros1Bag final : public ChunkedBag {
   [[nodiscard]] std::string format() const override { return "ROS 1 bag"; }
 
  private:
+  void read_index() override;
   void walk_file() override;
   void walk_records(const Place& place) override;
   [[nodiscard]] ChunkHead chunk_at(std::uint64_t at) override { return head_of(record_at(file_, at), at); }
@@ -138,6 +139,17 @@ void Ros1Bag::walk_records(const Place& place) {
     }
     take(place, record, at);
     at = next;
+  }
+}
+
+void Ros1Bag::read_index() {
+  auto at = record_at(file_, kMagicSize).fields.integer<std::uint64_t>("index_pos");  // 0: never closed
+  while (at > kMagicSize && at < file_.size()) {
+    const Record record = record_at(file_, at);
+    if (record.fields.integer<std::uint8_t>("op") == kConnection) {
+      add_connection(file_, record);
+    }
+    at = record.data_at + record.data_size;
   }
 }
 
