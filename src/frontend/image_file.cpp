@@ -26,26 +26,22 @@ bool is_torn_png(std::string_view bytes) {
           bytes.substr(bytes.size() - kEndChunk).find("IEND") == std::string::npos);
 }
 
-cv::Mat read(const std::filesystem::path& file, const Camera& camera, int flags) {
-  const std::string expected = "an image of " + size_text(camera.width, camera.height);
-  std::error_code no_error_wanted;
-  std::ifstream in(file, std::ios::binary);
-  if (!in || !std::filesystem::is_regular_file(file, no_error_wanted)) {
-    throw DataError(file.string(), 0, expected, "no readable file");
-  }
-  std::ostringstream content;
-  content << in.rdbuf();
-  const std::string bytes = content.str();
-  if (is_torn_png(bytes)) throw DataError(file.string(), 0, expected, "a PNG file that was cut off");
+cv::Mat decode(std::string_view bytes, int width, int height, const std::string& name, int flags) {
+  const std::string expected = "an image of " + size_text(width, height);
+  if (is_torn_png(bytes)) throw DataError(name, 0, expected, "a PNG file that was cut off");
   // Before the pixels are unpacked: a small file can hold a picture that fills the memory.
-  std::istringstream header(bytes);
+  std::istringstream header{std::string(bytes)};
   if (const auto size = detail::image_size_of(header);
-      size && (size->width != camera.width || size->height != camera.height)) {
-    throw DataError(file.string(), 0, expected + " (the calibration's resolution)",
+      size && (size->width != width || size->height != height)) {
+    throw DataError(name, 0, expected + " (the calibration's resolution)",
                     size_text(size->width, size->height));
   } else if (!size) {
-    throw DataError(file.string(), 0, expected,
-                    "nothing that can be decoded as an image: no PNG, JPEG, TIFF, PGM or PPM");
+  if (image.empty()) throw DataError(name, 0, expected, "nothing that can be decoded as an image");
+  if (image.depth() != CV_8U && image.depth() != CV_16U) {
+    throw DataError(name, 0, expected + " of 8 or 16 bit", "other numbers as pixels");
+  }
+  if (image.cols != width || image.rows != height) {
+    throw DataError(name, 0, expected + " (the calibration's resolution)", size_text(image.cols, image.rows));
   }
   cv::Mat image;
   try {
@@ -54,20 +50,35 @@ cv::Mat read(const std::filesystem::path& file, const Camera& camera, int flags)
   } catch (const cv::Exception&) {
     image.release();  // what OpenCV refuses to decode is no image to us
   }
-  if (image.empty()) throw DataError(file.string(), 0, expected, "nothing that can be decoded as an image");
+  if (image.empty()) throw DataError(name, 0, expected, "nothing that can be decoded as an image");
   if (image.depth() != CV_8U && image.depth() != CV_16U) {
-    throw DataError(file.string(), 0, expected + " of 8 or 16 bit", "other numbers as pixels");
+    throw DataError(name, 0, expected + " of 8 or 16 bit", "other numbers as pixels");
   }
-  if (image.cols != camera.width || image.rows != camera.height) {
-    throw DataError(file.string(), 0, expected + " (the calibration's resolution)",
-                    size_text(image.cols, image.rows));
+  if (image.cols != width || image.rows != height) {
+    throw DataError(name, 0, expected + " (the calibration's resolution)", size_text(image.cols, image.rows));
   }
   return image;
+}
+
+cv::Mat read(const std::filesystem::path& file, const Camera& camera, int flags) {
+  std::error_code no_error_wanted;
+  std::ifstream in(file, std::ios::binary);
+  if (!in || !std::filesystem::is_regular_file(file, no_error_wanted)) {
+    throw DataError(file.string(), 0, "an image of " + size_text(camera.width, camera.height),
+                    "no readable file");
+  }
+  std::ostringstream content;
+  content << in.rdbuf();
+  return decode(content.view(), camera.width, camera.height, file.string(), flags);
 }
 
 }  // namespace
 
 // A camera's pixels stay where they are, whatever the file says about how to turn them for viewing.
+
+cv::Mat grey_of_file(std::string_view bytes, int width, int height, const std::string& name) {
+  return decode(bytes, width, height, name, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+}
 
 cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera) {
   return read(file, camera, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);

@@ -5,16 +5,18 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "limber/sensors/calibration.hpp"
+#include "limber/sensors/encoded_image.hpp"
 #include "limber/sensors/samples.hpp"
 
 namespace limber {
 
-/// A stereo pair on disk, not loaded.
+/// A stereo pair on disk, not loaded. Where a recording has an ImageStore, the paths are those of the bag.
 struct ImagePair {
   std::int64_t t_ns = 0;
   std::filesystem::path cam0, cam1;
@@ -41,6 +43,7 @@ struct Recording {
   std::optional<PixelNoise> pixel_noise;
   std::vector<StereoFrame> frames;  ///< matched points; empty where images are given
   std::vector<ImagePair> images;    ///< stereo pairs; empty where matched points are given
+  std::shared_ptr<const ImageStore> image_store;  ///< of `images` that are no files of their own (bags); else null
 
   // Truth, for evaluation only (and `--init groundtruth`, `oracle`).
   std::vector<GroundTruthState> groundtruth;  ///< body in world

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "limber/bags/bag_topics.hpp"
+#include "limber/datasets/recording.hpp"
+
+namespace limber {
+
+/// One stream of a recording: a topic of a bag, or a sensor's folder.
+struct StreamInfo {
+  std::string name, type;
+  std::string role;  ///< left, right, imu, odometry, truth, tracks; empty for what is not used
+  Timing timing;     ///< of the headers' stamps
+  bool stamped = true;                          ///< false: times of recording
+  std::optional<double> median_delay_s;         ///< time of recording minus stamp
+  std::size_t messages = 0, unreadable = 0;
+  std::string images;  ///< "752 x 480 mono8", "png"; empty for other streams
+};
+
+/// How left and right images go together.
+struct StereoInfo {
+  std::size_t pairs = 0, left_alone = 0, right_alone = 0;
+  double median_difference_s = 0.0, spread_s = 0.0;  ///< of the stamps, right minus left
+  /// Same stamps but for 1 ms: the cameras are triggered together.
+  [[nodiscard]] bool synchronised() const { return pairs > 0 && spread_s < 1e-3; }
+};
+
+/// What is in a recording, and what it is good for.
+struct RecordingInfo {
+  std::filesystem::path path;
+  std::string format;
+  bool has_calibration = false;
+  std::vector<StreamInfo> streams;
+  std::optional<StereoInfo> stereo;
+  BagTopics topics;                     ///< proposal; empty for folders
+  std::shared_ptr<const ImageStore> images;  ///< the stereo pairs, to look at; null where there are none
+  std::vector<std::string> possible;    ///< what can be done, as commands
+  std::vector<std::string> missing;     ///< what cannot, and why
+  std::vector<std::string> notes;
+};
+
+/// @brief Looks through a bag, or a folder that read_recording takes.
+/// @throws DataError as open_bag and read_recording
+[[nodiscard]] RecordingInfo inspect(const std::filesystem::path& path,
+                                    const std::function<void(std::size_t)>& progress = {});
+
+}  // namespace limber
