@@ -63,9 +63,10 @@ void judge_brightness(const std::optional<Brightness>& brightness, RecordingInfo
   }
   const auto [low, high] = std::minmax(brightness->left, brightness->right);
   if (high > kUnlike * low) {
-    info.notes.push_back(fmt::format(
-        "left and right images are not equally exposed: mean grey {:.0f} and {:.0f} of 255, which costs matches",
-        brightness->left, brightness->right));
+    info.notes.push_back(
+        fmt::format("left and right images are not equally exposed: mean grey {:.0f} and {:.0f} of 255, "
+                    "which costs matches",
+                    brightness->left, brightness->right));
   }
 }
 
@@ -124,15 +125,16 @@ std::string to_json(const RecordingInfo& info, const std::optional<Brightness>& 
 std::string to_text(const StreamInfo& stream) {
   const Timing& timing = stream.timing;
   std::string out = fmt::format("  {:<32} {:<9} {:>8}", stream.name, stream.role, stream.messages);
-  out += timing.median_interval_s > 0.0 ? fmt::format(" {:>9.2f} Hz", timing.rate_hz()) : fmt::format(" {:>12}", "");
+  out += timing.median_interval_s > 0.0 ? fmt::format(" {:>9.2f} Hz", timing.rate_hz())
+                                        : fmt::format(" {:>12}", "");
   out += fmt::format(" {:>9.2f} s  {}", timing.duration_s(), stream.type == stream.name ? "" : stream.type);
   return out + (stream.images.empty() ? "" : (out.ends_with("  ") ? "" : ", ") + stream.images) + "\n";
 }
 
 std::string to_text(const RecordingInfo& info, const std::optional<Brightness>& brightness) {
   std::string out = fmt::format("{}: {}\n\n", info.path.string(), info.format);
-  out += fmt::format("  {:<32} {:<9} {:>8} {:>12} {:>11}  {}\n", "stream", "role", "messages", "rate", "duration",
-                     "type");
+  out += fmt::format("  {:<32} {:<9} {:>8} {:>12} {:>11}  {}\n", "stream", "role", "messages", "rate",
+                     "duration", "type");
   for (const StreamInfo& stream : info.streams) {
     out += to_text(stream);
   }
@@ -144,7 +146,8 @@ std::string to_text(const RecordingInfo& info, const std::optional<Brightness>& 
     out += fmt::format("        right stamps are {:+.3f} ms from left ones, up to {:.3f} ms more or less\n",
                        1e3 * stereo.median_difference_s, 1e3 * stereo.spread_s);
     if (brightness) {
-      out += fmt::format("        mean grey {:.0f} left, {:.0f} right, of 255\n", brightness->left, brightness->right);
+      out += fmt::format("        mean grey {:.0f} left, {:.0f} right, of 255\n", brightness->left,
+                         brightness->right);
     }
   }
   const std::string topics = format_bag_topics(info.topics);
@@ -174,13 +177,15 @@ void info(const InfoArguments& arguments) {
 void add_info_command(CLI::App& app) {
   auto arguments = std::make_shared<InfoArguments>();
   CLI::App* command = app.add_subcommand("info", "What is in a recording, and what can be done with it");
-  command->add_option("RECORDING", arguments->recording,
-                      "ROS 1 bag, MCAP, ROS 2 bag, or the folder of a recording")
+  command
+      ->add_option("RECORDING", arguments->recording,
+                   "ROS 1 bag, MCAP, ROS 2 bag, or the folder of a recording")
       ->required()
       ->check(not_empty());
   command->add_flag("--json", arguments->json, "Print JSON instead of text");
   command->footer(
-      "\nTopics with their types, rates and gaps, clocks that jump, size and exposure of the images, whether left\n"
+      "\nTopics with their types, rates and gaps, clocks that jump, size and exposure of the images, whether "
+      "left\n"
       "and right are synchronised, and the topics that limber would take.\n"
       "Example:\n  limber info flight.bag");
   command->callback([arguments] { info(*arguments); });

@@ -9,14 +9,15 @@
 
 namespace limber::testing {
 
-/// What the std::invalid_argument says that `call` throws; the test fails if it throws none.
-inline std::string message_of(const std::function<void()>& call) {
+/// What the error says that `call` throws; the test fails if it throws none.
+template <typename Error = std::invalid_argument>
+std::string message_of(const std::function<void()>& call) {
   try {
     call();
-  } catch (const std::invalid_argument& error) {
+  } catch (const Error& error) {
     return error.what();
   }
-  ADD_FAILURE() << "no std::invalid_argument";
+  ADD_FAILURE() << "no error of this type";
   return "";
 }
 

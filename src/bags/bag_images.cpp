@@ -58,7 +58,8 @@ std::vector<std::size_t> order_by_stamp(const BagStream& stream) {
   const auto& stamps = stream.stamps_ns;
   std::vector<std::size_t> order(stamps.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return stamps[a] < stamps[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return stamps[a] < stamps[b]; });
   const auto same = [&](std::size_t a, std::size_t b) { return stamps[a] == stamps[b]; };
   order.erase(std::unique(order.begin(), order.end(), same), order.end());
   return order;

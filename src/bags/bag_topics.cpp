@@ -16,10 +16,10 @@ namespace {
 
 using Member = std::string BagTopics::*;
 constexpr std::array<std::pair<std::string_view, Member>, 5> kRoles = {{{"left", &BagTopics::left},
-                                                                      {"right", &BagTopics::right},
-                                                                      {"imu", &BagTopics::imu},
-                                                                      {"odometry", &BagTopics::odometry},
-                                                                      {"truth", &BagTopics::truth}}};
+                                                                        {"right", &BagTopics::right},
+                                                                        {"imu", &BagTopics::imu},
+                                                                        {"odometry", &BagTopics::odometry},
+                                                                        {"truth", &BagTopics::truth}}};
 
 /// What tells a left name from a right one, the most telling first.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kSides = {
@@ -35,7 +35,7 @@ bool holds_any(const std::string& name, const Words& words) {
 }
 
 bool is_picture(const BagStream& stream) {
-  constexpr std::array<std::string_view, 6> kNoPictures = {"depth", "disparity", "mask",
+  constexpr std::array<std::string_view, 6> kNoPictures = {"depth",     "disparity",    "mask",
                                                            "thumbnail", "segmentation", "confidence"};
   if (stream.places.empty() || holds_any(stream.topic.name, kNoPictures)) {
     return false;
@@ -53,9 +53,9 @@ struct Pair {
 /// Small is good.
 auto rank(const Pair& pair) {
   const std::string& name = pair.left->topic.name;
-  return std::make_tuple(pair.left->kind == MessageKind::kCompressedImage, pair.side, holds(name, "rect"),
-                         -static_cast<std::ptrdiff_t>(std::min(pair.left->places.size(), pair.right->places.size())),
-                         name);
+  return std::make_tuple(
+      pair.left->kind == MessageKind::kCompressedImage, pair.side, holds(name, "rect"),
+      -static_cast<std::ptrdiff_t>(std::min(pair.left->places.size(), pair.right->places.size())), name);
 }
 
 /// Whether the right name is the left one with every `side.first` replaced.
@@ -104,17 +104,19 @@ void propose_images(const BagContents& contents, TopicProposal& proposal) {
     if (pictures.size() != 2) {
       return;
     }
-    std::sort(pictures.begin(), pictures.end(), [](const auto* a, const auto* b) { return a->topic.name < b->topic.name; });
+    std::sort(pictures.begin(), pictures.end(),
+              [](const auto* a, const auto* b) { return a->topic.name < b->topic.name; });
     pairs.push_back({pictures[0], pictures[1], 0});
-    proposal.notes.push_back(fmt::format("the names do not say which camera is the left one: {} is taken for it",
-                                         pictures[0]->topic.name));
+    proposal.notes.push_back(fmt::format(
+        "the names do not say which camera is the left one: {} is taken for it", pictures[0]->topic.name));
   }
   proposal.topics.left = pairs.front().left->topic.name;
   proposal.topics.right = pairs.front().right->topic.name;
   if (pairs.size() > 1) {
     std::string others;
     for (std::size_t k = 1; k < pairs.size(); ++k) {
-      others += fmt::format("{}{} and {}", k == 1 ? "" : "; ", pairs[k].left->topic.name, pairs[k].right->topic.name);
+      others += fmt::format("{}{} and {}", k == 1 ? "" : "; ", pairs[k].left->topic.name,
+                            pairs[k].right->topic.name);
     }
     proposal.notes.push_back("other stereo pairs: " + others);
   }
@@ -153,12 +155,14 @@ BagTopics parse_bag_topics(std::string_view text) {
   for (const std::string_view item : split(text, ',')) {
     const std::size_t equals = item.find('=');
     const std::string_view name = item.substr(0, equals);
-    const auto role = std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return r.first == name; });
+    const auto role =
+        std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return r.first == name; });
     if (role == kRoles.end() || equals == std::string_view::npos || equals + 1 == item.size() ||
         !(out.*role->second).empty()) {
-      throw std::invalid_argument(fmt::format(
-          "'{}' in '{}': expected left=TOPIC, right=TOPIC, imu=TOPIC, odometry=TOPIC or truth=TOPIC, each once",
-          item, text));
+      throw std::invalid_argument(
+          fmt::format("'{}' in '{}': expected left=TOPIC, right=TOPIC, imu=TOPIC, odometry=TOPIC or "
+                      "truth=TOPIC, each once",
+                      item, text));
     }
     out.*role->second = item.substr(equals + 1);
   }
@@ -176,7 +180,7 @@ std::string format_bag_topics(const BagTopics& topics) {
 }
 
 TopicProposal propose_topics(const BagContents& contents) {
-  constexpr std::array<std::string_view, 9> kTruths = {"truth", "gt",       "vicon", "mocap", "optitrack",
+  constexpr std::array<std::string_view, 9> kTruths = {"truth", "gt",       "vicon", "mocap",    "optitrack",
                                                        "leica", "qualisys", "vrpn",  "reference"};
   TopicProposal out;
   propose_images(contents, out);

@@ -52,8 +52,8 @@ FileBytes::~FileBytes() { close(descriptor_); }
 void FileBytes::read(std::uint64_t at, std::span<std::uint8_t> out) const {
   std::size_t done = 0;
   while (done < out.size()) {
-    const ssize_t got = pread(descriptor_, out.data() + done, out.size() - done,
-                              static_cast<off_t>(at + done));
+    const ssize_t got =
+        pread(descriptor_, out.data() + done, out.size() - done, static_cast<off_t>(at + done));
     if (got < 0 && errno == EINTR) {
       continue;
     }

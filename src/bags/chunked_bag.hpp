@@ -16,10 +16,10 @@ namespace limber::detail {
 struct ChunkHead {
   std::uint64_t at = 0;  ///< byte of the record in the file
   std::string compression;
-  std::uint64_t size = 0;             ///< [bytes] once decompressed
-  std::uint64_t content_at = 0;       ///< byte of the compressed content in the file
-  std::uint64_t content_size = 0;     ///< [bytes]
-  std::uint32_t crc = 0;              ///< of the decompressed content; 0: unknown
+  std::uint64_t size = 0;          ///< [bytes] once decompressed
+  std::uint64_t content_at = 0;    ///< byte of the compressed content in the file
+  std::uint64_t content_size = 0;  ///< [bytes]
+  std::uint32_t crc = 0;           ///< of the decompressed content; 0: unknown
   [[nodiscard]] bool is_compressed() const { return !compression.empty() && compression != "none"; }
 };
 
@@ -67,7 +67,7 @@ class ChunkedBag : public BagFile {
   [[nodiscard]] std::vector<std::uint8_t> content_of(const ChunkHead& head) const;
 
   std::vector<BagTopic> topics_;
-  std::vector<std::size_t> wanted_bytes_;  ///< of each topic
+  std::vector<std::size_t> wanted_bytes_;          ///< of each topic
   std::map<std::uint64_t, std::size_t> channels_;  ///< to indices of topics_
   std::vector<std::string> damages_;
   std::size_t more_damages_ = 0;

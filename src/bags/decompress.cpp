@@ -77,7 +77,7 @@ std::vector<std::uint8_t> from_lz4(Bytes content, std::uint64_t size) {
     throw std::bad_alloc();
   }
   const std::unique_ptr<LZ4F_dctx, LZ4F_errorCode_t (*)(LZ4F_dctx*)> owner(context,
-                                                                          LZ4F_freeDecompressionContext);
+                                                                           LZ4F_freeDecompressionContext);
   return stream(content, size, [&](Bytes in, std::span<std::uint8_t> out) {
     std::size_t taken = in.size(), given = out.size();
     const std::size_t code = LZ4F_decompress(context, out.data(), &given, in.data(), &taken, nullptr);
@@ -119,7 +119,8 @@ std::vector<std::uint8_t> decompress(std::string_view method, Bytes content, std
   if (method == "zstd") {
     return from_zstd(content, size);
   }
-  throw Damage(fmt::format("the compression '{}', which is neither bz2 nor lz4 nor zstd", method.substr(0, 20)));
+  throw Damage(
+      fmt::format("the compression '{}', which is neither bz2 nor lz4 nor zstd", method.substr(0, 20)));
 }
 
 std::vector<std::uint8_t> compress_zstd(Bytes content) {

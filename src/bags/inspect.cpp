@@ -79,8 +79,8 @@ StreamInfo info_of(const BagStream& stream, const BagTopics& topics) {
 void note_times(const StreamInfo& stream, std::vector<std::string>& notes) {
   const Timing& timing = stream.timing;
   if (stream.unreadable > 0) {
-    notes.push_back(fmt::format("{}: {} of {} messages cannot be read", stream.name, stream.unreadable,
-                                stream.messages));
+    notes.push_back(
+        fmt::format("{}: {} of {} messages cannot be read", stream.name, stream.unreadable, stream.messages));
   }
   if (stream.role.empty()) {
     return;
@@ -101,10 +101,10 @@ void note_times(const StreamInfo& stream, std::vector<std::string>& notes) {
     notes.push_back(fmt::format("{}: {} stamps come twice", stream.name, timing.repeated));
   }
   if (stream.median_delay_s && std::abs(*stream.median_delay_s) > 1.0) {
-    notes.push_back(fmt::format("{}: stamped {:.3f} s {} the time of recording: by another clock than the "
-                                "recorder's; the stamps count",
-                                stream.name, std::abs(*stream.median_delay_s),
-                                *stream.median_delay_s > 0.0 ? "before" : "after"));
+    notes.push_back(fmt::format(
+        "{}: stamped {:.3f} s {} the time of recording: by another clock than the "
+        "recorder's; the stamps count",
+        stream.name, std::abs(*stream.median_delay_s), *stream.median_delay_s > 0.0 ? "before" : "after"));
   }
 }
 
@@ -123,8 +123,9 @@ void note_clocks(RecordingInfo& info) {
     }
     const Timing &a = left->timing, &b = other->timing;
     if (a.first_ns > b.last_ns || b.first_ns > a.last_ns) {
-      info.notes.push_back(fmt::format("{} and {} do not overlap in time: {} to {} ns, {} to {} ns", left->name,
-                                       other->name, a.first_ns, a.last_ns, b.first_ns, b.last_ns));
+      info.notes.push_back(fmt::format("{} and {} do not overlap in time: {} to {} ns, {} to {} ns",
+                                       left->name, other->name, a.first_ns, a.last_ns, b.first_ns,
+                                       b.last_ns));
     }
   }
 }
@@ -142,7 +143,8 @@ void say_what_can_be_done(RecordingInfo& info) {
       info.notes.push_back("the bag holds no calibration that is read: --calib gives it");
     }
     if (!imu && !odometry) {
-      info.missing.push_back("scale and gravity: neither IMU nor odometry; the baseline alone gives the scale");
+      info.missing.push_back(
+          "scale and gravity: neither IMU nor odometry; the baseline alone gives the scale");
     }
   }
   if (with_role(info, "truth") == nullptr) {
@@ -184,7 +186,8 @@ RecordingInfo inspect_bag(const fs::path& path, const std::function<void(std::si
 }
 
 template <typename Samples>
-void add_stream(RecordingInfo& info, const std::string& name, const std::string& role, const Samples& samples) {
+void add_stream(RecordingInfo& info, const std::string& name, const std::string& role,
+                const Samples& samples) {
   if (samples.empty()) {
     return;
   }
@@ -204,9 +207,9 @@ RecordingInfo inspect_folder(const fs::path& path) {
   RecordingInfo info;
   info.path = path;
   info.has_calibration = true;
-  info.format = recording.images.empty()                           ? "track log"
+  info.format = recording.images.empty()                                 ? "track log"
                 : fs::exists(path / "mav0") || fs::exists(path / "cam0") ? "EuRoC folder"
-                                                                   : "KITTI folder";
+                                                                         : "KITTI folder";
   info.notes = recording.notes;
   const StereoCalibration& calibration = recording.calibration;
   add_stream(info, "left images", "left", recording.images);

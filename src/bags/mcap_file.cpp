@@ -12,9 +12,9 @@
 namespace limber::detail {
 namespace {
 
-constexpr std::uint64_t kRecordHead = 9;                    // opcode and length
-constexpr std::uint64_t kMessageHead = 22;                  // channel, sequence, two times
-constexpr std::uint64_t kLargestMcapDefinition = 1 << 24;       // [bytes] of a schema or a channel
+constexpr std::uint64_t kRecordHead = 9;                                 // opcode and length
+constexpr std::uint64_t kMessageHead = 22;                               // channel, sequence, two times
+constexpr std::uint64_t kLargestMcapDefinition = 1 << 24;                // [bytes] of a schema or a channel
 constexpr std::uint64_t kLargestChunkHead = 8 + 8 + 8 + 4 + 4 + 64 + 8;  // "compression" is a short word
 
 struct McapRecord {
@@ -44,7 +44,9 @@ class McapFile final : public ChunkedBag {
   void read_index() override;
   void walk_file() override;
   void walk_records(const Place& place) override;
-  [[nodiscard]] ChunkHead chunk_at(std::uint64_t at) override { return head_of(mcap_record_at(file_, at), at); }
+  [[nodiscard]] ChunkHead chunk_at(std::uint64_t at) override {
+    return head_of(mcap_record_at(file_, at), at);
+  }
   [[nodiscard]] ChunkHead head_of(const McapRecord& record, std::uint64_t at);
   void take(const Place& place, const McapRecord& record, std::uint64_t at);
   void add_schema(ByteSource& bytes, const McapRecord& record);
@@ -55,7 +57,8 @@ class McapFile final : public ChunkedBag {
 };
 
 ChunkHead McapFile::head_of(const McapRecord& record, std::uint64_t at) {
-  FieldReader reader(file_.view(record.at, std::min({kLargestChunkHead, record.size, file_.size() - record.at})));
+  FieldReader reader(
+      file_.view(record.at, std::min({kLargestChunkHead, record.size, file_.size() - record.at})));
   ChunkHead head;
   head.at = at;
   (void)reader.take(16);  // first and last time

@@ -76,7 +76,8 @@ class MessageReader {
     if (!is_cdr_) {
       (void)number<std::uint32_t>();  // sequence number
     }
-    const auto seconds = is_cdr_ ? std::int64_t{number<std::int32_t>()} : std::int64_t{number<std::uint32_t>()};
+    const auto seconds =
+        is_cdr_ ? std::int64_t{number<std::int32_t>()} : std::int64_t{number<std::uint32_t>()};
     const auto nanoseconds = number<std::uint32_t>();
     if (nanoseconds >= 1'000'000'000) {
       good_ = false;

@@ -50,8 +50,8 @@ MessageKind kind_of(const BagTopic& topic) {
 }
 
 const char* to_string(MessageKind kind) {
-  constexpr std::array<const char*, 7> kNames = {"image", "compressed image", "imu",  "odometry",
-                                                 "pose",  "twist",            "other"};
+  constexpr std::array<const char*, 7> kNames = {
+      "image", "compressed image", "imu", "odometry", "pose", "twist", "other"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -18,12 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kClockJump = 1.0;            // [s] that no delay of a message explains
-constexpr double kRealDifference = 1e-3;      // [s] between left and right: below it, stamps are not that good
-constexpr double kSynchronised = 1e-3;        // [s] spread of that difference
-constexpr double kLargestBagRate = 1e4;       // [rad/s], as in EuRoC files
-constexpr double kLargestBagForce = 1e5;      // [m/s^2]
-constexpr double kLargestBagSpeed = 1e5;      // [m/s]
+constexpr double kClockJump = 1.0;        // [s] that no delay of a message explains
+constexpr double kRealDifference = 1e-3;  // [s] between left and right: below it, stamps are not that good
+constexpr double kSynchronised = 1e-3;    // [s] spread of that difference
+constexpr double kLargestBagRate = 1e4;   // [rad/s], as in EuRoC files
+constexpr double kLargestBagForce = 1e5;  // [m/s^2]
+constexpr double kLargestBagSpeed = 1e5;  // [m/s]
 constexpr std::int64_t kLatestStamp = 4'000'000'000'000'000'000;  // [ns]
 
 /// Builds a Recording from what a scan found.
@@ -56,8 +56,8 @@ class BagReader {
   BagTopics topics_;
 };
 
-const BagStream* BagReader::stream(const std::string& role, const std::string& topic, const std::string& types,
-                                   bool (*fits)(MessageKind)) const {
+const BagStream* BagReader::stream(const std::string& role, const std::string& topic,
+                                   const std::string& types, bool (*fits)(MessageKind)) const {
   if (topic.empty()) {
     return nullptr;
   }
@@ -73,14 +73,15 @@ const BagStream* BagReader::stream(const std::string& role, const std::string& t
                        candidate.topic.serialization_name));
     }
     if (candidate.stamps_ns.empty()) {
-      fail(fmt::format("messages of {}", topic), fmt::format("{}, none of them readable", candidate.messages));
+      fail(fmt::format("messages of {}", topic),
+           fmt::format("{}, none of them readable", candidate.messages));
     }
     return &candidate;
   }
   const auto meant = nearest_word(topic, names);
   fail(fmt::format("the topic {} ({})", topic, role),
-       fmt::format("no such topic{}; limber info {} lists them", meant ? ", did you mean " + *meant + "?" : "",
-                   path_.string()));
+       fmt::format("no such topic{}; limber info {} lists them",
+                   meant ? ", did you mean " + *meant + "?" : "", path_.string()));
 }
 
 /// detail::order_by_stamp, and notes.
@@ -107,8 +108,9 @@ std::vector<std::size_t> BagReader::in_order(const BagStream& stream) {
     note(fmt::format("{}: {} messages have the stamp of another one and are left out", name, repeated));
   }
   if (stream.unreadable > 0) {
-    note(fmt::format("{}: {} of {} messages are damaged or hold numbers that are not finite; they are left out",
-                     name, stream.unreadable, stream.messages));
+    note(fmt::format(
+        "{}: {} of {} messages are damaged or hold numbers that are not finite; they are left out", name,
+        stream.unreadable, stream.messages));
   }
   return order;
 }
@@ -120,7 +122,8 @@ void BagReader::check_image(const BagStream& stream, Camera& camera) const {
          fmt::format("{} of {} that differ from the first", stream.other_images, stream.places.size()));
   }
   if (stream.kind == MessageKind::kCompressedImage) {
-    const auto image = decode_image(bag_->read(stream.places.front()), stream.topic.serialization, stream.kind);
+    const auto image =
+        decode_image(bag_->read(stream.places.front()), stream.topic.serialization, stream.kind);
     std::istringstream content(image ? std::string(image->data.begin(), image->data.end()) : "");
     const auto size = detail::image_size_of(content);
     if (!size) {
@@ -135,8 +138,8 @@ void BagReader::check_image(const BagStream& stream, Camera& camera) const {
     camera.height = height;
   }
   if (camera.width != width || camera.height != height) {
-    fail(fmt::format("{} with images of {} x {} pixels, as the calibration says", stream.topic.name, camera.width,
-                     camera.height),
+    fail(fmt::format("{} with images of {} x {} pixels, as the calibration says", stream.topic.name,
+                     camera.width, camera.height),
          fmt::format("{} x {}", width, height));
   }
 }
@@ -144,8 +147,8 @@ void BagReader::check_image(const BagStream& stream, Camera& camera) const {
 void BagReader::judge_differences(const PairedTimes& paired, std::size_t left, std::size_t right) {
   const std::size_t pairs = paired.pairs.size();
   if (pairs < left || pairs < right) {
-    note(fmt::format("{} images of {} and {} of {} have no partner and are left out", left - pairs, topics_.left,
-                     right - pairs, topics_.right));
+    note(fmt::format("{} images of {} and {} of {} have no partner and are left out", left - pairs,
+                     topics_.left, right - pairs, topics_.right));
   }
   const double median = paired.median_difference_s;
   if (std::abs(median) >= kRealDifference) {
@@ -154,9 +157,10 @@ void BagReader::judge_differences(const PairedTimes& paired, std::size_t left, s
                      1e3 * std::abs(median), median > 0.0 ? "later" : "earlier"));
   }
   if (paired.spread_s > kSynchronised) {
-    note(fmt::format("left and right images are not synchronised: their stamps differ by up to {:.2f} ms more or "
-                     "less than usual",
-                     1e3 * paired.spread_s));
+    note(fmt::format(
+        "left and right images are not synchronised: their stamps differ by up to {:.2f} ms more or "
+        "less than usual",
+        1e3 * paired.spread_s));
   }
 }
 
@@ -267,22 +271,21 @@ void BagReader::read(const BagTopics& asked, const std::function<void(std::size_
   }
   choose(asked);
   read_images();
-  const auto* imu =
-      stream("the IMU", topics_.imu, "sensor_msgs/Imu", [](MessageKind kind) { return kind == MessageKind::kImu; });
+  const auto* imu = stream("the IMU", topics_.imu, "sensor_msgs/Imu",
+                           [](MessageKind kind) { return kind == MessageKind::kImu; });
   if (imu != nullptr && recording_.calibration.body == BodyFrame::kImu) {
     read_imu(*imu);
   } else if (imu != nullptr) {
     note(topics_.imu + " is not used: the calibration does not say where the IMU sits (T_cam_imu)");
   }
-  if (const auto* odometry = stream("odometry", topics_.odometry, "nav_msgs/Odometry or geometry_msgs/TwistStamped",
-                                    [](MessageKind kind) {
-                                      return kind == MessageKind::kOdometry || kind == MessageKind::kTwist;
-                                    })) {
+  if (const auto* odometry = stream(
+          "odometry", topics_.odometry, "nav_msgs/Odometry or geometry_msgs/TwistStamped",
+          [](MessageKind kind) { return kind == MessageKind::kOdometry || kind == MessageKind::kTwist; })) {
     read_odometry(*odometry);
   }
-  if (const auto* truth =
-          stream("the truth", topics_.truth, "geometry_msgs/PoseStamped, TransformStamped or nav_msgs/Odometry",
-                 [](MessageKind kind) { return kind == MessageKind::kOdometry || kind == MessageKind::kPose; })) {
+  if (const auto* truth = stream(
+          "the truth", topics_.truth, "geometry_msgs/PoseStamped, TransformStamped or nav_msgs/Odometry",
+          [](MessageKind kind) { return kind == MessageKind::kOdometry || kind == MessageKind::kPose; })) {
     read_truth(*truth);
   }
 }

@@ -10,10 +10,17 @@
 namespace limber::detail {
 namespace {
 
-constexpr std::uint64_t kMagicSize = 13;  // "#ROSBAG V2.0\n"
+constexpr std::uint64_t kMagicSize = 13;                                         // "#ROSBAG V2.0\n"
 constexpr std::uint64_t kLargestHeader = 1 << 20, kLargestDefinition = 1 << 24;  // [bytes]
 
-enum Op : std::uint8_t { kMessage = 2, kBagHeader = 3, kIndex = 4, kChunk = 5, kChunkInfo = 6, kConnection = 7 };
+enum Op : std::uint8_t {
+  kMessage = 2,
+  kBagHeader = 3,
+  kIndex = 4,
+  kChunk = 5,
+  kChunkInfo = 6,
+  kConnection = 7
+};
 
 /// "name=value" fields, each with its length.
 class Fields {
@@ -85,8 +92,12 @@ class Ros1Bag final : public ChunkedBag {
 };
 
 ChunkHead Ros1Bag::head_of(const Record& record, std::uint64_t at) const {
-  ChunkHead head{at, record.fields.text("compression"), record.fields.integer<std::uint32_t>("size"),
-                 record.data_at, record.data_size, 0};
+  ChunkHead head{at,
+                 record.fields.text("compression"),
+                 record.fields.integer<std::uint32_t>("size"),
+                 record.data_at,
+                 record.data_size,
+                 0};
   if (!head.is_compressed()) {  // then it is read as far as it goes
     head.content_size = std::min(head.content_size, file_.size() - head.content_at);
   }
@@ -111,7 +122,8 @@ void Ros1Bag::take(const Place& place, const Record& record, std::uint64_t at) {
     case kMessage: {
       const auto time = record.fields.integer<std::uint64_t>("time");  // seconds, then nanoseconds
       visit(place, record.fields.integer<std::uint32_t>("conn"),
-            static_cast<std::int64_t>(time & 0xffffffffU) * 1'000'000'000 + static_cast<std::int64_t>(time >> 32),
+            static_cast<std::int64_t>(time & 0xffffffffU) * 1'000'000'000 +
+                static_cast<std::int64_t>(time >> 32),
             record.data_at, record.data_size);
       break;
     }

@@ -9,8 +9,8 @@
 namespace limber {
 namespace {
 
-constexpr double kGap = 1.5;                        // medians
-constexpr double kShareOfInterval = 1.0 / 3.0;      // that partners may be apart
+constexpr double kGap = 1.5;                           // medians
+constexpr double kShareOfInterval = 1.0 / 3.0;         // that partners may be apart
 constexpr std::int64_t kFarthestPartner = 20'000'000;  // [ns]
 
 double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -46,9 +46,10 @@ Timing timing_of(const std::vector<std::int64_t>& t_ns) {
   }
   if (!intervals.empty()) {
     out.median_interval_s = upper_median(intervals);
-    out.gaps = static_cast<std::size_t>(
-        std::count_if(intervals.begin(), intervals.end(),
-                      [&](double interval) { return interval > kGap * out.median_interval_s; }));
+    out.gaps =
+        static_cast<std::size_t>(std::count_if(intervals.begin(), intervals.end(), [&](double interval) {
+          return interval > kGap * out.median_interval_s;
+        }));
   }
   return out;
 }
@@ -60,8 +61,9 @@ PairedTimes pair_times(const std::vector<std::int64_t>& left, const std::vector<
   }
   const double interval = timing_of(left).median_interval_s;
   const std::int64_t farthest =
-      interval > 0.0 ? std::min(kFarthestPartner, static_cast<std::int64_t>(interval * kShareOfInterval * 1e9))
-                     : kFarthestPartner;
+      interval > 0.0
+          ? std::min(kFarthestPartner, static_cast<std::int64_t>(interval * kShareOfInterval * 1e9))
+          : kFarthestPartner;
   std::vector<double> differences;
   std::size_t r = 0;
   for (std::size_t l = 0; l < left.size() && r < right.size(); ++l) {

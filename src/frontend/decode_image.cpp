@@ -16,19 +16,19 @@
 namespace limber {
 namespace {
 
-constexpr int kNone = -1;           // already grey
-constexpr int kNoPng = -2;          // PNG has no place for it
+constexpr int kNone = -1;   // already grey
+constexpr int kNoPng = -2;  // PNG has no place for it
 constexpr long kMostPixels = 1 << 28;
 
 struct Encoding {
   std::string_view name;
-  int type;    ///< of OpenCV
+  int type;  ///< of OpenCV
   int to_grey;
   int to_bgr;  ///< as PNG files are written from; kNone: as it is
 };
 
-// https://docs.ros.org/en/api/sensor_msgs/html/image__encodings_8h_source.html. OpenCV names Bayer patterns by
-// the pixels of the second row, from its second column on.
+// https://docs.ros.org/en/api/sensor_msgs/html/image__encodings_8h_source.html. OpenCV names Bayer patterns
+// by the pixels of the second row, from its second column on.
 constexpr std::array<Encoding, 24> kEncodings = {
     {{"mono8", CV_8UC1, kNone, kNone},
      {"8UC1", CV_8UC1, kNone, kNone},
@@ -73,13 +73,13 @@ const Encoding& encoding_of(const EncodedImage& image, const std::string& place)
 /// The pixels as OpenCV sees them; 16 bits in this machine's order, which may need a copy.
 cv::Mat pixels_of(const EncodedImage& image, const Encoding& encoding, const std::string& place) {
   const std::size_t row = static_cast<std::size_t>(image.width) * CV_ELEM_SIZE(encoding.type);
-  const bool sane = image.width > 0 && image.height > 0 &&
-                    static_cast<long>(image.width) * image.height <= kMostPixels;
+  const bool sane =
+      image.width > 0 && image.height > 0 && static_cast<long>(image.width) * image.height <= kMostPixels;
   if (!sane || image.step < row || image.data.size() / image.step < static_cast<std::size_t>(image.height)) {
-    throw DataError(place, 0,
-                    "the rows of an image of " + frontend::size_text(image.width, image.height) + " in " +
-                        image.encoding,
-                    std::to_string(image.data.size()) + " bytes, rows of " + std::to_string(image.step));
+    throw DataError(
+        place, 0,
+        "the rows of an image of " + frontend::size_text(image.width, image.height) + " in " + image.encoding,
+        std::to_string(image.data.size()) + " bytes, rows of " + std::to_string(image.step));
   }
   const cv::Mat pixels(image.height, image.width, encoding.type, const_cast<std::uint8_t*>(image.data.data()),
                        image.step);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Bags that were cut off, whose bytes flipped, or that lie about their sizes: what is readable is read and the
-// rest is said, or the file is refused by name. Nothing crashes, and no memory is taken on a file's word.
+// Bags that were cut off, whose bytes flipped, or that lie about their sizes: what is readable is read and
+// the rest is said, or the file is refused by name. Nothing crashes, and no memory is taken on a file's word.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -41,8 +41,7 @@ BagContents read_all(const fs::path& path) {
 
 class DamagedFile : public ::testing::TestWithParam<std::string> {
  protected:
-  DamagedFile()
-      : path(folder.path() / GetParam()), content(read_text(fixture(GetParam()))) {}
+  DamagedFile() : path(folder.path() / GetParam()), content(read_text(fixture(GetParam()))) {}
   const TemporaryFolder folder;
   const fs::path path;
   const std::string content;
@@ -52,7 +51,8 @@ TEST_P(DamagedFile, ThatWasCutOffIsReadUpToThere) {
   const std::size_t whole = readable_messages(read_all(fixture(GetParam())));
   std::size_t last = 0;
   for (const double share : {0.3, 0.5, 0.7}) {
-    write_text(path, content.substr(0, static_cast<std::size_t>(share * static_cast<double>(content.size()))));
+    write_text(path,
+               content.substr(0, static_cast<std::size_t>(share * static_cast<double>(content.size()))));
     try {
       const BagContents contents = read_all(path);
       if (readable_messages(contents) < whole) {  // else the index alone was cut off
@@ -117,7 +117,8 @@ TEST(HostileBag, GetsNoMemoryForTheSizesItClaims) {
   const fs::path path = folder.path() / "x.bag";
   for (const char* name : {"ros1_bz2.bag", "ros1_lz4.bag"}) {
     // "size=" of the first chunk, once decompressed: just under what is allowed
-    write_text(path, replaced_behind(read_text(fixture(name)), "size=", 0, std::string("\xff\xff\xff\x3f", 4)));
+    write_text(path,
+               replaced_behind(read_text(fixture(name)), "size=", 0, std::string("\xff\xff\xff\x3f", 4)));
     rusage before{}, after{};
     getrusage(RUSAGE_SELF, &before);
     const BagContents contents = scan_bag(*open_bag(path));

@@ -25,7 +25,8 @@ TEST_P(ForeignFile, IsReadWholeWithTypesAndCounts) {
   EXPECT_THAT(contents.damages, ::testing::IsEmpty());
   ASSERT_EQ(contents.streams.size(), 9u);
   for (const BagStream& stream : contents.streams) {
-    EXPECT_EQ(stream.messages, stream.topic.name == "/imu0" ? kFixtureImu : kFixtureFrames) << stream.topic.name;
+    EXPECT_EQ(stream.messages, stream.topic.name == "/imu0" ? kFixtureImu : kFixtureFrames)
+        << stream.topic.name;
     EXPECT_EQ(stream.unreadable, 0u) << stream.topic.name;
   }
   EXPECT_EQ(stream("/cam0/image_raw").topic.type, "sensor_msgs/Image");
@@ -51,8 +52,7 @@ TEST_P(ForeignFile, GivesImagesPixelByPixelWhenTheyAreAskedFor) {
   for (const int camera : {0, 1}) {
     const BagStream& images = stream(camera == 0 ? "/cam0/image_raw" : "/cam1/image_raw");
     for (std::size_t n : {4u, 0u, 2u}) {
-      const auto image =
-          decode_image(bag->read(images.places[n]), images.topic.serialization, images.kind);
+      const auto image = decode_image(bag->read(images.places[n]), images.topic.serialization, images.kind);
       ASSERT_TRUE(image);
       EXPECT_EQ(image->encoding, "mono8");
       ASSERT_EQ(image->width, kFixtureWidth);
@@ -76,7 +76,8 @@ TEST_P(ForeignFile, GivesImagesPixelByPixelWhenTheyAreAskedFor) {
 }
 
 TEST_P(ForeignFile, GivesPosesAndVelocities) {
-  const BagStream &pose = stream("/truth/pose"), &transform = stream("/vicon/body"), &odometry = stream("/odom");
+  const BagStream &pose = stream("/truth/pose"), &transform = stream("/vicon/body"),
+                  &odometry = stream("/odom");
   ASSERT_EQ(pose.poses.size(), kFixtureFrames);
   EXPECT_EQ(pose.poses[3].t_ns, kStart + 3 * kFrameInterval);
   EXPECT_EQ(pose.poses[3].T_world_body.p, Eigen::Vector3d(1.5, 0, 0));

@@ -17,10 +17,10 @@ namespace limber {
 struct BagStream {
   BagTopic topic;
   MessageKind kind = MessageKind::kOther;
-  std::size_t messages = 0;              ///< readable or not
-  std::size_t unreadable = 0;            ///< not what their type says, or with numbers that are not finite
+  std::size_t messages = 0;               ///< readable or not
+  std::size_t unreadable = 0;             ///< not what their type says, or with numbers that are not finite
   std::vector<std::int64_t> recorded_ns;  ///< bag times
-  std::vector<std::int64_t> stamps_ns;   ///< of the headers; bag times where `stamped` is false
+  std::vector<std::int64_t> stamps_ns;    ///< of the headers; bag times where `stamped` is false
   bool stamped = true;  ///< false: of a type that limber does not read, or all stamps are zero
 
   // By kind; the other ones are empty.
@@ -64,8 +64,8 @@ struct Timing {
 /// Left and right images that belong together: indices into two lists of times.
 struct PairedTimes {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;  ///< in order of time
-  double median_difference_s = 0.0;  ///< right minus left
-  double spread_s = 0.0;             ///< largest distance of a difference from the median
+  double median_difference_s = 0.0;                        ///< right minus left
+  double spread_s = 0.0;  ///< largest distance of a difference from the median
 };
 /// @brief Each left time with the nearest right one, at most a third of the left's interval (and 20 ms) away.
 /// @param left,right  increasing

@@ -16,10 +16,10 @@ namespace limber {
 /// One stream of a recording: a topic of a bag, or a sensor's folder.
 struct StreamInfo {
   std::string name, type;
-  std::string role;  ///< left, right, imu, odometry, truth, tracks; empty for what is not used
-  Timing timing;     ///< of the headers' stamps
-  bool stamped = true;                          ///< false: times of recording
-  std::optional<double> median_delay_s;         ///< time of recording minus stamp
+  std::string role;     ///< left, right, imu, odometry, truth, tracks; empty for what is not used
+  Timing timing;        ///< of the headers' stamps
+  bool stamped = true;  ///< false: times of recording
+  std::optional<double> median_delay_s;  ///< time of recording minus stamp
   std::size_t messages = 0, unreadable = 0;
   std::string images;  ///< "752 x 480 mono8", "png"; empty for other streams
 };
@@ -39,10 +39,10 @@ struct RecordingInfo {
   bool has_calibration = false;
   std::vector<StreamInfo> streams;
   std::optional<StereoInfo> stereo;
-  BagTopics topics;                     ///< proposal; empty for folders
+  BagTopics topics;                          ///< proposal; empty for folders
   std::shared_ptr<const ImageStore> images;  ///< the stereo pairs, to look at; null where there are none
-  std::vector<std::string> possible;    ///< what can be done, as commands
-  std::vector<std::string> missing;     ///< what cannot, and why
+  std::vector<std::string> possible;         ///< what can be done, as commands
+  std::vector<std::string> missing;          ///< what cannot, and why
   std::vector<std::string> notes;
 };
 

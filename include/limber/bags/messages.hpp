@@ -29,10 +29,10 @@ enum class MessageKind { kImage, kCompressedImage, kImu, kOdometry, kPose, kTwis
 /// sensor_msgs/Image or sensor_msgs/CompressedImage without its pixels.
 struct ImageHeader {
   std::int64_t t_ns = 0;
-  EncodedImage image;          ///< of an Image; data is empty
-  std::string format;          ///< of a CompressedImage
-  std::size_t data_at = 0;     ///< byte in the message where the pixels begin
-  std::size_t data_size = 0;   ///< [bytes]
+  EncodedImage image;         ///< of an Image; data is empty
+  std::string format;         ///< of a CompressedImage
+  std::size_t data_at = 0;    ///< byte in the message where the pixels begin
+  std::size_t data_size = 0;  ///< [bytes]
 };
 
 // All decoders: nothing if the bytes are no such message, or hold numbers that are not finite.
@@ -60,7 +60,8 @@ struct OdometryMessage {
                                                              Serialization serialization);
 
 /// geometry_msgs PoseStamped, PoseWithCovarianceStamped or TransformStamped.
-[[nodiscard]] std::optional<StampedPose> decode_pose(std::span<const std::uint8_t> data, const BagTopic& topic);
+[[nodiscard]] std::optional<StampedPose> decode_pose(std::span<const std::uint8_t> data,
+                                                     const BagTopic& topic);
 
 /// geometry_msgs/TwistStamped, or TwistWithCovarianceStamped.
 [[nodiscard]] std::optional<OdometrySample> decode_twist(std::span<const std::uint8_t> data,

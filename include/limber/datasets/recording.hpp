@@ -43,7 +43,8 @@ struct Recording {
   std::optional<PixelNoise> pixel_noise;
   std::vector<StereoFrame> frames;  ///< matched points; empty where images are given
   std::vector<ImagePair> images;    ///< stereo pairs; empty where matched points are given
-  std::shared_ptr<const ImageStore> image_store;  ///< of `images` that are no files of their own (bags); else null
+  std::shared_ptr<const ImageStore>
+      image_store;  ///< of `images` that are no files of their own (bags); else null
 
   // Truth, for evaluation only (and `--init groundtruth`, `oracle`).
   std::vector<GroundTruthState> groundtruth;  ///< body in world

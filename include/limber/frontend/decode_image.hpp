@@ -30,8 +30,8 @@ struct GreyPixels {
 /// @throws DataError for a file that is neither PNG nor JPEG
 [[nodiscard]] std::pair<int, int> size_of(const EncodedImage& image, const std::string& place);
 
-/// @brief A PNG file of the image: its pixels as they are, 8 or 16 bits, grey or colour. A Bayer pattern stays
-/// one (grey).
+/// @brief A PNG file of the image: its pixels as they are, 8 or 16 bits, grey or colour. A Bayer pattern
+/// stays one (grey).
 /// @throws DataError as decode_grey; for encodings that PNG cannot hold (YUV)
 [[nodiscard]] std::vector<std::uint8_t> encode_png(const EncodedImage& image, const std::string& place);
 
