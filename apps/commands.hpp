@@ -17,6 +17,7 @@ inline constexpr int kExitUsage = 2;
 
 void add_run_command(CLI::App& app);
 void add_health_command(CLI::App& app);
+void add_convert_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_decalibrate_command(CLI::App& app);  // LIMBER_WITH_FRONTEND

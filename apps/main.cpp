@@ -138,6 +138,7 @@ int main(int argc, char** argv) {
 #endif
   limber::app::add_health_command(app);
   limber::app::add_info_command(app);
+  limber::app::add_convert_command(app);
   limber::app::add_simulate_command(app);
 #ifdef LIMBER_WITH_FRONTEND
   limber::app::add_decalibrate_command(app);

@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 
+#include "limber/bags/read_bag.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/replace_calibration.hpp"
@@ -28,8 +29,10 @@ void add_start_option(CLI::App& command, std::string& start) {
       ->capture_default_str();
 }
 
-void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
-  command.add_option("DATASET", arguments.dataset, "Track log, EuRoC folder or KITTI odometry folder")
+void add_input_options(CLI::App& command, RecordingArguments& arguments) {
+  command
+      .add_option("DATASET", arguments.dataset,
+                  "Track log, EuRoC or KITTI folder; ROS 1 bag, MCAP or ROS 2 bag (with --calib)")
       ->required()
       ->check(not_empty());
   CLI::Option* calibration =
@@ -49,6 +52,16 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
           "What the images are, where --calib holds both or the recording's own calibration says otherwise")
       ->check(CLI::IsMember({"raw", "rectified"}))
       ->needs(calibration);
+  command
+      .add_option(
+          "--topics", arguments.topics,
+          "Of a bag: left=TOPIC,right=TOPIC,imu=TOPIC,odometry=TOPIC,truth=TOPIC; default: what limber "
+          "info proposes")
+      ->check(parsed_by(parse_bag_topics));
+}
+
+void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
+  add_input_options(command, arguments);
   command
       .add_option(
           "--assume-error", arguments.assume_error,
@@ -98,13 +111,38 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       ->capture_default_str();
 }
 
+namespace {
+
+std::optional<ImageKind> images_said(const RecordingArguments& arguments) {
+  if (arguments.images.empty()) {
+    return std::nullopt;
+  }
+  return arguments.images == "raw" ? ImageKind::kRaw : ImageKind::kRectified;
+}
+
+/// A bag, whose calibration comes from a file.
+Recording open_bag_recording(const RecordingArguments& arguments) {
+  if (arguments.calibration.empty()) {
+    throw CLI::ValidationError("--calib",
+                               "a bag needs it: the calibration, for example Kalibr's camchain.yaml");
+  }
+  const RigFile rig = read_rig_file(arguments.calibration, images_said(arguments));
+  const BagTopics topics = arguments.topics.empty() ? BagTopics{} : parse_bag_topics(arguments.topics);
+  Recording recording = limber::read_bag(arguments.dataset, rig.calibration, rig.imu_noise, topics);
+  recording.notes.insert(recording.notes.end(), rig.notes.begin(), rig.notes.end());
+  return recording;
+}
+
+}  // namespace
+
 Recording open_recording(const RecordingArguments& arguments) {
-  Recording recording = limber::read_recording(arguments.dataset);
-  if (!arguments.calibration.empty()) {
-    std::optional<ImageKind> said;
-    if (!arguments.images.empty()) {
-      said = arguments.images == "raw" ? ImageKind::kRaw : ImageKind::kRectified;
-    }
+  const bool bag = is_bag(arguments.dataset);
+  if (!bag && !arguments.topics.empty()) {
+    throw CLI::ValidationError("--topics", "bags have topics, " + arguments.dataset.string() + " is none");
+  }
+  Recording recording = bag ? open_bag_recording(arguments) : limber::read_recording(arguments.dataset);
+  if (!bag && !arguments.calibration.empty()) {
+    const std::optional<ImageKind> said = images_said(arguments);
     const RigFile rig =
         read_rig_file(arguments.calibration, said.value_or(image_kind(recording.calibration)));
     try {

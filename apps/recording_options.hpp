@@ -14,7 +14,7 @@ namespace limber::app {
 
 struct RecordingArguments {
   std::filesystem::path dataset, calibration, imu;
-  std::string images;
+  std::string images, topics;
   std::string assume_error, estimate, soften, start = "auto", clean = "on";
   std::size_t max_points = CleaningOptions{}.max_points;
   FrontendArguments frontend;
@@ -25,9 +25,14 @@ struct RecordingArguments {
 /// --init.
 void add_start_option(CLI::App& command, std::string& start);
 
+/// Which recording, and its calibration.
+void add_input_options(CLI::App& command, RecordingArguments& arguments);
+
+/// These, and what to assume.
 void add_recording_options(CLI::App& command, RecordingArguments& arguments);
 
-/// The recording, with the calibration of --calib and the noise of --imu in the place of its own.
+/// The recording, a bag or a folder, with the calibration of --calib and the noise of --imu in the place of
+/// its own.
 /// @throws as limber::read_recording, read_rig_file and read_kalibr_imu; DataError also if calibration and
 /// recording do not belong together
 [[nodiscard]] Recording open_recording(const RecordingArguments& arguments);

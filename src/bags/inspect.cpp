@@ -4,42 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "bag_images.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/median.hpp"
+#include "limber/datasets/image_files.hpp"
 #include "limber/datasets/read_recording.hpp"
 
 namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The images of a folder, as they lie there.
-class ImageFiles final : public ImageStore {
- public:
-  explicit ImageFiles(std::vector<ImagePair> pairs) : pairs_(std::move(pairs)) {}
-  [[nodiscard]] EncodedImage load(std::size_t camera, std::size_t pair) const override {
-    std::ifstream stream(file(camera, pair), std::ios::binary);
-    if (!stream) {
-      throw DataError(place(camera, pair), 0, "a readable image", "none");
-    }
-    EncodedImage out;
-    out.data.assign(std::istreambuf_iterator<char>(stream), {});
-    return out;
-  }
-  [[nodiscard]] std::string place(std::size_t camera, std::size_t pair) const override {
-    return file(camera, pair).string();
-  }
-
- private:
-  [[nodiscard]] const fs::path& file(std::size_t camera, std::size_t pair) const {
-    return camera == 0 ? pairs_.at(pair).cam0 : pairs_.at(pair).cam1;
-  }
-  std::vector<ImagePair> pairs_;
-};
 
 std::string role_of(const std::string& topic, const BagTopics& topics) {
   return topic == topics.left       ? "left"
@@ -227,7 +202,7 @@ RecordingInfo inspect_folder(const fs::path& path) {
   }
   if (!recording.images.empty()) {
     info.stereo = StereoInfo{recording.images.size(), 0, 0, 0.0, 0.0};
-    info.images = std::make_shared<ImageFiles>(recording.images);
+    info.images = stored_images(recording);
   }
   note_clocks(info);
   say_what_can_be_done(info);

@@ -12,6 +12,7 @@
 #include "io/numbers.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/nearest_word.hpp"
+#include "limber/datasets/replace_calibration.hpp"
 
 namespace limber {
 namespace {
@@ -175,6 +176,10 @@ void BagReader::read_images() {
     fail("two topics of images, left and right",
          fmt::format("{}; limber info {} lists what there is, --topics left=...,right=... names them",
                      topics_.left.empty() ? "none whose names tell left from right" : "one", path_.string()));
+  }
+  const bool named_rectified = in_lower_case(topics_.left).find("rect") != std::string::npos;
+  if (named_rectified && image_kind(recording_.calibration) == ImageKind::kRaw) {
+    note(topics_.left + " is rectified by its name, the calibration is of raw images (with distortion)");
   }
   check_image(*streams[0], recording_.calibration.cam0);
   check_image(*streams[1], recording_.calibration.cam1);

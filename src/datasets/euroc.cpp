@@ -12,6 +12,7 @@
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/trajectory_files.hpp"
+#include "limber/rig_files/rig_file.hpp"
 #include "rig_files/check_baseline.hpp"
 #include "rig_files/sensor_yaml.hpp"
 
@@ -44,7 +45,30 @@ std::optional<SensorYaml> optional_yaml(const fs::path& folder) {
   return fs::exists(path) ? std::optional<SensorYaml>(path) : std::nullopt;
 }
 
+// TUM-VI's folders have Kalibr's files beside mav0 instead of a sensor.yaml for each sensor.
+fs::path kalibr_folder(const fs::path& mav0) { return fs::absolute(mav0).parent_path() / "dso"; }
+
+bool has_kalibr_files(const fs::path& mav0) {
+  return !fs::exists(mav0 / "cam0" / "sensor.yaml") && fs::exists(kalibr_folder(mav0) / "camchain.yaml");
+}
+
+void read_kalibr_calibration(const fs::path& mav0, Recording& recording) {
+  const fs::path path = kalibr_folder(mav0) / "camchain.yaml";
+  const RigFile rig = read_rig_file(path);
+  recording.calibration = rig.calibration;
+  recording.notes.insert(recording.notes.end(), rig.notes.begin(), rig.notes.end());
+  for (const Camera* camera : {&rig.calibration.cam0, &rig.calibration.cam1}) {
+    if (camera->width == 0 || camera->height == 0) {
+      throw DataError(path.string(), 0, "the resolution of both cameras", "none");
+    }
+  }
+}
+
 void read_calibration(const fs::path& mav0, Recording& recording) {
+  if (has_kalibr_files(mav0)) {
+    read_kalibr_calibration(mav0, recording);
+    return;
+  }
   const SensorYaml yaml0(mav0 / "cam0" / "sensor.yaml");
   const SensorYaml yaml1(mav0 / "cam1" / "sensor.yaml");
   StereoCalibration& calibration = recording.calibration;
@@ -65,6 +89,11 @@ void read_calibration(const fs::path& mav0, Recording& recording) {
 
 void read_imu_noise(const fs::path& folder, Recording& recording) {
   const auto yaml = optional_yaml(folder);
+  const fs::path kalibr = kalibr_folder(folder.parent_path()) / "imu_config.yaml";
+  if (!yaml && fs::exists(kalibr)) {
+    recording.imu_noise = read_kalibr_imu(kalibr);
+    return;
+  }
   if (!yaml) {
     recording.notes.emplace_back("imu0/sensor.yaml is missing: the default IMU noise is assumed");
     return;
@@ -240,6 +269,9 @@ Recording read_euroc_common(const fs::path& mav0) {
        {"state_groundtruth_estimate0", read_truth},
        {"landmarks0", read_landmarks},
        {"calibration_truth0", read_rig_truth}}};
+  if (!fs::exists(mav0 / "state_groundtruth_estimate0") && fs::exists(mav0 / "mocap0")) {
+    read_truth(mav0 / "mocap0", recording);
+  }
   for (const auto& [folder, read] : kOptional) {
     if (fs::exists(mav0 / folder)) {
       read(mav0 / folder, recording);

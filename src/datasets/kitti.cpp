@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// KITTI odometry folders: image_0, image_1, calib.txt, times.txt and poses.
+// KITTI odometry folders: image_0, image_1 (or image_2, image_3), calib.txt, times.txt and poses.
 #include <fmt/format.h>
 
 #include <Eigen/LU>
@@ -25,8 +25,13 @@ void set_size(Camera& camera, const fs::path& first_image) {
   camera.height = size.height;
 }
 
+// Without the grey images the colour ones are taken.
+bool is_colour(const fs::path& folder) {
+  return !fs::exists(folder / "image_0") && fs::exists(folder / "image_2");
+}
+
 void read_kitti_calibration(const fs::path& folder, Recording& recording) {
-  RigFile rig = read_kitti_odometry_rig(folder / "calib.txt");
+  RigFile rig = read_kitti_odometry_rig(folder / "calib.txt", is_colour(folder));
   set_size(rig.calibration.cam0, recording.images.front().cam0);
   set_size(rig.calibration.cam1, recording.images.front().cam1);
   recording.calibration = rig.calibration;
@@ -56,8 +61,10 @@ fs::path image_path(const fs::path& camera, std::size_t index) {
 
 void read_images(const fs::path& folder, Recording& recording) {
   const auto times = read_times(folder / "times.txt");
+  const std::string left = is_colour(folder) ? "image_2" : "image_0";
+  const std::string right = is_colour(folder) ? "image_3" : "image_1";
   for (std::size_t k = 0; k < times.size(); ++k) {
-    const ImagePair pair{times[k], image_path(folder / "image_0", k), image_path(folder / "image_1", k)};
+    const ImagePair pair{times[k], image_path(folder / left, k), image_path(folder / right, k)};
     for (const fs::path& image : {pair.cam0, pair.cam1}) {
       if (!fs::is_regular_file(image)) {
         throw DataError(image.string(), 0,
@@ -67,8 +74,8 @@ void read_images(const fs::path& folder, Recording& recording) {
     }
     recording.images.push_back(pair);
   }
-  if (fs::exists(image_path(folder / "image_0", times.size()))) {
-    throw DataError((folder / "times.txt").string(), 0, "a time for each image in image_0",
+  if (fs::exists(image_path(folder / left, times.size()))) {
+    throw DataError((folder / "times.txt").string(), 0, "a time for each image in " + left,
                     fmt::format("{} times and more images", times.size()));
   }
 }
@@ -83,7 +90,8 @@ std::optional<fs::path> poses_path(const fs::path& folder) {
                                 : std::nullopt;
 }
 
-void read_kitti_truth(const fs::path& path, Recording& recording) {
+// @param T_cam0_body  the poses are those of the left grey camera
+void read_kitti_truth(const fs::path& path, const Pose& T_cam0_body, Recording& recording) {
   const auto poses = read_kitti_poses(path);
   if (poses.size() != recording.images.size()) {
     throw DataError(path.string(), 0,
@@ -93,8 +101,9 @@ void read_kitti_truth(const fs::path& path, Recording& recording) {
   for (std::size_t k = 0; k < poses.size(); ++k) {
     GroundTruthState state;
     state.t_ns = recording.images[k].t_ns;
-    state.R_world_body = so3_normalized(poses[k].T_world_body.R);
-    state.p_world_body = poses[k].T_world_body.p;
+    const Pose T_world_body = poses[k].T_world_body * T_cam0_body;
+    state.R_world_body = so3_normalized(T_world_body.R);
+    state.p_world_body = T_world_body.p;
     recording.groundtruth.push_back(state);
   }
 }
@@ -114,7 +123,8 @@ Recording read_kitti_odometry(const fs::path& folder) {
   note_if_cut_off(folder / "times.txt", recording.notes);
   note_if_cut_off(folder / "calib.txt", recording.notes);
   if (const auto poses = poses_path(folder)) {
-    read_kitti_truth(*poses, recording);
+    read_kitti_truth(*poses, is_colour(folder) ? kitti_colour_camera(folder / "calib.txt") : Pose{},
+                     recording);
     note_if_cut_off(*poses, recording.notes);
   }
   if (const fs::path truth = folder / "calibration_truth.csv"; fs::exists(truth)) {

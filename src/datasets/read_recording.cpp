@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "formats.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/core/nearest_word.hpp"
 
 namespace limber {
 namespace {
@@ -27,12 +30,47 @@ constexpr std::array<Format, 3> kFormats = {
      {"mav0/cam0/data.csv (EuRoC with images)",
       [](const fs::path&, const fs::path& mav0) { return fs::exists(mav0 / "cam0" / "data.csv"); },
       [](const fs::path&, const fs::path& mav0) { return detail::read_euroc_images(mav0); }},
-     {"image_0, or calib.txt and times.txt (KITTI odometry)",
+     {"image_0 or image_2, or calib.txt and times.txt (KITTI odometry)",
       [](const fs::path& folder, const fs::path&) {
-        return fs::exists(folder / "image_0") ||
+        return fs::exists(folder / "image_0") || fs::exists(folder / "image_2") ||
                (fs::exists(folder / "calib.txt") && fs::exists(folder / "times.txt"));
       },
       [](const fs::path& folder, const fs::path&) { return detail::read_kitti_odometry(folder); }}}};
+
+/// What a file may be that was given where a folder was expected, and what to do with it.
+struct Hint {
+  std::string_view ending, what;
+};
+constexpr std::array<Hint, 16> kHints = {
+    {{".bag",
+      "a bag: 'limber info' says what is in it; limber run, health and smooth take it with --calib, "
+      "limber convert makes a folder of it"},
+     {".mcap",
+      "an MCAP file: 'limber info' says what is in it; limber run, health and smooth take it with "
+      "--calib, limber convert makes a folder of it"},
+     {".db3",
+      "a ROS 2 bag: 'limber info' says what is in it; limber run, health and smooth take it with "
+      "--calib, limber convert makes a folder of it"},
+     {".zstd", "a compressed bag: unpack it with zstd -d"},
+     {".zip", "an archive: unpack it and give the folder"},
+     {".gz", "an archive: unpack it and give the folder or the bag"},
+     {".tar", "an archive: unpack it and give the folder"},
+     {".yaml", "a calibration or settings: --calib and --imu take it, beside a recording"},
+     {".yml", "a calibration or settings: --calib takes it, beside a recording"},
+     {".json", "a calibration: --calib takes it, beside a recording"},
+     {".mp4", "a video: without stamps and IMU it is no recording; its images in an EuRoC folder are one"},
+     {".mkv", "a video: without stamps and IMU it is no recording; its images in an EuRoC folder are one"},
+     {".svo", "a ZED recording: export it to a ROS bag with ZED's tools"},
+     {".txt", "a text file: 'limber evaluate' takes trajectories; a recording is a folder"},
+     {".tum", "a trajectory: 'limber evaluate' takes it; a recording is a folder"},
+     {".csv", "a table: 'limber evaluate' takes trajectories; a recording is the folder with mav0 in it"}}};
+
+std::string what_a_file_is(const fs::path& path) {
+  const std::string ending = in_lower_case(path.extension().string());
+  const auto hint =
+      std::find_if(kHints.begin(), kHints.end(), [&](const Hint& known) { return known.ending == ending; });
+  return hint == kHints.end() ? "a file of a kind that limber does not know" : std::string(hint->what);
+}
 
 Recording read_any(const fs::path& folder) {
   const fs::path mav0 = fs::exists(folder / "mav0") ? folder / "mav0" : folder;
@@ -53,7 +91,7 @@ Recording read_recording(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) {
     throw DataError(path.string(), 0, "the folder of a recording",
-                    fs::exists(path, error) ? "a file" : "no such folder");
+                    fs::exists(path, error) ? what_a_file_is(path) : "no such folder");
   }
   try {
     Recording recording = read_any(path);

@@ -4,51 +4,24 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <set>
 #include <stdexcept>
 
-#include "io/numbers.hpp"
+#include "euroc_folder.hpp"
 #include "io/table_text.hpp"
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/io/atomic_file.hpp"
-#include "limber/rig_files/write_rig_files.hpp"
 #include "rig_files/euroc_text.hpp"
 
 namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
+using detail::EurocFolder;
 using detail::TableText;
-
-/// The folder mav0 in the making.
-class TrackLogFolder {
- public:
-  explicit TrackLogFolder(const fs::path& mav0) : mav0_(mav0), staged_(mav0) {}
-
-  /// Writes a file in a subfolder, which is made if needed.
-  void write(const char* subfolder, const char* name, std::string_view content) const {
-    const fs::path folder = staged_.path() / subfolder;
-    fs::create_directories(folder);
-    std::ofstream stream(folder / name, std::ios::binary);
-    stream.write(content.data(), static_cast<std::streamsize>(content.size()));
-    stream.close();
-    if (!stream) {
-      throw DataError((mav0_ / subfolder / name).string(), 0, "room to write the file", std::strerror(errno));
-    }
-  }
-
-  void commit() { staged_.replace(); }
-
- private:
-  fs::path mav0_;
-  StagedFolder staged_;
-};
 
 constexpr std::array<const char*, 8> kFolders = {
     "imu0",       "odometry0",         "cam0", "cam1", "tracks0", "state_groundtruth_estimate0",
@@ -83,65 +56,11 @@ void require_replaceable(const fs::path& mav0) {
   }
 }
 
-void write_cameras(const StereoCalibration& calibration, const TrackLogFolder& mav0) {
-  mav0.write("cam0", "sensor.yaml", euroc_sensor_yaml(calibration, 0));
-  mav0.write("cam1", "sensor.yaml", euroc_sensor_yaml(calibration, 1));
-}
-
-void write_imu(const Recording& recording, const TrackLogFolder& mav0) {
-  if (recording.imu.empty()) {
-    return;
-  }
-  TableText table("write_track_log, IMU", ',');
-  table.header(
-      "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],a_RS_S_x [m s^-2],"
-      "a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]");
-  for (const ImuSample& sample : recording.imu) {
-    table.time(sample.t_ns);
-    table.cells(sample.omega_imu);
-    table.cells(sample.accel_imu);
-    table.end_row();
-  }
-  mav0.write("imu0", "data.csv", table.text());
-  std::string yaml = "sensor_type: imu\n" + detail::T_BS_text(Pose{});
-  if (recording.imu_noise) {
-    const ImuNoise& noise = *recording.imu_noise;
-    yaml += fmt::format(
-        "gyroscope_noise_density: {}  # [rad/s/sqrt(Hz)]\ngyroscope_random_walk: {}  # [rad/s^2/sqrt(Hz)]\n"
-        "accelerometer_noise_density: {}  # [m/s^2/sqrt(Hz)]\naccelerometer_random_walk: {}  # "
-        "[m/s^3/sqrt(Hz)]\n",
-        noise.gyro_density, noise.gyro_walk, noise.accel_density, noise.accel_walk);
-  }
-  mav0.write("imu0", "sensor.yaml", yaml);
-}
-
-void write_odometry(const Recording& recording, const TrackLogFolder& mav0) {
-  if (recording.odometry.empty()) {
-    return;
-  }
-  TableText table("write_track_log, odometry", ',');
-  table.header(
-      "#timestamp [ns],v_x [m s^-1],v_y [m s^-1],v_z [m s^-1],w_x [rad s^-1],w_y [rad s^-1],w_z [rad s^-1]");
-  for (const OdometrySample& sample : recording.odometry) {
-    table.time(sample.t_ns);
-    table.cells(sample.v_body);
-    table.cells(sample.omega_body);
-    table.end_row();
-  }
-  mav0.write("odometry0", "data.csv", table.text());
-  if (const auto& noise = recording.odometry_noise) {
-    mav0.write("odometry0", "sensor.yaml",
-               fmt::format("sigma_v: {}  # [m/s]\nsigma_w: {}  # [rad/s]\n",
-                           detail::list_of(noise->sigma_v.data(), 3),
-                           detail::list_of(noise->sigma_omega.data(), 3)));
-  }
-}
-
 void add_pixel(TableText& table, bool is_seen, const Eigen::Vector2d& uv) {
   is_seen ? table.cells(uv) : table.empty_cells(2);
 }
 
-void write_tracks(const Recording& recording, const TrackLogFolder& mav0) {
+void write_tracks(const Recording& recording, const EurocFolder& mav0) {
   TableText table("write_track_log, tracks", ',');
   table.header("#timestamp [ns],track_id,u0 [px],v0 [px],u1 [px],v1 [px]");
   for (const StereoFrame& frame : recording.frames) {
@@ -166,38 +85,7 @@ void write_tracks(const Recording& recording, const TrackLogFolder& mav0) {
   }
 }
 
-void write_groundtruth(const Recording& recording, const TrackLogFolder& mav0) {
-  if (recording.groundtruth.empty()) {
-    return;
-  }
-  const bool biases = recording.groundtruth_has_biases;
-  const bool velocity =
-      recording.groundtruth_has_velocity || biases;  // the format has no column for biases alone
-  std::string header =
-      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []";
-  header += velocity ? ",v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1]" : "";
-  header += biases ? ",b_w_RS_S_x [rad s^-1],b_w_RS_S_y [rad s^-1],b_w_RS_S_z [rad s^-1],b_a_RS_S_x [m s^-2],"
-                     "b_a_RS_S_y [m s^-2],b_a_RS_S_z [m s^-2]"
-                   : "";
-  TableText table("write_track_log, ground truth", ',');
-  table.header(header);
-  for (const GroundTruthState& state : recording.groundtruth) {
-    table.time(state.t_ns);
-    table.cells(state.p_world_body);
-    table.cells(detail::quaternion_wxyz(state.R_world_body));
-    if (velocity) {
-      table.cells(state.v_world_body);
-    }
-    if (biases) {
-      table.cells(state.bias_gyro);
-      table.cells(state.bias_accel);
-    }
-    table.end_row();
-  }
-  mav0.write("state_groundtruth_estimate0", "data.csv", table.text());
-}
-
-void write_landmarks(const Recording& recording, const TrackLogFolder& mav0) {
+void write_landmarks(const Recording& recording, const EurocFolder& mav0) {
   if (recording.landmarks_true.empty()) {
     return;
   }
@@ -211,7 +99,7 @@ void write_landmarks(const Recording& recording, const TrackLogFolder& mav0) {
   mav0.write("landmarks0", "data.csv", table.text());
 }
 
-void write_calibration_truth(const Recording& recording, const TrackLogFolder& mav0) {
+void write_calibration_truth(const Recording& recording, const EurocFolder& mav0) {
   if (recording.calibration_true.empty()) {
     return;
   }
@@ -273,12 +161,12 @@ void write_track_log(const Recording& recording, const fs::path& folder) {
   try {
     const FolderUnlessEmpty outer(folder);
     require_replaceable(folder / "mav0");
-    TrackLogFolder mav0(folder / "mav0");
-    write_cameras(recording.calibration, mav0);
-    write_imu(recording, mav0);
-    write_odometry(recording, mav0);
+    EurocFolder mav0(folder / "mav0");
+    mav0.write_cameras(recording.calibration);
+    mav0.write_imu(recording);
+    mav0.write_odometry(recording);
     write_tracks(recording, mav0);
-    write_groundtruth(recording, mav0);
+    mav0.write_groundtruth(recording);
     write_landmarks(recording, mav0);
     write_calibration_truth(recording, mav0);
     mav0.commit();

@@ -222,6 +222,20 @@ std::vector<StampedPose> read_kitti_poses(const std::filesystem::path& path) {
   return poses;
 }
 
+void write_kitti_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses) {
+  const Pose T_kitti_zup{detail::R_zup_kitti().transpose(), Eigen::Vector3d::Zero()};
+  TableText table("write_kitti_poses", ' ');
+  for (const StampedPose& pose : poses) {
+    const Pose T = T_kitti_zup * pose.T_world_body;
+    for (Eigen::Index row = 0; row < 3; ++row) {
+      table.cells(T.R.row(row));
+      table.cell(T.p(row));
+    }
+    table.end_row();
+  }
+  write_file_atomically(path, table.text());
+}
+
 GroundTruth read_euroc_groundtruth(const std::filesystem::path& path) {
   TableReader table(path, {.names = {"timestamp [ns]", "p_x", "p_y", "p_z", "q_w", "q_x", "q_y", "q_z", "v_x",
                                      "v_y", "v_z", "b_w_x", "b_w_y", "b_w_z", "b_a_x", "b_a_y", "b_a_z"},

@@ -41,7 +41,8 @@ Layout layout_of(const Recording& recording) {
             {"cam1/data", "cam1/data.csv", "calibration_truth0"},
             "mav0/cam1/data.csv"};
   }
-  return {recording.path, "", "image_1", "calibration_truth.csv", {"image_1", "calibration_truth.csv"}, ""};
+  const char* const right = fs::exists(recording.path / "image_0") ? "image_1" : "image_3";
+  return {recording.path, "", right, "calibration_truth.csv", {right, "calibration_truth.csv"}, ""};
 }
 
 void write_bytes(const fs::path& file, std::string_view bytes) {

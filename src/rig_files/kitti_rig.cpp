@@ -160,11 +160,20 @@ void read_raw_pair(const LabelledNumbers& file, const std::string& left, const s
 
 }  // namespace
 
-RigFile read_kitti_odometry_rig(const fs::path& path) {
+Pose kitti_colour_camera(const fs::path& path) {
+  const LabelledNumbers file(path);
+  const auto translation = [&file](const char* label) -> Eigen::Vector3d {
+    const Eigen::MatrixXd P = file.matrix(label, 3, 4);
+    return P.leftCols<3>().inverse() * P.col(3);
+  };
+  return {Eigen::Matrix3d::Identity(), translation("P0:") - translation("P2:")};
+}
+
+RigFile read_kitti_odometry_rig(const fs::path& path, bool colour) {
   const LabelledNumbers file(path);
   RigFile out;
   out.format = "KITTI calib.txt";
-  read_rectified_pair(file, "P0:", "P1:", out);
+  read_rectified_pair(file, colour ? "P2:" : "P0:", colour ? "P3:" : "P1:", out);
   return out;
 }
 

@@ -19,7 +19,10 @@ namespace limber::detail {
 [[nodiscard]] RigFile read_kalibr_rig(const SensorYaml& yaml);
 [[nodiscard]] RigFile read_opencv_rig(const SensorYaml& yaml, std::optional<ImageKind> images);
 [[nodiscard]] RigFile read_basalt_rig(const SensorYaml& yaml);
-[[nodiscard]] RigFile read_kitti_odometry_rig(const std::filesystem::path& path);
+/// The grey cameras (P0, P1), or the colour ones (P2, P3).
+[[nodiscard]] RigFile read_kitti_odometry_rig(const std::filesystem::path& path, bool colour = false);
+/// T_cam0_cam2: where the left colour camera stands, seen from the left grey one. Both are rectified.
+[[nodiscard]] Pose kitti_colour_camera(const std::filesystem::path& path);
 [[nodiscard]] RigFile read_kitti_raw_rig(const std::filesystem::path& path, std::optional<ImageKind> images);
 
 /// Sets T_body_cam0, theta and the body from the places of the cameras on the IMU.

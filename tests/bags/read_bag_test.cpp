@@ -66,7 +66,8 @@ TEST(AskedTopics, ThatAreNotThereOrOfAnotherTypeAreRefused) {
   const auto refused = [](const std::string& topics) {
     return message_of<DataError>([&] { (void)read(topics); });
   };
-  EXPECT_THAT(refused("left=/cam0/image_rw,right=/cam1/image_raw"), HasSubstr("did you mean /cam0/image_raw?"));
+  EXPECT_THAT(refused("left=/cam0/image_rw,right=/cam1/image_raw"),
+              HasSubstr("did you mean /cam0/image_raw?"));
   EXPECT_THAT(refused("left=/imu0,right=/cam1/image_raw"), HasSubstr("/imu0 of type sensor_msgs/Imu"));
   EXPECT_THAT(refused("left=/cam0/image_raw"), HasSubstr("two topics of images"));
   EXPECT_THAT(refused("imu=/chatter"), HasSubstr("std_msgs/String"));
@@ -154,8 +155,9 @@ TEST(Proposal, TellsLeftFromRightByTheNamesDriversGive) {
   };
   EXPECT_EQ(proposed({"/stereo/right/image_raw", "/stereo/left/image_raw"}),
             "/stereo/left/image_raw /stereo/right/image_raw");
-  EXPECT_EQ(proposed({"/camera/infra2/image_rect_raw", "/camera/depth/image", "/camera/infra1/image_rect_raw"}),
-            "/camera/infra1/image_rect_raw /camera/infra2/image_rect_raw");
+  EXPECT_EQ(
+      proposed({"/camera/infra2/image_rect_raw", "/camera/depth/image", "/camera/infra1/image_rect_raw"}),
+      "/camera/infra1/image_rect_raw /camera/infra2/image_rect_raw");
   EXPECT_EQ(proposed({"/alphasense/cam1/image", "/alphasense/cam0/image", "/alphasense/cam2/image"}),
             "/alphasense/cam0/image /alphasense/cam1/image");
   EXPECT_EQ(proposed({"/zed/left_rect", "/zed/right_rect", "/zed/left_raw", "/zed/right_raw"}),

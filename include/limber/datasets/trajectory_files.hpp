@@ -43,6 +43,8 @@ void write_tum(const std::filesystem::path& path, const std::vector<StampedPose>
 /// T_world_cam0 = R_zup_kitti * T_file, so that the identity looks along x. Times are indices. Rotations are
 /// as printed (about six digits), as evo takes them.
 [[nodiscard]] std::vector<StampedPose> read_kitti_poses(const std::filesystem::path& path);
+/// The way back: the poses as they are, without their times, in KITTI's world.
+void write_kitti_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
 
 /// EuRoC ground truth: 8 (pose), 11 (with velocity) or 17 columns (with biases).
 struct GroundTruth {

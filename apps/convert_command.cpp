@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+// limber convert: recordings and trajectories between formats.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "commands.hpp"
+#include "interrupt.hpp"
+#include "limber/bags/bag_topics.hpp"
+#include "limber/bags/write_mcap.hpp"
+#include "limber/core/errors.hpp"
+#include "limber/core/nearest_word.hpp"
+#include "limber/datasets/track_log.hpp"
+#include "limber/datasets/trajectory_files.hpp"
+#include "limber/datasets/write_euroc.hpp"
+#include "messages.hpp"
+#include "progress.hpp"
+#include "recording_options.hpp"
+#include "trajectory_input.hpp"
+#include "uninterrupted.hpp"
+#include "validators.hpp"
+#ifdef LIMBER_WITH_FRONTEND
+#include "limber/frontend/decode_image.hpp"
+#endif
+
+namespace limber::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ConvertArguments {
+  RecordingArguments recording;
+  fs::path out;
+  std::string pixels = "keep";
+  bool force = false;
+};
+
+std::string ending_of(const fs::path& path) { return in_lower_case(path.extension().string()); }
+
+bool is_trajectory(const fs::path& out) {
+  const std::string ending = ending_of(out);
+  return ending == ".tum" || ending == ".txt" || ending == ".csv" || ending == ".kitti";
+}
+
+void require_free(const ConvertArguments& arguments) {
+  const fs::path& out = arguments.out;
+  std::error_code ignored;
+  if (fs::equivalent(out, arguments.recording.dataset, ignored)) {
+    throw DataError(out.string(), 0, "a name for the result that is not also the input", "what is converted");
+  }
+  if (fs::is_regular_file(out) && !arguments.force) {
+    throw DataError(out.string(), 0, "no file of this name", "one; --force replaces it");
+  }
+}
+
+#ifdef LIMBER_WITH_FRONTEND
+EncodedImage as_grey(const EncodedImage& image, const std::string& place) {
+  GreyPixels grey = decode_grey(image, place);
+  EncodedImage out;
+  out.encoding = "mono8";
+  out.width = grey.width;
+  out.height = grey.height;
+  out.step = static_cast<std::size_t>(grey.width);
+  out.data = std::move(grey.data);
+  return out;
+}
+
+/// PNG knows neither Bayer patterns nor YUV: these become grey.
+std::vector<std::uint8_t> as_png(const EncodedImage& image, const std::string& place) {
+  const bool pattern = image.encoding.starts_with("bayer") || image.encoding.starts_with("yu") ||
+                       image.encoding.starts_with("uy");
+  return encode_png(pattern ? as_grey(image, place) : image, place);
+}
+#else
+[[noreturn]] EncodedImage as_grey(const EncodedImage&, const std::string&) {
+  throw std::runtime_error("this program was built without the image front end, which unpacks images");
+}
+[[noreturn]] std::vector<std::uint8_t> as_png(const EncodedImage&, const std::string&) {
+  throw std::runtime_error("this program was built without the image front end, which packs images");
+}
+#endif
+
+ImageChange change_of(const std::string& pixels) {
+  if (pixels == "raw") {
+    return [](EncodedImage image, const std::string& place) {
+      return image.encoding.empty() ? as_grey(image, place) : std::move(image);
+    };
+  }
+  if (pixels == "png") {
+    return [](EncodedImage image, const std::string& place) {
+      if (!image.encoding.empty()) {
+        image.data = as_png(image, place);
+        image.encoding.clear();
+      }
+      return image;
+    };
+  }
+  return {};
+}
+
+/// What a format cannot say.
+void note_losses(const Recording& recording, bool mcap) {
+  if (mcap) {
+    print_note("an MCAP file holds no calibration: keep it, --calib gives it to limber run");
+  }
+  const auto& offsets = recording.calibration.time_offset_s;
+  if (!mcap && (offsets[0] != 0.0 || offsets[1] != 0.0)) {
+    print_warning(fmt::format("an EuRoC folder cannot say that the images are late by {:.6f} s and {:.6f} s",
+                              offsets[0], offsets[1]));
+  }
+}
+
+void convert_recording(const ConvertArguments& arguments) {
+  const Interrupt interrupt;
+  const Recording recording = open_recording(arguments.recording);
+  for (const std::string& note : recording.notes) {
+    print_note(note);
+  }
+  const bool mcap = ending_of(arguments.out) == ".mcap";
+  if (recording.images.empty()) {
+    if (mcap) {
+      throw std::runtime_error(recording.name + " holds matched points, for which there is no message type: "
+                               "give a folder as --out");
+    }
+    write_track_log(recording, arguments.out);
+    return;
+  }
+  Progress progress("convert", recording.images.size());
+  const auto done = [&](std::size_t n) { progress.done(n); };
+  if (mcap) {
+    write_mcap(recording, arguments.out, change_of(arguments.pixels), done, Interrupt::asked);
+  } else {
+    if (arguments.pixels == "raw") {
+      throw CLI::ValidationError("--pixels", "an EuRoC folder has image files, no raw pixels");
+    }
+    write_euroc(recording, arguments.out, as_png, arguments.force, done, Interrupt::asked);
+  }
+  note_losses(recording, mcap);
+}
+
+/// The true poses in a bag.
+std::vector<StampedPose> poses_of_bag(const ConvertArguments& arguments) {
+  const fs::path& path = arguments.recording.dataset;
+  const BagContents contents = scan_bag(*open_bag(path));
+  BagTopics topics = propose_topics(contents).topics;
+  if (!arguments.recording.topics.empty()) {
+    topics = parse_bag_topics(arguments.recording.topics);
+  }
+  for (const BagStream& stream : contents.streams) {
+    if (stream.topic.name != topics.truth || stream.poses.empty()) {
+      continue;
+    }
+    std::vector<StampedPose> poses = stream.poses;
+    const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.t_ns < b.t_ns; };
+    std::stable_sort(poses.begin(), poses.end(), earlier);
+    const auto same = [](const StampedPose& a, const StampedPose& b) { return a.t_ns == b.t_ns; };
+    poses.erase(std::unique(poses.begin(), poses.end(), same), poses.end());
+    print_note("poses of " + stream.topic.name);
+    return poses;
+  }
+  throw DataError(path.string(), 0, "a topic of poses: --topics truth=TOPIC",
+                  topics.truth.empty() ? "none that is named like one" : "no poses on " + topics.truth);
+}
+
+void convert_trajectory(const ConvertArguments& arguments) {
+  const bool bag = is_bag(arguments.recording.dataset);
+  const TrajectoryInput input = bag ? TrajectoryInput{arguments.recording.dataset, true, poses_of_bag(arguments), {}}
+                                    : load_trajectory(arguments.recording.dataset);
+  const std::string ending = ending_of(arguments.out);
+  if (!input.has_time && ending != ".kitti") {
+    throw std::runtime_error(input.path.string() + " has no times, which " + ending + " needs");
+  }
+  const Uninterrupted until_written;
+  if (ending == ".kitti") {
+    write_kitti_poses(arguments.out, input.poses);
+  } else if (ending == ".csv") {
+    std::vector<TrajectoryRow> rows;
+    for (const StampedPose& pose : input.poses) {
+      rows.push_back({pose.t_ns, pose.T_world_body, {}, {}, {}, {}});
+      if (!input.covariances.empty() && input.covariances[rows.size() - 1].allFinite()) {
+        rows.back().covariance = input.covariances[rows.size() - 1];
+      }
+    }
+    write_trajectory_csv(arguments.out, rows);
+  } else {
+    write_tum(arguments.out, input.poses);
+  }
+}
+
+void convert(const ConvertArguments& arguments) {
+  require_free(arguments);
+  is_trajectory(arguments.out) ? convert_trajectory(arguments) : convert_recording(arguments);
+  fmt::print("{}\n", arguments.out.string());
+}
+
+}  // namespace
+
+void add_convert_command(CLI::App& app) {
+  auto arguments = std::make_shared<ConvertArguments>();
+  CLI::App* command = app.add_subcommand("convert", "Turn recordings and trajectories into other formats");
+  add_input_options(*command, arguments->recording);
+  command
+      ->add_option("--out", arguments->out,
+                   "FOLDER: EuRoC; FILE.mcap; FILE.tum, .txt (TUM), .csv (limber), .kitti: poses alone")
+      ->required()
+      ->check(not_empty());
+  command->add_option("--pixels", arguments->pixels, "Images of an MCAP file: keep, raw (unpacked) or png (packed)")
+      ->check(CLI::IsMember({"keep", "raw", "png"}))
+      ->capture_default_str();
+  command->add_flag("--force", arguments->force, "Replace an older result");
+  command->footer(
+      "\nIMU, stamps and images keep every bit; Bayer and YUV images become grey in an EuRoC folder.\n"
+      "Ctrl-C leaves nothing behind.\n"
+      "Examples:\n  limber convert flight.bag --calib camchain.yaml --imu imu.yaml --out data/flight\n"
+      "  limber convert data/v101 --out v101.mcap\n  limber convert runs/v101/trajectory.csv --out v101.tum");
+  command->callback([arguments] { convert(*arguments); });
+}
+
+}  // namespace limber::app

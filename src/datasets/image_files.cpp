@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "limber/datasets/image_files.hpp"
+
+#include <fstream>
+#include <iterator>
+
+#include "limber/core/errors.hpp"
+
+namespace limber {
+namespace {
+
+/// Image files, as they lie there.
+class ImageFiles final : public ImageStore {
+ public:
+  explicit ImageFiles(std::vector<ImagePair> pairs) : pairs_(std::move(pairs)) {}
+
+  [[nodiscard]] EncodedImage load(std::size_t camera, std::size_t pair) const override {
+    std::ifstream stream(file(camera, pair), std::ios::binary);
+    if (!stream) {
+      throw DataError(place(camera, pair), 0, "a readable image", "none");
+    }
+    EncodedImage out;
+    out.data.assign(std::istreambuf_iterator<char>(stream), {});
+    return out;
+  }
+  [[nodiscard]] std::string place(std::size_t camera, std::size_t pair) const override {
+    return file(camera, pair).string();
+  }
+
+ private:
+  [[nodiscard]] const std::filesystem::path& file(std::size_t camera, std::size_t pair) const {
+    return camera == 0 ? pairs_.at(pair).cam0 : pairs_.at(pair).cam1;
+  }
+
+  std::vector<ImagePair> pairs_;
+};
+
+}  // namespace
+
+std::shared_ptr<const ImageStore> stored_images(const Recording& recording) {
+  return recording.image_store ? recording.image_store : std::make_shared<ImageFiles>(recording.images);
+}
+
+}  // namespace limber

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "limber/datasets/write_euroc.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <stdexcept>
+
+#include "euroc_folder.hpp"
+#include "io/table_text.hpp"
+#include "io/text_file.hpp"
+#include "limber/core/errors.hpp"
+#include "limber/datasets/image_files.hpp"
+#include "rig_files/euroc_text.hpp"
+
+namespace limber {
+namespace {
+
+namespace fs = std::filesystem;
+
+void require_free(const fs::path& mav0, bool replace) {
+  if (!fs::exists(mav0)) {
+    return;
+  }
+  const fs::path yaml = mav0 / "cam0" / "sensor.yaml";
+  const bool own =
+      fs::exists(yaml) && detail::load_text(yaml).find(detail::kIntrinsicsMark) != std::string::npos;
+  if (!own || !replace) {
+    throw DataError(mav0.string(), 0, "no folder of this name",
+                    own ? "one that limber wrote; --force replaces it" : "one that limber did not write");
+  }
+}
+
+std::string_view text_of(const std::vector<std::uint8_t>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+void write_euroc(const Recording& recording, const fs::path& folder, const ImageFileOf& file_of, bool replace,
+                 const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop) {
+  if (recording.images.empty()) {
+    throw std::invalid_argument("write_euroc: the recording has no images");
+  }
+  try {
+    const FolderUnlessEmpty outer(folder);
+    require_free(folder / "mav0", replace);
+    detail::EurocFolder mav0(folder / "mav0");
+    mav0.write_cameras(recording.calibration);
+    mav0.write_imu(recording);
+    mav0.write_odometry(recording);
+    mav0.write_groundtruth(recording);
+    const auto images = stored_images(recording);
+    std::array<detail::TableText, 2> lists = {detail::TableText("images", ','), detail::TableText("images", ',')};
+    for (std::size_t n = 0; n < recording.images.size(); ++n) {
+      if (stop && stop()) {
+        throw std::runtime_error("stopped: nothing is written");
+      }
+      for (std::size_t c = 0; c < 2; ++c) {
+        const EncodedImage image = images->load(c, n);
+        const auto bytes = image.encoding.empty() ? image.data : file_of(image, images->place(c, n));
+        const std::string name = fmt::format("{}.{}", recording.images[n].t_ns,
+                                             text_of(bytes).starts_with("\xff\xd8") ? "jpg" : "png");
+        mav0.write(fmt::format("cam{}/data", c), name, text_of(bytes));
+        if (n == 0) {
+          lists[c].header("#timestamp [ns],filename");
+        }
+        lists[c].time(recording.images[n].t_ns);
+        lists[c].cell(std::string_view(name));
+        lists[c].end_row();
+      }
+      if (progress) {
+        progress(n + 1);
+      }
+    }
+    mav0.write("cam0", "data.csv", lists[0].text());
+    mav0.write("cam1", "data.csv", lists[1].text());
+    mav0.commit();
+  } catch (const fs::filesystem_error& e) {
+    throw DataError((folder / "mav0").string(), 0, "a place where folders and files can be written",
+                    e.code().message());
+  }
+}
+
+}  // namespace limber

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// What goes into an MCAP file or an EuRoC folder comes out bit by bit.
+#include "limber/bags/write_mcap.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/files.hpp"
+#include "fixtures.hpp"
+#include "limber/bags/read_bag.hpp"
+#include "limber/core/errors.hpp"
+#include "limber/datasets/image_files.hpp"
+#include "limber/datasets/read_recording.hpp"
+#include "limber/datasets/write_euroc.hpp"
+
+namespace limber {
+namespace {
+
+using namespace limber::testing;
+
+StereoCalibration small_rig() {
+  StereoCalibration out;
+  out.cam0.width = out.cam1.width = kFixtureWidth;
+  out.cam0.height = out.cam1.height = kFixtureHeight;
+  out.cam0.fu = out.cam0.fv = out.cam1.fu = out.cam1.fv = 20.0;
+  out.theta(3) = -0.1;
+  return out;
+}
+
+constexpr const char* kTopics =
+    "left=/cam0/image_raw,right=/cam1/image_raw/compressed,imu=/imu0,odometry=/odom,truth=/truth/pose";
+
+Recording of_a_bag(const fs::path& path, const char* topics = kTopics) {
+  return read_bag(path, small_rig(), ImuNoise{}, parse_bag_topics(topics));
+}
+
+void expect_same(const Recording& a, const Recording& b) {
+  ASSERT_EQ(a.imu.size(), b.imu.size());
+  for (std::size_t k = 0; k < a.imu.size(); ++k) {
+    EXPECT_EQ(a.imu[k].t_ns, b.imu[k].t_ns);
+    EXPECT_EQ(a.imu[k].omega_imu, b.imu[k].omega_imu);
+    EXPECT_EQ(a.imu[k].accel_imu, b.imu[k].accel_imu);
+  }
+  ASSERT_EQ(a.odometry.size(), b.odometry.size());
+  for (std::size_t k = 0; k < a.odometry.size(); ++k) {
+    EXPECT_EQ(a.odometry[k].t_ns, b.odometry[k].t_ns);
+    EXPECT_EQ(a.odometry[k].v_body, b.odometry[k].v_body);
+    EXPECT_EQ(a.odometry[k].omega_body, b.odometry[k].omega_body);
+  }
+  ASSERT_EQ(a.groundtruth.size(), b.groundtruth.size());
+  for (std::size_t k = 0; k < a.groundtruth.size(); ++k) {
+    EXPECT_EQ(a.groundtruth[k].t_ns, b.groundtruth[k].t_ns);
+    EXPECT_EQ(a.groundtruth[k].p_world_body, b.groundtruth[k].p_world_body);
+    EXPECT_TRUE(a.groundtruth[k].R_world_body.isApprox(b.groundtruth[k].R_world_body, 1e-14));
+  }
+  ASSERT_EQ(a.images.size(), b.images.size());
+  for (std::size_t n = 0; n < a.images.size(); ++n) {
+    EXPECT_EQ(a.images[n].t_ns, b.images[n].t_ns);
+  }
+}
+
+TEST(McapRoundTrip, KeepsImuOdometryStampsAndImagesBitByBit) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "x.mcap";
+  const Recording before = of_a_bag(fixture("ros1_bz2.bag"));
+  write_mcap(before, file);
+  EXPECT_EQ(files_in(folder.path()), std::vector<std::string>{"x.mcap"});
+  EXPECT_TRUE(scan_bag(*open_bag(file)).damages.empty());
+  const Recording after = of_a_bag(file,
+                                   "left=/cam0/image_raw,right=/cam1/image_raw/compressed,imu=/imu0,"
+                                   "odometry=/odometry,truth=/groundtruth");
+  expect_same(before, after);
+  for (std::size_t n = 0; n < before.images.size(); ++n) {
+    for (const std::size_t camera : {0u, 1u}) {
+      const EncodedImage a = before.image_store->load(camera, n), b = after.image_store->load(camera, n);
+      EXPECT_EQ(a.data, b.data);
+      EXPECT_EQ(a.encoding, b.encoding);
+      EXPECT_EQ(a.step, b.step);
+    }
+  }
+}
+
+/// A PNG is made by nobody here: the pixels themselves, in a file that calls itself one.
+std::vector<std::uint8_t> not_really_png(const EncodedImage& image, const std::string&) { return image.data; }
+
+TEST(EurocRoundTrip, KeepsImuOdometryStampsAndImageFilesBitByBit) {
+  const TemporaryFolder folder;
+  const Recording before = of_a_bag(fixture("lz4.mcap"),
+                                    "left=/cam1/image_raw/compressed,right=/cam0/image_raw,imu=/imu0,"
+                                    "odometry=/odom,truth=/truth/pose");
+  // The reader looks at the first image: both cameras must have real files.
+  Recording both = before;
+  struct Twice final : ImageStore {
+    std::shared_ptr<const ImageStore> from;
+    EncodedImage load(std::size_t, std::size_t pair) const override { return from->load(0, pair); }
+    std::string place(std::size_t, std::size_t pair) const override { return from->place(0, pair); }
+  };
+  auto twice = std::make_shared<Twice>();
+  twice->from = before.image_store;
+  both.image_store = twice;
+  write_euroc(both, folder.path(), not_really_png);
+  const Recording after = read_recording(folder.path());
+  expect_same(both, after);
+  const auto images = stored_images(after);
+  for (std::size_t n = 0; n < both.images.size(); ++n) {
+    EXPECT_EQ(images->load(0, n).data, before.image_store->load(0, n).data);
+    EXPECT_EQ(after.images[n].cam0.extension(), ".png");
+  }
+}
+
+TEST(WriteEuroc, ReplacesItsOwnFoldersOnlyAndOnlyWhenTold) {
+  const TemporaryFolder folder;
+  const Recording recording = of_a_bag(fixture("zstd.mcap"));
+  write_euroc(recording, folder.path(), not_really_png);
+  EXPECT_THROW(write_euroc(recording, folder.path(), not_really_png), DataError);
+  write_euroc(recording, folder.path(), not_really_png, true);
+  write_text(folder.path() / "mav0/cam0/sensor.yaml", "somebody's\n");
+  EXPECT_THROW(write_euroc(recording, folder.path(), not_really_png, true), DataError);
+  EXPECT_EQ(read_text(folder.path() / "mav0/cam0/sensor.yaml"), "somebody's\n");
+}
+
+TEST(StoppedWriting, LeavesNothingBehind) {
+  const TemporaryFolder folder;
+  const Recording recording = of_a_bag(fixture("zstd.mcap"));
+  std::size_t asked = 0;
+  const auto stop = [&asked] { return ++asked == 3; };
+  EXPECT_THROW(write_mcap(recording, folder.path() / "x.mcap", {}, {}, stop), std::runtime_error);
+  asked = 0;
+  EXPECT_THROW(write_euroc(recording, folder.path() / "x", not_really_png, false, {}, stop), std::runtime_error);
+  EXPECT_TRUE(files_in(folder.path()).empty());
+}
+
+}  // namespace
+}  // namespace limber
