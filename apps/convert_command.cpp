@@ -215,8 +215,8 @@ void add_convert_command(CLI::App& app) {
   command->footer(
       "\nIMU, stamps and images keep every bit; Bayer and YUV images become grey in an EuRoC folder.\n"
       "Ctrl-C leaves nothing behind.\n"
-      "Examples:\n  limber convert flight.bag --calib camchain.yaml --imu imu.yaml --out data/flight\n"
-      "  limber convert data/v101 --out v101.mcap\n  limber convert runs/v101/trajectory.csv --out v101.tum");
+      "Example:\n  limber convert flight.bag --calib camchain.yaml --imu imu.yaml --out data/flight\n"
+      "  limber convert data/flight --out flight.mcap\n  limber convert runs/v101/trajectory.csv --out v101.tum");
   command->callback([arguments] { convert(*arguments); });
 }
 

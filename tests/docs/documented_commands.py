@@ -19,12 +19,13 @@ import tempfile
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
-HELPED = ["run", "smooth", "health", "simulate", "evaluate", "study", "study merge", "study show", "paper", "report",
+HELPED = ["run", "info", "convert", "smooth", "health", "simulate", "evaluate", "study", "study merge", "study show", "paper", "report",
           "decalibrate"]
 # Pattern, replacement, why.
 TWINS = [
     (r"^scripts/demo\.sh", "LIMBER_PROGRAM=limber LIMBER_DEMO_RUNS=1 scripts/demo.sh", "without building, one run"),
     (r"^scripts/test\.sh", "bash -n scripts/test.sh", "it is what runs this test"),
+    (r"^(\S*limber) health flight\.bag .*", r"\1 info flight.bag", "the bag of the tests is too small to navigate with"),
     (r"--runs \d+", "--runs 1", "one run"),
     (r"^(limber paper .*)--out \S+", r"! \1--out /dev/null/paper", "parsed, then refused for its folder; "
      "tests/cli/paper_command_test.cpp runs smaller ones"),
@@ -51,6 +52,10 @@ def make_sandbox(folder, program):
     (folder / "build/release").mkdir(parents=True)
     (folder / "build/release/limber").symlink_to(program)
     shutil.copytree(SOURCE / "scripts", folder / "scripts")
+    bags = SOURCE / "tests/bags/fixtures"
+    shutil.copy(bags / "ros1_lz4.bag", folder / "flight.bag")
+    for name in ("camchain.yaml", "imu.yaml"):
+        shutil.copy(bags / name, folder / name)
     (folder / "scenarios").mkdir()
     for file in (SOURCE / "scenarios").glob("*.yaml"):
         (folder / "scenarios" / file.name).write_text(shorter(file.read_text()))

@@ -13,6 +13,7 @@ namespace {
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::message_of;
 
 EncodedImage image(const std::string& encoding, int width, int height, std::vector<std::uint8_t> data) {
   EncodedImage out;
