@@ -58,18 +58,22 @@ auto rank(const Pair& pair) {
       -static_cast<std::ptrdiff_t>(std::min(pair.left->places.size(), pair.right->places.size())), name);
 }
 
-/// Whether the right name is the left one with every `side.first` replaced.
-bool is_partner(std::string left, const std::string& right,
+/// Whether the right name is the left one with the first, or every, `side.first` replaced.
+bool is_partner(const std::string& left, const std::string& right,
                 const std::pair<std::string_view, std::string_view>& side) {
-  std::size_t at = left.find(side.first);
-  if (at == std::string::npos) {
+  const std::size_t first = left.find(side.first);
+  if (first == std::string::npos) {
     return false;
   }
-  std::string all = left, one = left;
-  one.replace(at, side.first.size(), side.second);
-  for (; at != std::string::npos; at = all.find(side.first, at + side.second.size())) {
-    all.replace(at, side.first.size(), side.second);
+  const std::string_view text = left;
+  std::string one, all;
+  one.append(text.substr(0, first)).append(side.second).append(text.substr(first + side.first.size()));
+  std::size_t done = 0;
+  for (std::size_t at = first; at != std::string::npos; at = text.find(side.first, done)) {
+    all.append(text.substr(done, at - done)).append(side.second);
+    done = at + side.first.size();
   }
+  all.append(text.substr(done));
   return all == right || one == right;
 }
 

@@ -151,8 +151,11 @@ class SeveralBags final : public BagFile {
 
 bool is_bag(const std::filesystem::path& path) {
   std::error_code error;
-  return std::filesystem::is_directory(path, error) ? !detail::files_of_ros2_bag(path).empty()
-                                                    : detail::format_of(path) != nullptr;
+  if (!std::filesystem::is_directory(path, error)) {
+    return detail::format_of(path) != nullptr;
+  }
+  // An EuRoC folder stays one when somebody puts its bag beside it.
+  return !std::filesystem::exists(path / "mav0", error) && !detail::files_of_ros2_bag(path).empty();
 }
 
 std::unique_ptr<BagFile> open_bag(const std::filesystem::path& path) {

@@ -172,6 +172,8 @@ TEST(SeveralFiles, OfARos2BagAreOne) {
   EXPECT_EQ(images.places[3].file, 0u);
   EXPECT_EQ(images.places[7].file, 1u);
   EXPECT_EQ(bag->read(images.places[2]), bag->read(images.places[7]));
+  fs::create_directory(folder.path() / "mav0");
+  EXPECT_FALSE(is_bag(folder.path())) << "an EuRoC folder with a bag in it";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "files.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/track_log.hpp"
+#include "limber/rig_files/write_rig_files.hpp"
 #include "small_recording.hpp"
 
 namespace limber {
@@ -54,6 +55,26 @@ TEST_F(EurocFolder, GivesPairsOfEqualTimeAndNotesTheOthers) {
   ASSERT_EQ(recording.notes.size(), 1U);
   EXPECT_NE(recording.notes[0].find("1 images of cam0 and 2 of cam1"), std::string::npos)
       << recording.notes[0];
+}
+
+TEST_F(EurocFolder, MayHaveKalibrsFilesBesideItAsTumViHas) {
+  const Recording own = read();
+  const fs::path dso = mav0().parent_path() / "dso";
+  write_text(dso / "camchain.yaml", kalibr_camchain(own.calibration));
+  write_text(dso / "imu_config.yaml", kalibr_imu(ImuNoise{1e-4, 2e-5, 3e-3, 4e-4}));
+  for (const char* const sensor : {"cam0", "cam1", "imu0"}) {
+    fs::remove(mav0() / sensor / "sensor.yaml");
+  }
+  fs::rename(mav0() / "state_groundtruth_estimate0", mav0() / "mocap0");
+  const Recording recording = read();
+  EXPECT_LE((recording.calibration.theta - own.calibration.theta).norm(), 1e-12);
+  EXPECT_EQ(recording.calibration.body, BodyFrame::kImu);
+  EXPECT_TRUE(recording.calibration.T_body_cam0.p.isApprox(own.calibration.T_body_cam0.p, 1e-12));
+  EXPECT_EQ(recording.calibration.cam1.width, 752);
+  EXPECT_EQ(recording.imu_noise->accel_density, 3e-3);
+  EXPECT_EQ(recording.groundtruth.size(), own.groundtruth.size());
+  fs::remove(dso / "camchain.yaml");
+  EXPECT_NE(std::string(error().what()).find("cam0/sensor.yaml"), std::string::npos);
 }
 
 TEST_F(EurocFolder, MayHoldJpegs) {

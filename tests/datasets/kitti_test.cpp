@@ -47,6 +47,20 @@ class KittiFolder : public ::testing::Test {
   TemporaryFolder root_;
 };
 
+TEST_F(KittiFolder, InColourHasTheLeftColourCameraAsBodyAndItsPosesAreThere) {
+  fs::rename(folder() / "image_0", folder() / "image_2");
+  fs::rename(folder() / "image_1", folder() / "image_3");
+  write_text(folder() / "calib.txt", std::string(kCalibration) +
+                                         "P2: 7.0e+02 0 6.0e+02 4.2e+01 0 7.1e+02 1.8e+02 0 0 0 1 0\n"
+                                         "P3: 7.0e+02 0 6.0e+02 -3.5e+02 0 7.1e+02 1.8e+02 0 0 0 1 0\n");
+  const Recording recording = read();
+  EXPECT_EQ(recording.images[1].cam0, folder() / "image_2/000001.png");
+  EXPECT_EQ(recording.images[1].cam1, folder() / "image_3/000001.png");
+  EXPECT_NEAR(recording.calibration.theta(3), -0.56, 1e-12);
+  // cam2 stands 6 cm to the left of cam0: y of a world that the camera looks into along x.
+  EXPECT_LE((recording.groundtruth[0].p_world_body - Eigen::Vector3d(0, 0.06, 0)).norm(), 1e-12);
+}
+
 TEST_F(KittiFolder, GivesTheRectifiedRigWithTheLeftCameraAsBody) {
   const Recording recording = read();
   const StereoCalibration& calibration = recording.calibration;

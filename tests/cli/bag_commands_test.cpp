@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+// limber info, limber convert, and bags in the place of folders.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "run_program.hpp"
+
+namespace limber {
+namespace {
+
+using namespace limber::testing;
+using ::testing::HasSubstr;
+
+std::string bag(const std::string& name) {
+  return (fs::path(LIMBER_SOURCE_DIR) / "tests" / "bags" / "fixtures" / name).string();
+}
+
+/// Kalibr's files for the cameras of the fixtures.
+class BagCommands : public ::testing::Test {
+ protected:
+  BagCommands() {
+    write_text(camchain,
+               "cam0:\n  camera_model: pinhole\n  intrinsics: [20, 20, 8, 6]\n  distortion_model: radtan\n"
+               "  distortion_coeffs: [0.01, 0, 0, 0]\n  resolution: [16, 12]\n"
+               "  T_cam_imu:\n  - [1, 0, 0, 0]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n"
+               "cam1:\n  camera_model: pinhole\n  intrinsics: [20, 20, 8, 6]\n  distortion_model: radtan\n"
+               "  distortion_coeffs: [0.01, 0, 0, 0]\n  resolution: [16, 12]\n"
+               "  T_cam_imu:\n  - [1, 0, 0, -0.1]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n"
+               "  T_cn_cnm1:\n  - [1, 0, 0, -0.1]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n");
+    write_text(imu,
+               "accelerometer_noise_density: 0.002\naccelerometer_random_walk: 0.003\n"
+               "gyroscope_noise_density: 0.0002\ngyroscope_random_walk: 0.00002\nrostopic: /imu0\nupdate_rate: 200\n");
+  }
+  [[nodiscard]] ProgramResult convert(const std::string& from, const std::string& to,
+                                      std::vector<std::string> more = {}) const {
+    std::vector<std::string> arguments = {"convert", from, "--out", to};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_limber(arguments);
+  }
+  [[nodiscard]] std::string path(const char* name) const { return (folder.path() / name).string(); }
+
+  const TemporaryFolder folder;
+  const std::string camchain = path("camchain.yaml"), imu = path("imu.yaml");
+};
+
+std::map<std::string, std::string> contents_below(const fs::path& folder) {
+  std::map<std::string, std::string> out;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) {
+      out[entry.path().lexically_relative(folder).string()] = read_text(entry.path());
+    }
+  }
+  return out;
+}
+
+TEST_F(BagCommands, InfoSaysWhatIsInABagAndWhatCanBeDone) {
+  const ProgramResult text = run_limber({"info", bag("ros1_bz2.bag")});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("--topics left=/cam0/image_raw,right=/cam1/image_raw,imu=/imu0"));
+  EXPECT_THAT(text.out, HasSubstr("limber health"));
+  const auto json = nlohmann::json::parse(run_limber({"info", bag("ros2.db3"), "--json"}).out);
+  EXPECT_EQ(json["format"], "ROS 2 bag (sqlite3)");
+  EXPECT_EQ(json["streams"].size(), 9u);
+  EXPECT_EQ(json["stereo"]["pairs"], 5);
+  EXPECT_TRUE(json["stereo"]["synchronised"]);
+  EXPECT_NEAR(json["stereo"]["mean_grey"][0].get<double>(), 142, 2);
+}
+
+TEST_F(BagCommands, RunAndConvertAskForTheCalibrationOfABag) {
+  const ProgramResult run = run_limber({"run", bag("zstd.mcap"), "--out", path("run")});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("--calib"));
+  EXPECT_EQ(convert(bag("zstd.mcap"), path("x")).exit_code, 2);
+}
+
+TEST_F(BagCommands, AFileInThePlaceOfAFolderIsToldWhatItIs) {
+  const auto refused = [&](const char* name, const char* content) {
+    write_text(folder.path() / name, content);
+    const ProgramResult result = run_limber({"health", path(name)});
+    EXPECT_EQ(result.exit_code, 1);
+    return result.err;
+  };
+  EXPECT_THAT(refused("a.yaml", "cam0:\n"), HasSubstr("--calib"));
+  EXPECT_THAT(refused("a.mp4", "x"), HasSubstr("a video"));
+  EXPECT_THAT(refused("a.db3.zstd", "x"), HasSubstr("zstd -d"));
+  EXPECT_THAT(refused("a.tum", "1 2"), HasSubstr("limber evaluate"));
+  EXPECT_THAT(refused("a.xyz", "1 2"), HasSubstr("of a kind that limber does not know"));
+}
+
+TEST_F(BagCommands, ABagThroughFolderAndMcapIsTheSameFolderAgain) {
+  const ProgramResult first = convert(bag("ros1_lz4.bag"), path("one"), {"--calib", camchain, "--imu", imu});
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  const auto files = contents_below(folder.path() / "one");
+  EXPECT_EQ(files.size(), 2u * 5u + 2u + 2u + 2u + 1u) << "images, lists, cameras, IMU, truth";
+  const ProgramResult second = convert(path("one"), path("x.mcap"));
+  ASSERT_EQ(second.exit_code, 0) << second.err;
+  EXPECT_THAT(second.err, HasSubstr("holds no calibration"));
+  const ProgramResult third = convert(path("x.mcap"), path("two"), {"--calib", path("one"), "--imu", imu});
+  ASSERT_EQ(third.exit_code, 0) << third.err;
+  for (const auto& [name, content] : contents_below(folder.path() / "two")) {
+    EXPECT_EQ(files.count(name), 1u) << name;
+    if (name.find("groundtruth") == std::string::npos) {  // quaternions, up to rounding
+      EXPECT_TRUE(files.count(name) == 1 && files.at(name) == content) << name;
+    }
+  }
+}
+
+TEST_F(BagCommands, ConvertReplacesOnlyWithForceAndNeverItsInput) {
+  const std::vector<std::string> with = {"--calib", camchain, "--imu", imu};
+  ASSERT_EQ(convert(bag("lz4.mcap"), path("one"), with).exit_code, 0);
+  const ProgramResult again = convert(bag("lz4.mcap"), path("one"), with);
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.err, HasSubstr("--force"));
+  EXPECT_EQ(convert(bag("lz4.mcap"), path("one"), {"--calib", camchain, "--force"}).exit_code, 0);
+  write_text(folder.path() / "mine.mcap", "mine");
+  EXPECT_EQ(convert(path("one"), path("mine.mcap")).exit_code, 1);
+  EXPECT_EQ(read_text(path("mine.mcap")), "mine");
+  EXPECT_EQ(convert(path("one"), path("mine.mcap"), {"--force", "--pixels", "raw"}).exit_code, 0);
+  const auto before = read_text(path("mine.mcap"));
+  const ProgramResult self = convert(path("mine.mcap"), path("mine.mcap"), {"--force", "--calib", camchain});
+  EXPECT_EQ(self.exit_code, 1);
+  EXPECT_EQ(read_text(path("mine.mcap")), before);
+}
+
+TEST_F(BagCommands, PosesOfABagBecomeATrajectoryFile) {
+  ASSERT_EQ(convert(bag("ros2.db3"), path("t.tum")).exit_code, 0);
+  EXPECT_THAT(read_text(path("t.tum")), HasSubstr("1600000000.223456789 1 0 0 0 0 0.6 0.8\n"));
+  ASSERT_EQ(convert(bag("ros2.db3"), path("v.tum"), {"--topics", "truth=/vicon/body"}).exit_code, 0);
+  EXPECT_THAT(read_text(path("v.tum")), HasSubstr("1600000000.223456789 0 0.5 0 0 0 0 1\n"));
+  ASSERT_EQ(convert(path("t.tum"), path("t.kitti")).exit_code, 0);
+  ASSERT_EQ(convert(path("t.kitti"), path("t2.kitti")).exit_code, 0);
+  EXPECT_EQ(read_text(path("t.kitti")), read_text(path("t2.kitti")));
+  const ProgramResult no_times = convert(path("t.kitti"), path("t.txt"));
+  EXPECT_EQ(no_times.exit_code, 1);
+  EXPECT_THAT(no_times.err, HasSubstr("has no times"));
+}
+
+}  // namespace
+}  // namespace limber
