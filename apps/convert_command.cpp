@@ -123,7 +123,8 @@ void convert_recording(const ConvertArguments& arguments) {
   const bool mcap = ending_of(arguments.out) == ".mcap";
   if (recording.images.empty()) {
     if (mcap) {
-      throw std::runtime_error(recording.name + " holds matched points, for which there is no message type: "
+      throw std::runtime_error(recording.name +
+                               " holds matched points, for which there is no message type: "
                                "give a folder as --out");
     }
     write_track_log(recording, arguments.out);
@@ -168,8 +169,9 @@ std::vector<StampedPose> poses_of_bag(const ConvertArguments& arguments) {
 
 void convert_trajectory(const ConvertArguments& arguments) {
   const bool bag = is_bag(arguments.recording.dataset);
-  const TrajectoryInput input = bag ? TrajectoryInput{arguments.recording.dataset, true, poses_of_bag(arguments), {}}
-                                    : load_trajectory(arguments.recording.dataset);
+  const TrajectoryInput input =
+      bag ? TrajectoryInput{arguments.recording.dataset, true, poses_of_bag(arguments), {}}
+          : load_trajectory(arguments.recording.dataset);
   const std::string ending = ending_of(arguments.out);
   if (!input.has_time && ending != ".kitti") {
     throw std::runtime_error(input.path.string() + " has no times, which " + ending + " needs");
@@ -208,7 +210,9 @@ void add_convert_command(CLI::App& app) {
                    "FOLDER: EuRoC; FILE.mcap; FILE.tum, .txt (TUM), .csv (limber), .kitti: poses alone")
       ->required()
       ->check(not_empty());
-  command->add_option("--pixels", arguments->pixels, "Images of an MCAP file: keep, raw (unpacked) or png (packed)")
+  command
+      ->add_option("--pixels", arguments->pixels,
+                   "Images of an MCAP file: keep, raw (unpacked) or png (packed)")
       ->check(CLI::IsMember({"keep", "raw", "png"}))
       ->capture_default_str();
   command->add_flag("--force", arguments->force, "Replace an older result");
@@ -216,7 +220,8 @@ void add_convert_command(CLI::App& app) {
       "\nIMU, stamps and images keep every bit; Bayer and YUV images become grey in an EuRoC folder.\n"
       "Ctrl-C leaves nothing behind.\n"
       "Example:\n  limber convert flight.bag --calib camchain.yaml --imu imu.yaml --out data/flight\n"
-      "  limber convert data/flight --out flight.mcap\n  limber convert runs/v101/trajectory.csv --out v101.tum");
+      "  limber convert data/flight --out flight.mcap\n  limber convert runs/v101/trajectory.csv --out "
+      "v101.tum");
   command->callback([arguments] { convert(*arguments); });
 }
 

@@ -29,8 +29,8 @@ void measure(const char* name, const std::function<double()>& work) {
   const double megabytes = work();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double used = cpu_s() - cpu;
-  fmt::print("{:<8} {:8.1f} MB  {:6.2f} s wall  {:6.2f} s CPU  {:7.0f} MB/s of CPU time\n", name, megabytes, wall,
-             used, megabytes / used);
+  fmt::print("{:<8} {:8.1f} MB  {:6.2f} s wall  {:6.2f} s CPU  {:7.0f} MB/s of CPU time\n", name, megabytes,
+             wall, used, megabytes / used);
 }
 
 void read(const std::filesystem::path& path) {

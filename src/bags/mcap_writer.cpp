@@ -33,7 +33,11 @@ class McapFields {
   [[nodiscard]] const std::string& bytes() const { return bytes_; }
   /// As a record: opcode, length, content.
   [[nodiscard]] std::string record(mcap::Op op) const {
-    return McapFields().integer(static_cast<std::uint8_t>(op)).integer(std::uint64_t{bytes_.size()}).raw(bytes_).bytes();
+    return McapFields()
+        .integer(static_cast<std::uint8_t>(op))
+        .integer(std::uint64_t{bytes_.size()})
+        .raw(bytes_)
+        .bytes();
   }
 
  private:
@@ -75,8 +79,12 @@ std::uint16_t McapWriter::channel(const std::string& topic, const std::string& t
   }
   const auto [schema, is_new] = schemas_.try_emplace(type, static_cast<std::uint16_t>(schemas_.size() + 1));
   if (is_new) {
-    definitions_.push_back(
-        McapFields().integer(schema->second).text(type).text("ros2msg").text(definition).record(mcap::kSchema));
+    definitions_.push_back(McapFields()
+                               .integer(schema->second)
+                               .text(type)
+                               .text("ros2msg")
+                               .text(definition)
+                               .record(mcap::kSchema));
     chunk_ += definitions_.back();
   }
   const auto id = static_cast<std::uint16_t>(channels_.size() + 1);
@@ -177,10 +185,16 @@ void McapWriter::write_summary() {
 
 void McapWriter::close() {
   end_chunk();
-  put(McapFields().integer(std::uint32_t{0}).record(mcap::kDataEnd));  // no checksum of the whole: chunks have one
+  put(McapFields()
+          .integer(std::uint32_t{0})
+          .record(mcap::kDataEnd));  // no checksum of the whole: chunks have one
   const std::uint64_t summary = at_;
   write_summary();
-  put(McapFields().integer(summary).integer(std::uint64_t{0}).integer(std::uint32_t{0}).record(mcap::kFooter));
+  put(McapFields()
+          .integer(summary)
+          .integer(std::uint64_t{0})
+          .integer(std::uint32_t{0})
+          .record(mcap::kFooter));
   put(std::string(mcap::kMagic));
   file_.commit();
 }

@@ -37,14 +37,14 @@ class McapWriter {
   void write_summary();
 
   AtomicFile file_;
-  std::uint64_t at_ = 0;  ///< bytes written
-  std::string chunk_;     ///< records, not compressed yet
-  std::uint64_t first_ns_ = 0, last_ns_ = 0;              ///< of the chunk
-  std::map<std::uint16_t, std::vector<Entry>> entries_;   ///< of the chunk
+  std::uint64_t at_ = 0;                                 ///< bytes written
+  std::string chunk_;                                    ///< records, not compressed yet
+  std::uint64_t first_ns_ = 0, last_ns_ = 0;             ///< of the chunk
+  std::map<std::uint16_t, std::vector<Entry>> entries_;  ///< of the chunk
   std::vector<Chunk> chunks_;
-  std::vector<std::string> definitions_;                  ///< records of schemas and channels
+  std::vector<std::string> definitions_;  ///< records of schemas and channels
   std::map<std::string, std::uint16_t> schemas_, channels_;
-  std::map<std::uint16_t, std::uint64_t> counts_;         ///< messages of each channel
+  std::map<std::uint16_t, std::uint64_t> counts_;  ///< messages of each channel
 };
 
 }  // namespace limber::detail

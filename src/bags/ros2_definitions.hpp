@@ -4,9 +4,9 @@
 /// Definitions of ROS 2 messages, as MCAP files carry them (encoding "ros2msg").
 namespace limber::detail::ros2 {
 
-#define LIMBER_SEPARATOR \
-  "================================================================================\n"
-#define LIMBER_HEADER LIMBER_SEPARATOR "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+#define LIMBER_SEPARATOR "================================================================================\n"
+#define LIMBER_HEADER \
+  LIMBER_SEPARATOR "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
 #define LIMBER_VECTOR3 LIMBER_SEPARATOR "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n"
 #define LIMBER_QUATERNION \
   LIMBER_SEPARATOR "MSG: geometry_msgs/Quaternion\nfloat64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n"
@@ -32,8 +32,10 @@ inline constexpr const char* kTwistStamped =
 inline constexpr const char* kOdometry =
     "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n"
     "geometry_msgs/TwistWithCovariance twist\n" LIMBER_HEADER LIMBER_SEPARATOR
-    "MSG: geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose pose\nfloat64[36] covariance\n" LIMBER_SEPARATOR
-    "MSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n" LIMBER_SEPARATOR
+    "MSG: geometry_msgs/PoseWithCovariance\ngeometry_msgs/Pose pose\nfloat64[36] "
+    "covariance\n" LIMBER_SEPARATOR
+    "MSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion "
+    "orientation\n" LIMBER_SEPARATOR
     "MSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n" LIMBER_QUATERNION LIMBER_SEPARATOR
     "MSG: geometry_msgs/TwistWithCovariance\ngeometry_msgs/Twist twist\nfloat64[36] covariance\n" LIMBER_TWIST
         LIMBER_VECTOR3;

@@ -53,7 +53,8 @@ std::vector<std::uint8_t> truth_message(const GroundTruthState& state) {
   return out.take();
 }
 
-std::vector<std::uint8_t> image_message(const EncodedImage& image, std::int64_t t_ns, std::string_view frame) {
+std::vector<std::uint8_t> image_message(const EncodedImage& image, std::int64_t t_ns,
+                                        std::string_view frame) {
   CdrWriter out;
   out.header(t_ns, frame);
   if (image.encoding.empty()) {
@@ -81,8 +82,8 @@ class RecordingWriter {
     put(recording_.imu, imu_, t_ns, "/imu0", "sensor_msgs/msg/Imu", detail::ros2::kImu, imu_message);
     put(recording_.odometry, odometry_, t_ns, "/odometry", "geometry_msgs/msg/TwistStamped",
         detail::ros2::kTwistStamped, twist_message);
-    put(recording_.groundtruth, truth_, t_ns, "/groundtruth", "nav_msgs/msg/Odometry", detail::ros2::kOdometry,
-        truth_message);
+    put(recording_.groundtruth, truth_, t_ns, "/groundtruth", "nav_msgs/msg/Odometry",
+        detail::ros2::kOdometry, truth_message);
   }
   void image(std::size_t camera, std::int64_t t_ns, const EncodedImage& image) {
     const std::string frame = camera == 0 ? "cam0" : "cam1", topic = "/" + frame + "/image_raw";

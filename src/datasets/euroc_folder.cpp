@@ -77,9 +77,8 @@ void EurocFolder::write_odometry(const Recording& recording) const {
   write("odometry0", "data.csv", table.text());
   if (const auto& noise = recording.odometry_noise) {
     write("odometry0", "sensor.yaml",
-               fmt::format("sigma_v: {}  # [m/s]\nsigma_w: {}  # [rad/s]\n",
-                           list_of(noise->sigma_v.data(), 3),
-                           list_of(noise->sigma_omega.data(), 3)));
+          fmt::format("sigma_v: {}  # [m/s]\nsigma_w: {}  # [rad/s]\n", list_of(noise->sigma_v.data(), 3),
+                      list_of(noise->sigma_omega.data(), 3)));
   }
 }
 

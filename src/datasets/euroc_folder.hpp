@@ -19,8 +19,8 @@ class EurocFolder {
              std::string_view content) const;
 
   void write_cameras(const StereoCalibration& calibration) const;  ///< camN/sensor.yaml
-  // What the recording does not hold is not written. std::invalid_argument if times do not increase or a number
-  // is not finite.
+  // What the recording does not hold is not written. std::invalid_argument if times do not increase or a
+  // number is not finite.
   void write_imu(const Recording& recording) const;
   void write_odometry(const Recording& recording) const;
   void write_groundtruth(const Recording& recording) const;

@@ -51,7 +51,8 @@ void write_euroc(const Recording& recording, const fs::path& folder, const Image
     mav0.write_odometry(recording);
     mav0.write_groundtruth(recording);
     const auto images = stored_images(recording);
-    std::array<detail::TableText, 2> lists = {detail::TableText("images", ','), detail::TableText("images", ',')};
+    std::array<detail::TableText, 2> lists = {detail::TableText("images", ','),
+                                              detail::TableText("images", ',')};
     for (std::size_t n = 0; n < recording.images.size(); ++n) {
       if (stop && stop()) {
         throw std::runtime_error("stopped: nothing is written");

@@ -126,7 +126,8 @@ TEST(StoppedWriting, LeavesNothingBehind) {
   const auto stop = [&asked] { return ++asked == 3; };
   EXPECT_THROW(write_mcap(recording, folder.path() / "x.mcap", {}, {}, stop), std::runtime_error);
   asked = 0;
-  EXPECT_THROW(write_euroc(recording, folder.path() / "x", not_really_png, false, {}, stop), std::runtime_error);
+  EXPECT_THROW(write_euroc(recording, folder.path() / "x", not_really_png, false, {}, stop),
+               std::runtime_error);
   EXPECT_TRUE(files_in(folder.path()).empty());
 }
 

@@ -21,19 +21,6 @@ std::string bag(const std::string& name) {
 /// Kalibr's files for the cameras of the fixtures.
 class BagCommands : public ::testing::Test {
  protected:
-  BagCommands() {
-    write_text(camchain,
-               "cam0:\n  camera_model: pinhole\n  intrinsics: [20, 20, 8, 6]\n  distortion_model: radtan\n"
-               "  distortion_coeffs: [0.01, 0, 0, 0]\n  resolution: [16, 12]\n"
-               "  T_cam_imu:\n  - [1, 0, 0, 0]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n"
-               "cam1:\n  camera_model: pinhole\n  intrinsics: [20, 20, 8, 6]\n  distortion_model: radtan\n"
-               "  distortion_coeffs: [0.01, 0, 0, 0]\n  resolution: [16, 12]\n"
-               "  T_cam_imu:\n  - [1, 0, 0, -0.1]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n"
-               "  T_cn_cnm1:\n  - [1, 0, 0, -0.1]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n");
-    write_text(imu,
-               "accelerometer_noise_density: 0.002\naccelerometer_random_walk: 0.003\n"
-               "gyroscope_noise_density: 0.0002\ngyroscope_random_walk: 0.00002\nrostopic: /imu0\nupdate_rate: 200\n");
-  }
   [[nodiscard]] ProgramResult convert(const std::string& from, const std::string& to,
                                       std::vector<std::string> more = {}) const {
     std::vector<std::string> arguments = {"convert", from, "--out", to};
@@ -43,7 +30,7 @@ class BagCommands : public ::testing::Test {
   [[nodiscard]] std::string path(const char* name) const { return (folder.path() / name).string(); }
 
   const TemporaryFolder folder;
-  const std::string camchain = path("camchain.yaml"), imu = path("imu.yaml");
+  const std::string camchain = bag("camchain.yaml"), imu = bag("imu.yaml");
 };
 
 std::map<std::string, std::string> contents_below(const fs::path& folder) {

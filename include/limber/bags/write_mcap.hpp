@@ -27,6 +27,7 @@ using ImageChange = std::function<EncodedImage(EncodedImage, const std::string& 
 /// @throws DataError if the file cannot be written
 /// @throws std::invalid_argument if the recording has no images, or times before 1970 or after 2038
 void write_mcap(const Recording& recording, const std::filesystem::path& path, const ImageChange& change = {},
-                const std::function<void(std::size_t)>& progress = {}, const std::function<bool()>& stop = {});
+                const std::function<void(std::size_t)>& progress = {},
+                const std::function<bool()>& stop = {});
 
 }  // namespace limber

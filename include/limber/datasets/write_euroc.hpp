@@ -13,9 +13,9 @@ namespace limber {
 /// The bytes of a PNG or JPEG file that holds an image; `place` is for messages.
 using ImageFileOf = std::function<std::vector<std::uint8_t>(const EncodedImage&, const std::string& place)>;
 
-/// @brief Writes a recording with images as an EuRoC folder, `folder`/mav0/...: what read_recording reads back.
-/// Image files go in byte by byte; `file_of` makes files of all others. Both images of a pair get its time.
-/// IMU, odometry, stamps and ground truth keep every digit. Appears complete or not at all.
+/// @brief Writes a recording with images as an EuRoC folder, `folder`/mav0/...: what read_recording reads
+/// back. Image files go in byte by byte; `file_of` makes files of all others. Both images of a pair get its
+/// time. IMU, odometry, stamps and ground truth keep every digit. Appears complete or not at all.
 /// @param replace   an older mav0 that this function, or write_track_log, has written is replaced
 /// @param progress  told the pairs done; may be empty
 /// @param stop      asked before every pair: true ends the work by std::runtime_error; may be empty
