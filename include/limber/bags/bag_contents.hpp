@@ -32,6 +32,7 @@ struct BagStream {
   std::vector<OdometrySample> twists;
 };
 
+/// What a scan of a bag found.
 struct BagContents {
   std::string format;
   std::vector<BagStream> streams;
@@ -59,6 +60,7 @@ struct Timing {
   [[nodiscard]] double duration_s() const { return static_cast<double>(last_ns - first_ns) * 1e-9; }
   [[nodiscard]] double rate_hz() const { return median_interval_s > 0.0 ? 1.0 / median_interval_s : 0.0; }
 };
+/// Of times in the order of the file.
 [[nodiscard]] Timing timing_of(const std::vector<std::int64_t>& t_ns);
 
 /// Left and right images that belong together: indices into two lists of times.

@@ -16,6 +16,7 @@ namespace limber {
 /// How the bytes of a message are to be read.
 enum class Serialization { kRos1, kCdr, kOther };
 
+/// A topic as the bag describes it.
 struct BagTopic {
   std::string name;  ///< "/cam0/image_raw"
   std::string type;  ///< "sensor_msgs/Image": ROS 2's "/msg/" is left out
@@ -33,6 +34,7 @@ struct BagPlace {
   bool in_chunk = false;     ///< compressed
 };
 
+/// A message on the walk through a bag.
 struct BagMessage {
   std::size_t topic = 0;  ///< index into topics()
   std::int64_t t_ns = 0;  ///< when it was recorded: bag time, not the stamp in its header

@@ -15,10 +15,12 @@
 /// Messages of ROS, as ROS 1 and CDR serialise them. Times are the stamps of their headers.
 namespace limber {
 
+/// What a message holds.
 enum class MessageKind { kImage, kCompressedImage, kImu, kOdometry, kPose, kTwist, kOther };
 
 /// What limber can make of a topic: kOther for types, or serialisations, that it does not read.
 [[nodiscard]] MessageKind kind_of(const BagTopic& topic);
+/// "image", "imu", ...
 [[nodiscard]] const char* to_string(MessageKind kind);
 
 /// Stamp of the header that a message begins with; nothing if it is too short, or its nanoseconds are no
@@ -44,10 +46,12 @@ struct ImageHeader {
 [[nodiscard]] std::optional<EncodedImage> decode_image(std::span<const std::uint8_t> data,
                                                        Serialization serialization, MessageKind kind);
 
+/// sensor_msgs/Imu.
 struct ImuMessage {
   ImuSample sample;
   bool has_rates = true, has_accelerations = true;  ///< false: the first covariance is -1
 };
+/// Rates and accelerations; the orientation is left alone.
 [[nodiscard]] std::optional<ImuMessage> decode_imu(std::span<const std::uint8_t> data,
                                                    Serialization serialization);
 
@@ -56,6 +60,7 @@ struct OdometryMessage {
   StampedPose pose;
   OdometrySample twist;
 };
+/// Pose and velocities; covariances are left alone.
 [[nodiscard]] std::optional<OdometryMessage> decode_odometry(std::span<const std::uint8_t> data,
                                                              Serialization serialization);
 
