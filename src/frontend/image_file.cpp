@@ -36,12 +36,7 @@ cv::Mat decode(std::string_view bytes, int width, int height, const std::string&
     throw DataError(name, 0, expected + " (the calibration's resolution)",
                     size_text(size->width, size->height));
   } else if (!size) {
-  if (image.empty()) throw DataError(name, 0, expected, "nothing that can be decoded as an image");
-  if (image.depth() != CV_8U && image.depth() != CV_16U) {
-    throw DataError(name, 0, expected + " of 8 or 16 bit", "other numbers as pixels");
-  }
-  if (image.cols != width || image.rows != height) {
-    throw DataError(name, 0, expected + " (the calibration's resolution)", size_text(image.cols, image.rows));
+    throw DataError(name, 0, expected, "nothing that can be decoded as an image: no PNG or JPEG");
   }
   cv::Mat image;
   try {
