@@ -71,7 +71,7 @@ void add_effect(Out out, const char* name, const SizeInterval& size, const Band&
 /// Sizes with their intervals against the tolerance.
 template <typename Out>
 void add_state(Out out, const CalibrationState& state, const Tolerance& tolerance) {
-  fmt::format_to(out, "\n{:<26}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "", "size", "from", "to (95 %)", "ok up to",
+  fmt::format_to(out, "\n{:<26}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "", "size", "from", "to 95 %", "ok up to",
                  "wrong");
   add_effect(out, "off the epipolar line", state.effect.epipolar_px, tolerance.epipolar_px, 1.0, "px",
              state.by_epipolar);
