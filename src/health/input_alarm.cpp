@@ -14,7 +14,14 @@ namespace {
 using Vector6 = PoseCorrection::Vector6;
 using Matrix6 = PoseCorrection::Matrix6;
 
-constexpr double kShare = 0.1;     // of one frame in the fading mean
+constexpr double kShare = 0.1;  // of one frame in the fading mean
+/// How much larger the variance of the fading mean is than of white corrections. Two thirds of a real pixel
+/// error's variance stay the same while its track lives (docs/evidence/realistic-pixels.md), some 15 frames:
+/// a correlation r of 0.93 from frame to frame, and 1/3 + 2/3 (1 + r (1 - kShare)) / (1 - r (1 - kShare))
+/// = 8.
+constexpr double kPersistence = 8.0;
+constexpr double kStatedNoise =
+    2.0;  // variance of real inputs over what their data sheets say, and no fault yet
 constexpr double kWeakest = 1e-4;  // directions that are corrected by less, in correlation, say nothing
 constexpr double kNoiseShare = 0.05;
 constexpr double kDoubtful = 22.46;  // 0.999 quantile of chi-square with 6 degrees of freedom
@@ -47,7 +54,8 @@ bool InputAlarm::judge(const PoseCorrection& c, InputContradiction& found) {
   mean_ = (1.0 - kShare) * mean_ + kShare * z;
   weight_ = (1.0 - kShare) * (1.0 - kShare) * weight_ + kShare * kShare;
   static const double threshold = chi_square_quantile(1.0 - kFalseAlarms, 6.0);
-  const double now = z.squaredNorm() / noise, lasting = mean_.squaredNorm() / (weight_ * noise);
+  const double now = z.squaredNorm() / (kStatedNoise * noise),
+               lasting = mean_.squaredNorm() / (kPersistence * weight_ * noise);
   doubtful_ = std::max(now, lasting) > kDoubtful;
   if (++frames_ <= kYoung || std::max(now, lasting) <= threshold) {
     return false;

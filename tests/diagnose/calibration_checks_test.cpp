@@ -39,8 +39,8 @@ TEST(DepthError, IsUnknownWhereTheRaysNoLongerMeetInFront) {
 }
 
 TEST(DepthEffects, GiveSigmaFromThatOfTheOffset) {
-  RigOffset offset;
-  offset.sigma(3) = 0.002;  // 1 % of the baseline: 1 % of the depth
+  RigEstimate offset;
+  offset.covariance(3, 3) = 0.002 * 0.002;  // 1 % of the baseline: 1 % of the depth
   const std::vector<DepthEffect> effects = depth_effects(side_by_side(0.2), offset);
   ASSERT_EQ(effects.size(), 3u);
   EXPECT_EQ(effects[1].depth, 10.0);

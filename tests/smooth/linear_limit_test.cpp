@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "check_covariance.hpp"
+#include "limber/measure/point_rows.hpp"
 #include "smooth/factors.hpp"
 #include "smooth/least_squares.hpp"
 #include "smooth/pose_manifold.hpp"
