@@ -146,7 +146,7 @@ TEST_F(StudyCommand, StartsFromTheSensorsUnlessToldOtherwiseAndGivesTheSameBits)
 }
 
 TEST_F(StudyCommand, GivesTheSameBitsAfterBeingKilledAgainAndAgain) {
-  constexpr int kRuns = 60, kRows = 2 * 3 * kRuns;
+  constexpr int kRuns = 120, kRows = 2 * 3 * kRuns;
   EXPECT_EQ(run_limber(study("whole.sqlite", kRuns)).exit_code, 0);
   int kills = 0;
   for (bool alive = true; alive && kills < 3; kills += alive ? 1 : 0) {

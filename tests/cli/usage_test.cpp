@@ -45,7 +45,7 @@ TEST(Usage, NoCommandIsWrongUsage) {
   EXPECT_THAT(result.err, StartsWith("limber: error: "));
   EXPECT_THAT(
       result.err,
-      HasSubstr("expected one of the commands: run, smooth, health, simulate, decalibrate, evaluate"));
+      HasSubstr("expected one of the commands: run, smooth, recalibrate, health, info, convert, simulate"));
   EXPECT_THAT(result.err, HasSubstr("try: limber --help"));
 }
 
@@ -55,7 +55,7 @@ TEST(Usage, AnUnknownCommandIsNamed) {
   EXPECT_THAT(result.err, HasSubstr("unknown: evalute, did you mean evaluate?"));
   EXPECT_THAT(
       result.err,
-      HasSubstr("expected one of the commands: run, smooth, health, simulate, decalibrate, evaluate"));
+      HasSubstr("expected one of the commands: run, smooth, recalibrate, health, info, convert, simulate"));
 }
 
 TEST(Usage, AnUnknownOptionIsNamedWithTheHelpOfItsCommand) {

@@ -9,6 +9,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "datasets/files.hpp"
 #include "decalibrate/rotation_warp.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/datasets/read_recording.hpp"
@@ -95,13 +96,6 @@ std::string bytes_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// A folder that goes away.
-struct Scratch {
-  Scratch() { fs::remove_all(path); }
-  ~Scratch() { fs::remove_all(path); }
-  fs::path path = fs::path(::testing::TempDir()) / "bend_images_test";
-};
-
 void write_euroc(const fs::path& folder) {
   const std::string camera =
       "camera_model: pinhole\nresolution: [320, 240]\nintrinsics: [230, 229, 160, 118]\n"
@@ -126,8 +120,8 @@ void write_euroc(const fs::path& folder) {
 }
 
 TEST(BendImages, LeavesEverythingButTheRightImagesAndTellsTheTruth) {
-  const Scratch scratch;
-  const fs::path from = scratch.path / "from", to = scratch.path / "to";
+  const testing::TemporaryFolder scratch;
+  const fs::path from = scratch.path() / "from", to = scratch.path() / "to";
   write_euroc(from);
   const Recording sound = read_recording(from);
   DecalibrationSignal signal;
@@ -160,8 +154,8 @@ TEST(BendImages, LeavesEverythingButTheRightImagesAndTellsTheTruth) {
 }
 
 TEST(BendImages, OfKittiFoldersTellTheTruthToo) {
-  const Scratch scratch;
-  const fs::path from = scratch.path / "from", to = scratch.path / "to";
+  const testing::TemporaryFolder scratch;
+  const fs::path from = scratch.path() / "from", to = scratch.path() / "to";
   write(from / "calib.txt", "P0: 230 0 160 0 0 230 120 0 0 0 1 0\nP1: 230 0 160 -23 0 230 120 0 0 0 1 0\n");
   write(from / "times.txt", "0.0\n0.1\n");
   for (const char* folder : {"image_0", "image_1"}) {

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <map>
 
+#include "datasets/files.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/frontend/stereo_tracker.hpp"
@@ -18,12 +19,6 @@ namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Scratch {
-  Scratch() { fs::remove_all(path); }
-  ~Scratch() { fs::remove_all(path); }
-  fs::path path = fs::path(::testing::TempDir()) / "render_recording_test";
-};
 
 /// A small rig with lenses that differ, which bends by two degrees.
 Scenario small_drone(double seconds) {
@@ -85,11 +80,11 @@ bool on_an_edge(const Scene& scene, const Pose& T_world_cam, const Camera& camer
 class RenderedScene : public ::testing::TestWithParam<SceneKind> {};
 
 TEST_P(RenderedScene, IsTrackedToLessThanASixthOfAPixel) {
-  const Scratch scratch;
+  const testing::TemporaryFolder scratch;
   const Scenario scenario = small_drone(0.6);
-  ASSERT_EQ(render_recording(scenario, 5, 0, {.scene = GetParam()}, scratch.path), 13u);
+  ASSERT_EQ(render_recording(scenario, 5, 0, {.scene = GetParam()}, scratch.path()), 13u);
   const Scene scene = make_scene(scenario, GetParam(), 5, 0);
-  const Recording recording = read_recording(scratch.path);
+  const Recording recording = read_recording(scratch.path());
   StereoTracker tracker(recording.calibration);  // assumes the nominal rig
   std::map<std::int64_t, Eigen::Vector3d> places;
   std::vector<double> left, right;
@@ -163,11 +158,11 @@ std::string bytes_of(const fs::path& file) {
 }
 
 TEST(RenderRecording, GivesTheSameBitsAgainAndOthersWithEverySwitch) {
-  const Scratch scratch;
+  const testing::TemporaryFolder scratch;
   const Scenario scenario = small_drone(0.05);
   const auto last_right = [&](const std::string& name, std::uint64_t seed, const PictureOptions& options) {
-    render_recording(scenario, seed, 0, options, scratch.path / name);
-    return bytes_of(read_recording(scratch.path / name).images.back().cam1);
+    render_recording(scenario, seed, 0, options, scratch.path() / name);
+    return bytes_of(read_recording(scratch.path() / name).images.back().cam1);
   };
   const std::string plain = last_right("plain", 1, {});
   EXPECT_EQ(plain, last_right("again", 1, {}));
@@ -176,7 +171,7 @@ TEST(RenderRecording, GivesTheSameBitsAgainAndOthersWithEverySwitch) {
   EXPECT_NE(plain, last_right("gain", 1, {.gain_difference = 0.2}));
   EXPECT_NE(plain, last_right("corners", 1, {.vignetting = 0.3}));
   EXPECT_NE(plain, last_right("blur", 1, {.exposure = 0.02}));
-  EXPECT_TRUE(fs::exists(scratch.path / "plain" / "mav0" / "scene0" / "data.csv"));
+  EXPECT_TRUE(fs::exists(scratch.path() / "plain" / "mav0" / "scene0" / "data.csv"));
   EXPECT_THROW(last_right("wrong", 1, {.noise = -1.0}), std::invalid_argument);
 }
 

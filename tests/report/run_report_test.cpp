@@ -177,7 +177,8 @@ TEST_F(RunReport, DrawsInnovationsPerDegreeOfFreedomWithinTheirBand) {
 TEST_F(RunReport, DrawsTheCalibrationWhereItWasWatched) {
   navigate(testing::short_recording());
   const ReportDocument document = run_report(folder_.path());
-  EXPECT_EQ(std::get<ReportText>(document.sections[2].blocks[0]).text, "Verdict: decalibrated.");
+  EXPECT_EQ(std::get<ReportText>(document.sections[2].blocks[0]).text,
+            "Verdict: degraded.");  // case (ii): 5 %
   const ReportFigure& effect = figure(document, "health-effect");
   for (const char* const name : {"size", "ok", "wrong"}) {
     EXPECT_NE(find_trace(effect, name, 1), nullptr) << name;
