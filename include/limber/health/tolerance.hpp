@@ -66,12 +66,12 @@ struct CalibrationEffect {
                                         const Eigen::MatrixXd& M);
 
 [[nodiscard]] CalibrationEffect effect_of(const BetaEstimate& estimate, const RigParameters& theta,
-                                          const RigParameters& depth_slope);
+                                          const RigParameters& depth_slope);  ///< With 95 % intervals.
 
 /// An axis' own band: where its effect alone reaches the tolerance [rad, m].
 /// @param px  root mean square of the distance to the epipolar line, by axis [px by rad, m]
 [[nodiscard]] std::array<Band, 6> axis_bands(const Tolerance& tolerance, const RigParameters& px,
-                                             const RigParameters& depth_slope);
+                                             const RigParameters& depth_slope);  ///< With 95 % intervals.
 
 /// |delta| of one axis with its interval.
 [[nodiscard]] SizeInterval axis_size(const RigEstimate& estimate, Eigen::Index axis);

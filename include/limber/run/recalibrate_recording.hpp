@@ -25,6 +25,7 @@ enum class RecalibrationVerdict : std::uint8_t {
 /// "better", "within tolerance", "not better", "cannot tell".
 [[nodiscard]] std::string to_string(RecalibrationVerdict verdict);
 
+/// What is assumed, how a recording is cut up, what is asked for.
 struct RecalibrateOptions {
   RunOptions run;  ///< what is assumed, and how the filter starts that gives the first guess
   double window_s = 10.0;
@@ -50,6 +51,7 @@ struct DepthChange {
   double share = 0.0, sigma = 0.0;  ///< measured minus true over true; infinite where rays do not meet
 };
 
+/// What was found, before and after, and the verdict.
 struct Recalibration {
   RecalibrationVerdict verdict = RecalibrationVerdict::kCannotTell;
   StereoCalibration given, fitted;

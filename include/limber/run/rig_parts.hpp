@@ -13,8 +13,8 @@
 /// One rig from what several parts of a recording say of it, each for itself.
 namespace limber {
 
-using RigMatrix = Eigen::Matrix<double, 6, 6>;
-using RigAxes = std::bitset<6>;  ///< ax, ay, az, tx, ty, tz
+using RigMatrix = Eigen::Matrix<double, 6, 6>;  ///< by axis, in the order of RigAxes
+using RigAxes = std::bitset<6>;                 ///< ax, ay, az, tx, ty, tz
 
 /// What one part of a recording says of theta: the minimum of its least squares and their curvature.
 struct RigPart {

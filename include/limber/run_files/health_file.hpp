@@ -25,7 +25,7 @@ struct HealthRow {
   std::array<HealthVerdict, 6> axes{};       ///< since then
 };
 
-[[nodiscard]] HealthRow health_row(std::int64_t t_ns, const CalibrationReport& report);
+[[nodiscard]] HealthRow health_row(std::int64_t t_ns, const CalibrationReport& report);  ///< As a row.
 
 /// Columns: docs/formats.md. One row for each window.
 void write_health_csv(const std::filesystem::path& path, std::span<const FrameReport> frames);
