@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "recording_options.hpp"
 
-#include <stdexcept>
-
 #include "limber/bags/read_bag.hpp"
-#include "limber/core/errors.hpp"
-#include "limber/datasets/read_recording.hpp"
-#include "limber/datasets/replace_calibration.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "limber/run/parse_tolerance.hpp"
 #include "parsed_by.hpp"
@@ -117,52 +112,6 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
           "baselines) or by axis (ax, ay, az in deg, tx, ty, tz in mm); default "
           "px=0.3:1,depth=5:10,baselines=90")
       ->check(parsed_by([](const std::string& text) { (void)parse_tolerance(text); }));
-}
-
-namespace {
-
-std::optional<ImageKind> images_said(const RecordingArguments& arguments) {
-  if (arguments.images.empty()) {
-    return std::nullopt;
-  }
-  return arguments.images == "raw" ? ImageKind::kRaw : ImageKind::kRectified;
-}
-
-/// A bag, whose calibration comes from a file.
-Recording open_bag_recording(const RecordingArguments& arguments) {
-  if (arguments.calibration.empty()) {
-    throw CLI::ValidationError("--calib",
-                               "a bag needs it: the calibration, for example Kalibr's camchain.yaml");
-  }
-  const RigFile rig = read_rig_file(arguments.calibration, images_said(arguments));
-  const BagTopics topics = arguments.topics.empty() ? BagTopics{} : parse_bag_topics(arguments.topics);
-  Recording recording = limber::read_bag(arguments.dataset, rig.calibration, rig.imu_noise, topics);
-  recording.notes.insert(recording.notes.end(), rig.notes.begin(), rig.notes.end());
-  return recording;
-}
-
-}  // namespace
-
-Recording open_recording(const RecordingArguments& arguments) {
-  const bool bag = is_bag(arguments.dataset);
-  if (!bag && !arguments.topics.empty()) {
-    throw CLI::ValidationError("--topics", "bags have topics, " + arguments.dataset.string() + " is none");
-  }
-  Recording recording = bag ? open_bag_recording(arguments) : limber::read_recording(arguments.dataset);
-  if (!bag && !arguments.calibration.empty()) {
-    const std::optional<ImageKind> said = images_said(arguments);
-    const RigFile rig =
-        read_rig_file(arguments.calibration, said.value_or(image_kind(recording.calibration)));
-    try {
-      replace_calibration(recording, rig, said);
-    } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(arguments.calibration.string() + ": " + error.what());
-    }
-  }
-  if (!arguments.imu.empty()) {
-    recording.imu_noise = read_kalibr_imu(arguments.imu);
-  }
-  return recording;
 }
 
 RunOptions to_run_options(const RecordingArguments& arguments, const Recording& recording) {

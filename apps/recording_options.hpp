@@ -8,13 +8,12 @@
 
 #include "frame_source.hpp"
 #include "limber/run/run_options.hpp"
+#include "open_recording.hpp"
 
 /// What `limber run` and `limber health` ask alike: which recording, and what to assume of it.
 namespace limber::app {
 
-struct RecordingArguments {
-  std::filesystem::path dataset, calibration, imu;
-  std::string images, topics;
+struct RecordingArguments : RecordingFiles {
   std::string assume_error, estimate, soften, start = "auto", clean = "on", tolerance;
   std::size_t max_points = CleaningOptions{}.max_points;
   FrontendArguments frontend;
@@ -30,12 +29,6 @@ void add_input_options(CLI::App& command, RecordingArguments& arguments);
 
 /// These, and what to assume.
 void add_recording_options(CLI::App& command, RecordingArguments& arguments);
-
-/// The recording, a bag or a folder, with the calibration of --calib and the noise of --imu in the place of
-/// its own.
-/// @throws as limber::read_recording, read_rig_file and read_kalibr_imu; DataError also if calibration and
-/// recording do not belong together
-[[nodiscard]] Recording open_recording(const RecordingArguments& arguments);
 
 /// Run options with these, everything else as by default.
 /// @throws std::invalid_argument as parse_calibration_error and parse_parameter_sigmas

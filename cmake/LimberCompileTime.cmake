@@ -3,7 +3,7 @@
 # LIMBER_FAST_COMPILE=OFF (preset dev) shows that each file compiles alone.
 
 # limber_compile_together(<target> <files>): compiles that many sources at a time, whose headers are then read once.
-# Names in anonymous namespaces must not clash within a folder. A group must stay below 25 s of one core.
+# Names in anonymous namespaces must not clash within a folder. A group must stay below a minute of one core.
 function(limber_compile_together target files)
   if(LIMBER_FAST_COMPILE)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${files})

@@ -22,18 +22,22 @@ from ._limber import (PARAMETER_NAMES, BodyFrame, Camera, DataError, DivergenceE
 __all__ = [
     "PARAMETER_NAMES", "BodyFrame", "Camera", "DataError", "DivergenceError", "Equidistant", "FrameCleaner",
     "FrameReport", "Health", "HealthReport", "ImuNoise", "InitialState", "Navigator", "NavigatorOptions",
-    "NoDistortion", "OdometryNoise", "Pose", "RadialTangential", "Recording", "Refusal", "Run", "RunOptions",
-    "Scenario", "SensorStart", "StartReport", "State", "StereoCalibration", "StereoFrame", "StereoTracker", "Study",
-    "Trajectory", "evaluate", "frames", "health", "pose_from_rig", "read", "read_trajectory", "rig_from_pose", "run",
-    "scenarios", "set_up", "simulate", "smooth", "study"
+    "NoDistortion", "OdometryNoise", "Pose", "RadialTangential", "Recalibration", "Recording", "Refusal", "Run",
+    "RunOptions", "Scenario", "SensorStart", "StartReport", "State", "StereoCalibration", "StereoFrame",
+    "StereoTracker", "Study", "Trajectory", "evaluate", "frames", "health", "pose_from_rig", "read",
+    "read_trajectory", "recalibrate", "rig_from_pose", "run", "scenarios", "set_up", "simulate", "smooth", "study"
 ]
 
 _SCENARIOS = _pathlib.Path(__file__).parent / "scenarios"
 
 
-def read(path):
-    """Reads a recording; its content tells the format (docs/formats.md)."""
-    return _limber.read_recording(path)
+def read(path, *, calib="", imu="", images="", topics=""):
+    """Reads a recording; its content tells the format (docs/formats.md).
+
+    calib, imu, images, topics: as --calib, --imu, --images and --topics of `limber run`; a bag needs calib.
+    Raises DataError if a file cannot be used, ValueError if an option is missing or does not fit.
+    """
+    return _limber.read_recording(path, calib, imu, images, topics)
 
 
 def scenarios():
@@ -103,7 +107,7 @@ class Health(dict):
 
     @property
     def verdict(self):
-        """'ok', 'suspect', 'decalibrated' or 'cannot tell'."""
+        """'ok', 'degraded', 'decalibrated' or 'cannot tell'."""
         return self["verdict"]
 
     def __str__(self):
@@ -117,6 +121,45 @@ def health(recording, **options):
     """
     recording = _recording(recording)
     return Health(*_limber.diagnose_recording(recording, RunOptions(recording, "lcekf", **options)))
+
+
+class Recalibration(dict):
+    """What `limber recalibrate` says (recalibration.json) as a dictionary; str() is the text for people."""
+
+    def __init__(self, found):
+        super().__init__(_json.loads(found.json))
+        self._found = found
+
+    @property
+    def verdict(self):
+        """'better', 'within tolerance', 'not better' or 'cannot tell'."""
+        return self["recalibration"]
+
+    @property
+    def calibration(self):
+        """The corrected calibration, whatever the verdict; to be put into recording.calibration."""
+        return self._found.calibration
+
+    def write(self, folder, *, force=False):
+        """Writes recalibration.json and the corrected calibration in all formats, whatever the verdict.
+
+        force: replace files of these names that limber did not write, too
+        """
+        self._found.write(folder, force)
+
+    def __str__(self):
+        return self._found.text
+
+
+def recalibrate(recording, **options):
+    """A corrected calibration, and whether it is a better one where it was not made; as `limber recalibrate` does.
+
+    options: those of RunOptions, for instance assume_error or sigma_px
+    """
+    if not hasattr(_limber, "recalibrate_recording"):
+        raise RuntimeError("this build cannot recalibrate: it was made without Ceres (LIMBER_BUILD_SMOOTH)")
+    recording = _recording(recording)
+    return Recalibration(_limber.recalibrate_recording(recording, RunOptions(recording, **options)))
 
 
 def evaluate(estimate, truth, *, max_time_difference=0.01, rpe_distance=100.0):

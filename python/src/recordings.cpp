@@ -3,6 +3,7 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
+#include <CLI/CLI.hpp>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -10,13 +11,13 @@
 #include "dtypes.hpp"
 #include "frame_source.hpp"
 #include "limber/clean/frame_cleaner.hpp"
-#include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/frontend/stereo_tracker.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
+#include "open_recording.hpp"
 
 namespace limber::python {
 namespace {
@@ -312,8 +313,16 @@ void bind_recordings(py::module_& module) {
   bind_simulator(module);
   module.def(
       "read_recording",
-      [](const fs::path& path) { return std::make_shared<Recording>(read_recording(path)); }, py::arg("path"),
-      py::call_guard<py::gil_scoped_release>(), DOC(read_recording));
+      [](const fs::path& path, const fs::path& calib, const fs::path& imu, const std::string& images,
+         const std::string& topics) {
+        try {
+          return std::make_shared<Recording>(app::open_recording({path, calib, imu, images, topics}));
+        } catch (const CLI::ValidationError& error) {  // an option that is missing or of no use
+          throw std::invalid_argument(error.what());
+        }
+      },
+      py::arg("path"), py::arg("calib") = "", py::arg("imu") = "", py::arg("images") = "",
+      py::arg("topics") = "", py::call_guard<py::gil_scoped_release>(), DOC(read_recording));
 }
 
 }  // namespace limber::python

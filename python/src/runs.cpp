@@ -20,6 +20,8 @@
 #include "trajectory_input.hpp"
 #ifdef LIMBER_WITH_SMOOTHER
 #include "limber/run/smooth_recording.hpp"
+#include "recalibration.hpp"
+#include "recalibration_text.hpp"
 #endif
 
 namespace limber::python {
@@ -133,6 +135,46 @@ Run smooth(const std::shared_ptr<Recording>& recording, const RunOptions& run_op
   RunSummary summary = summarize(*recording, options.run, record);
   summary.method = "smooth-" + to_string(options.rig);
   return {recording, options.run, std::move(record), std::move(summary)};
+}
+
+/// What limber recalibrate finds, and of which recording.
+struct Recalibrated {
+  std::shared_ptr<Recording> recording;
+  app::RecalibrationOutcome outcome;
+};
+
+void bind_recalibration(py::module_& module) {
+  py::class_<Recalibrated>(module, "Recalibrated")
+      .def_property_readonly("calibration",
+                             [](const Recalibrated& found) { return found.outcome.found.fitted; })
+      .def_property_readonly("notes", [](const Recalibrated& found) { return found.outcome.notes; })
+      .def_property_readonly("json",
+                             [](const Recalibrated& found) {
+                               return app::to_json(found.outcome.found, found.recording->name,
+                                                   found.outcome.ate, {});
+                             })
+      .def_property_readonly("text",
+                             [](const Recalibrated& found) {
+                               return app::to_text(found.outcome.found, found.recording->name,
+                                                   found.outcome.ate, "");
+                             })
+      .def(
+          "write",
+          [](const Recalibrated& found, const fs::path& folder, bool force) {
+            app::require_replaceable_recalibration(folder, force, {found.recording->path});
+            app::write_recalibration(folder, found.outcome, *found.recording, true);
+          },
+          py::arg("folder"), py::arg("force") = false, py::call_guard<py::gil_scoped_release>());
+  module.def(
+      "recalibrate_recording",
+      [](const std::shared_ptr<Recording>& recording, const RunOptions& run) {
+        RecalibrateOptions options;
+        options.run = run;
+        return Recalibrated{recording, app::recalibrate(*recording, options, app::frame_source(*recording),
+                                                        [](std::size_t) { check_signals(); })};
+      },
+      py::arg("recording"), py::arg("options"), py::call_guard<py::gil_scoped_release>(),
+      DOC(recalibrate_recording));
 }
 #endif
 
@@ -382,6 +424,9 @@ void bind_runs(py::module_& module) {
   bind_run_options(module);
   bind_run(module);
   bind_running(module);
+#ifdef LIMBER_WITH_SMOOTHER
+  bind_recalibration(module);
+#endif
   bind_evaluation(module);
 }
 

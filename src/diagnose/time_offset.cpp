@@ -30,8 +30,9 @@ constexpr std::size_t kEnoughRows = 200, kEnoughPairs = 50;
 constexpr double kHuber = 2.0;  // robust standard deviations
 constexpr double kMadToSigma = 1.4826;
 constexpr int kReweightings = 5, kShifts = 8;
-constexpr double kDerivativeStep = 1e-6;  // of numerical derivatives [rad, shares of the baseline]
-constexpr double kLargestOffset = 1.0;    // [s]
+constexpr double kDerivativeStep = 1e-6;   // of numerical derivatives [rad, shares of the baseline]
+constexpr double kLargestOffset = 1.0;     // [s]
+constexpr Eigen::Index kGyroColumns = 13;  // bias, 3 x 3 shares of the rate, offset
 
 /// Rows of y = A x + noise; rows of one cluster share their noise. Z are the instruments: the same as A, but
 /// where A is measured with noise, something that goes with it and has noise of its own. Without them noise
@@ -202,7 +203,8 @@ std::vector<Turn> turns_of(const StereoCalibration& calibration, std::span<const
   return out;
 }
 
-/// Rows for (bias, a change of tau) at the present tau.
+/// Rows for (a linear function of the rate, a change of tau) at the present tau. Rotation by noisy points is
+/// off by a share of itself, and by a constant bias of the gyro.
 Rows gyro_rows(const std::vector<Turn>& turns, std::span<const ImuSample> imu, double tau) {
   Rows rows;
   for (std::size_t k = 0; k < turns.size(); ++k) {
@@ -213,9 +215,10 @@ Rows gyro_rows(const std::vector<Turn>& turns, std::span<const ImuSample> imu, d
     }
     const Vector3d slope = (*last - *first) / (end - begin);
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      VectorXd row = VectorXd::Zero(4);
+      VectorXd row = VectorXd::Zero(kGyroColumns);
       row(axis) = 1.0;
-      row(3) = slope(axis);
+      row.segment<3>(3 + 3 * axis) = *mean;
+      row(kGyroColumns - 1) = slope(axis);
       rows.A.push_back(row);
       rows.Z.push_back(row);
       rows.y.push_back(turns[k].rate(axis) - (*mean)(axis));
@@ -254,7 +257,7 @@ std::optional<TimeOffset> camera_time_offset(const StereoCalibration& calibratio
     if (!solution) {
       return std::nullopt;
     }
-    out.seconds += solution->x(3);
+    out.seconds += solution->x(kGyroColumns - 1);
     out.sigma = solution->sigma_of_last;
     if (std::abs(out.seconds) > kLargestOffset) {
       return std::nullopt;

@@ -15,11 +15,11 @@ namespace limber {
 
 namespace {
 
-constexpr std::size_t kMostWindows = 400;       // that are kept; then neighbours are merged
-constexpr std::size_t kNew = 2;                 // windows that a change has to last
-constexpr double kRelevant = 0.5;               // share of what is ok
-constexpr int kMainWays = 4;                    // to leave the epipolar lines
-constexpr std::array kLooks = {0.2, 0.4, 0.7};  // at the first window, as shares of its length
+constexpr std::size_t kMostWindows = 400;            // that are kept; then neighbours are merged
+constexpr std::size_t kNew = 2;                      // windows that a change has to last
+constexpr double kRelevant = 0.5;                    // share of what is ok
+constexpr int kMainWays = 4;                         // to leave the epipolar lines
+constexpr std::array kEarlyLooks = {0.2, 0.4, 0.7};  // at the first window, as shares of its length
 constexpr std::size_t kFewestTracks = 30;
 /// Relative errors of a metre: no sensor is believed to know it better, and none to be worse.
 constexpr double kLeastScale = 0.01, kLargestScale = 0.5;
@@ -130,7 +130,8 @@ void CalibrationWatch::add(const StereoFrame& frame, const Pose& T_world_cam0,
   const double age = seconds_between(collecting_.from_ns(), frame.t_ns);
   const bool ends = age >= options_.window_s;
   // The first window is also looked at while it grows: short recordings have no other.
-  const bool looks = windows_.empty() && looks_ < kLooks.size() && age >= kLooks[looks_] * options_.window_s;
+  const bool looks =
+      windows_.empty() && looks_ < kEarlyLooks.size() && age >= kEarlyLooks[looks_] * options_.window_s;
   if (!ends && !looks) {
     return;
   }

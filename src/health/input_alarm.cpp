@@ -20,9 +20,10 @@ constexpr double kShare = 0.1;  // of one frame in the fading mean
 /// a correlation r of 0.93 from frame to frame, and 1/3 + 2/3 (1 + r (1 - kShare)) / (1 - r (1 - kShare))
 /// = 8.
 constexpr double kPersistence = 8.0;
-constexpr double kStatedNoise =
-    2.0;  // variance of real inputs over what their data sheets say, and no fault yet
-constexpr double kWeakest = 1e-4;  // directions that are corrected by less, in correlation, say nothing
+/// Variance of real inputs over what their data sheets say, which is no fault yet.
+constexpr double kStatedNoise = 2.0;
+constexpr double kWeakestDirection =
+    1e-4;  // directions that are corrected by less, in correlation, say nothing
 constexpr double kNoiseShare = 0.05;
 constexpr double kDoubtful = 22.46;  // 0.999 quantile of chi-square with 6 degrees of freedom
 constexpr int kYoung = 10;           // frames: the first ones are corrected by what the start did not know
@@ -35,7 +36,7 @@ Vector6 whitened(const PoseCorrection& c) {
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(correlation);
   Vector6 z = eigen.eigenvectors().transpose() * c.dx.cwiseQuotient(sigma);
   for (Eigen::Index k = 0; k < 6; ++k) {
-    z(k) = eigen.eigenvalues()(k) > kWeakest ? z(k) / std::sqrt(eigen.eigenvalues()(k)) : 0.0;
+    z(k) = eigen.eigenvalues()(k) > kWeakestDirection ? z(k) / std::sqrt(eigen.eigenvalues()(k)) : 0.0;
   }
   return eigen.eigenvectors() * z;
 }

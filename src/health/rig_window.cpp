@@ -26,7 +26,8 @@ constexpr double kStep = 1e-6;         // of numerical derivatives [rad, m]
 constexpr double kMostDepthNoise = 2;  // px that the depth from motion adds, for 1 px of the left pixels
 constexpr double kMoving_px = 3.0;     // rms of a track's left pixels about one point: it moved, or is none
 constexpr std::size_t kShortestTrack = 4;  // frames
-constexpr double kHuber = 1.345, kTukey = 4.685;
+constexpr int kPixelSteps = 4;             // of Gauss-Newton on a point
+constexpr double kHuberLimit = 1.345, kTukeyLimit = 4.685;
 constexpr double kLeastNoise_px = 0.02;
 constexpr Eigen::Index kVergence = 1, kLens = 6;  // in beta
 /// What a window is taken to vary by, in variances within it, and how many windows that belief is worth.
@@ -48,6 +49,59 @@ double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+/// One camera's sight of a point.
+struct View {
+  Pose T_world_cam0;
+  Vector3d d0;  // z = 1
+};
+
+/// The point nearest to all rays, by distance over range. Noise of the bearings draws it nearer.
+Vector3d midpoint(const std::vector<View>& views) {
+  const Vector3d& origin = views.front().T_world_cam0.p;
+  Vector3d point = origin;
+  for (int step = 0; step < 3; ++step) {
+    Matrix3d N = Matrix3d::Zero();
+    Vector3d n = Vector3d::Zero();
+    for (const View& view : views) {
+      const Vector3d bearing = (view.T_world_cam0.R * view.d0).normalized();
+      const double range2 = step == 0 ? 1.0 : std::max((point - view.T_world_cam0.p).squaredNorm(), 1e-6);
+      const Matrix3d across = (Matrix3d::Identity() - bearing * bearing.transpose()) / range2;
+      N += across;
+      n += across * (view.T_world_cam0.p - origin);
+    }
+    point = origin + N.ldlt().solve(n);
+  }
+  return point;
+}
+
+/// Normal equations of the point's pixels (z = 1), which noise does not draw nearer.
+struct PixelEquations {
+  Matrix3d information = Matrix3d::Zero();
+  Vector3d vector = Vector3d::Zero();
+  double squares = 0.0;
+  bool in_front = true;
+};
+
+PixelEquations pixel_equations(const std::vector<View>& views, const Vector3d& point) {
+  PixelEquations out;
+  for (const View& view : views) {
+    const Matrix3d& R = view.T_world_cam0.R;
+    const Vector3d p = R.transpose() * (point - view.T_world_cam0.p);
+    if (!(p.z() > 0.0)) {
+      out.in_front = false;
+      return out;
+    }
+    const Eigen::Vector2d r = view.d0.head<2>() - p.head<2>() / p.z();
+    Eigen::Matrix<double, 2, 3> J;
+    J << 1.0, 0.0, -p.x() / p.z(), 0.0, 1.0, -p.y() / p.z();
+    J = (J / p.z() * R.transpose()).eval();
+    out.information.noalias() += J.transpose() * J;
+    out.vector.noalias() += J.transpose() * r;
+    out.squares += r.squaredNorm();
+  }
+  return out;
 }
 
 Matrix solve(const NormalEquations& normal, Vector& beta) {
@@ -92,45 +146,28 @@ void RigWindow::add(const StereoFrame& frame, const Pose& T_world_cam0, bool fol
 
 /// Where the left camera alone, as it moved, sees each track; only where it moved enough.
 void RigWindow::triangulate() {
-  struct View {
-    Vector3d centre, bearing;
-  };
   points_.clear();
   std::map<TrackKey, std::vector<View>> tracks;
   for (const Frame& frame : frames_) {
     for (const Seen& seen : frame.points) {
-      tracks[seen.track].push_back({frame.T_world_cam0.p, (frame.T_world_cam0.R * seen.d0).normalized()});
+      tracks[seen.track].push_back({frame.T_world_cam0, seen.d0});
     }
   }
   for (const auto& [key, views] : tracks) {
     if (views.size() < kShortestTrack) {
       continue;
     }
-    Vector3d point = views.front().centre;
-    Matrix3d N = Matrix3d::Zero();
-    for (int step = 0; step < 4; ++step) {  // midpoint, weighted by distance: angles count
-      N.setZero();
-      Vector3d n = Vector3d::Zero();
-      for (const View& view : views) {
-        const double range2 = step == 0 ? 1.0 : std::max((point - view.centre).squaredNorm(), 1e-6);
-        const Matrix3d across = (Matrix3d::Identity() - view.bearing * view.bearing.transpose()) / range2;
-        N += across;
-        n += across * (view.centre - views.front().centre);
-      }
-      const Eigen::LDLT<Matrix3d> ldlt(N);
-      point = views.front().centre + ldlt.solve(n);
+    Vector3d point = midpoint(views);
+    PixelEquations pixels;
+    for (int step = 0; step < kPixelSteps && pixels.in_front; ++step) {
+      pixels = pixel_equations(views, point);
+      point += pixels.information.ldlt().solve(pixels.vector);
     }
-    double squares = 0.0;
-    bool behind = !point.allFinite();
-    for (const View& view : views) {
-      const Vector3d ray = point - view.centre;
-      behind = behind || ray.dot(view.bearing) <= 0.0;
-      squares += ray.normalized().cross(view.bearing).squaredNorm();
+    pixels = pixel_equations(views, point);
+    const double rms = std::sqrt(pixels.squares / static_cast<double>(views.size()));
+    if (pixels.in_front && rms * focal_px_ <= kMoving_px) {
+      points_[key] = {point, pixels.information.ldlt().solve(Matrix3d::Identity())};
     }
-    if (behind || std::sqrt(squares / static_cast<double>(views.size())) * focal_px_ > kMoving_px) {
-      continue;
-    }
-    points_[key] = {point, N.ldlt().solve(Matrix3d::Identity())};
   }
 }
 
@@ -217,8 +254,8 @@ std::optional<RigEvidence> RigWindow::evidence() {
     for (Row& row : rows) {
       const double sigma = noise[row.along] * row.noise;
       const double u = std::abs(row.y - row.J.dot(delta)) / sigma;
-      const double share = u / kTukey;
-      const double weight = step < kHuberSteps ? (u > kHuber ? kHuber / u : 1.0)
+      const double share = u / kTukeyLimit;
+      const double weight = step < kHuberSteps ? (u > kHuberLimit ? kHuberLimit / u : 1.0)
                             : share < 1.0      ? (1.0 - share * share) * (1.0 - share * share)
                                                : 0.0;
       row.weight = weight / (sigma * sigma);

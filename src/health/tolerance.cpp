@@ -14,7 +14,7 @@ namespace {
 
 constexpr double k95 = 1.96;
 
-void check(const Band& band, const std::string& name) {
+void check_band(const Band& band, const std::string& name) {
   if (!(band.ok > 0.0) || !(band.wrong >= band.ok) || !std::isfinite(band.wrong)) {
     throw std::invalid_argument("tolerance: " + name + " is " + std::to_string(band.ok) + " and " +
                                 std::to_string(band.wrong) + ", expected 0 < ok <= wrong");
@@ -45,11 +45,11 @@ std::string to_string(HealthVerdict verdict) {
 }
 
 void Tolerance::check() const {
-  limber::check(epipolar_px, "the epipolar error");
-  limber::check(depth, "the depth");
+  check_band(epipolar_px, "the epipolar error");
+  check_band(depth, "the depth");
   for (const auto& band : axes) {
     if (band) {
-      limber::check(*band, "an axis");
+      check_band(*band, "an axis");
     }
   }
   if (!(baselines > 0.0) || !std::isfinite(baselines)) {

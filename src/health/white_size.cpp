@@ -12,9 +12,9 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr double kMemory = 10.0;      // [s]
-constexpr double kFirstFrames = 4.0;  // what the start is worth
-constexpr double kConfidence = 4.0;   // standard deviations of the size squared
+constexpr double kWhiteMemory = 10.0;  // [s]
+constexpr double kFirstFrames = 4.0;   // what the start is worth
+constexpr double kConfidence = 4.0;    // standard deviations of the size squared
 
 }  // namespace
 
@@ -31,7 +31,7 @@ void WhiteSize::learn(const ParameterEvidence& evidence, double dt) {
   const Vector6 beta = C * evidence.vector;
   const Vector6 c = C.diagonal();
   const Vector6 weight = (c + sum_.cwiseQuotient(weight_).cwiseMax(0.0)).cwiseAbs2().cwiseInverse();
-  const double keep = std::exp(-dt / kMemory);
+  const double keep = std::exp(-dt / kWhiteMemory);
   weight_ = keep * weight_ + weight;
   sum_ = keep * sum_ + weight.cwiseProduct(beta.cwiseAbs2() - c);
 }

@@ -35,7 +35,7 @@ constexpr double kUnknown = std::numeric_limits<double>::infinity();
 constexpr InitialSigma kNothingKnown{
     .position = 1e-3, .attitude = 0.5, .velocity = 5.0, .bias_accel = 0.5, .bias_gyro = 0.1, .rate = 1.0};
 constexpr double kGrowth = 1.4;  // of the window, from one solution to the next
-constexpr int kIterations = 25;
+constexpr int kStartIterations = 25;
 constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
 constexpr double kFits =
     1.0;  // cost per degree of freedom (expected: 1/2) up to which no other guess is tried
@@ -192,7 +192,7 @@ void SensorStart::Window::solve() {
     if (model.options.motion == MotionModel::kImu) {
       model.R_first = start.frames.front().nav.T_world_body.R;
     }
-    WindowNormal there = solve_window(model, start, kIterations);
+    WindowNormal there = solve_window(model, start, kStartIterations);
     double rows = 0.0;
     for (const WindowPoint& point : start.points) {
       for (const WindowSighting& s : point.seen) {

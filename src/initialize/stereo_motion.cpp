@@ -19,10 +19,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr std::size_t kFewestPoints = 6;
-constexpr double kFarthestBaselines = 300.0;  // beyond, a triangulated point says nothing about translation
-constexpr double kHuber = 2.0;                // [px]
-constexpr int kIterations = 12;
+constexpr std::size_t kFewestPairs = 6;
+constexpr double kFarthestPair = 300.0;  // beyond, a triangulated point says nothing about translation
+constexpr double kHuberPixels = 2.0;     // [px]
+constexpr int kMotionIterations = 12;
 
 /// Points of the first frame in its body frame.
 using Points = std::unordered_map<std::int64_t, Vector3d>;
@@ -30,7 +30,7 @@ using Points = std::unordered_map<std::int64_t, Vector3d>;
 Points triangulate_first(const StereoFrame& frame, const MountedRig& rig) {
   const Pose T_body_cam0 = rig[0].T_cam_body.inverse();
   const Pose T_cam1_cam0 = rig[1].T_cam_body * T_body_cam0;
-  const double lowest = 1.0 / (kFarthestBaselines * T_cam1_cam0.p.norm());
+  const double lowest = 1.0 / (kFarthestPair * T_cam1_cam0.p.norm());
   Points points;
   for (const StereoObservation& o : frame.observations) {
     if (!o.in_cam0 || !o.in_cam1) {
@@ -71,7 +71,7 @@ Normal normal_equations(const StereoFrame& frame, const MountedRig& rig, const P
       continue;
     }
     const Vector2d r = o.uv_cam0 - projection->uv;
-    const double weight = r.norm() <= kHuber ? 1.0 : kHuber / r.norm();
+    const double weight = r.norm() <= kHuberPixels ? 1.0 : kHuberPixels / r.norm();
     Eigen::Matrix<double, 2, 6> J;
     J << projection->J_position, projection->J_attitude;
     out.A += weight * J.transpose() * J;
@@ -82,9 +82,9 @@ Normal normal_equations(const StereoFrame& frame, const MountedRig& rig, const P
 }
 
 std::optional<Pose> locate(const StereoFrame& frame, const MountedRig& rig, const Points& points, Pose T) {
-  for (int i = 0; i < kIterations; ++i) {
+  for (int i = 0; i < kMotionIterations; ++i) {
     const Normal normal = normal_equations(frame, rig, points, T);
-    if (normal.points < kFewestPoints) {
+    if (normal.points < kFewestPairs) {
       return std::nullopt;
     }
     const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> ldlt(normal.A);

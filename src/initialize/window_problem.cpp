@@ -22,7 +22,7 @@ using L = StateLayout;
 
 namespace {
 
-constexpr double kHuber = 3.0;           // standard deviations of a pixel, both axes
+constexpr double kHuberSigmas = 3.0;     // standard deviations of a pixel, both axes
 constexpr double kFreeTheta = 1e3;       // plausible errors: as good as nothing is known
 constexpr double kFreeBaselines = 10.0;  // sigma of an inverse depth, over the baseline: the same
 constexpr double kLost = 30.0;           // cost of a point that does not project
@@ -147,8 +147,8 @@ void add_pixel(const WindowModel& model, const WindowState& state, const Mounted
   const Vector2d whiten = model.options.sigma_px.segment<2>(2 * static_cast<Index>(cam)).cwiseInverse();
   const Vector2d r = whiten.cwiseProduct((cam == 0 ? o.uv_cam0 : o.uv_cam1) - projection->uv);
   const double norm = r.norm();
-  const double weight = norm <= kHuber ? 1.0 : std::sqrt(kHuber / norm);
-  out.cost += norm <= kHuber ? 0.5 * norm * norm : kHuber * (norm - 0.5 * kHuber);
+  const double weight = norm <= kHuberSigmas ? 1.0 : std::sqrt(kHuberSigmas / norm);
+  out.cost += norm <= kHuberSigmas ? 0.5 * norm * norm : kHuberSigmas * (norm - 0.5 * kHuberSigmas);
   const Eigen::Matrix2d G = weight * whiten.asDiagonal().toDenseMatrix();
   PixelRows rows;
   rows.r = weight * r;

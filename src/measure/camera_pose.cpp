@@ -12,7 +12,7 @@ using L = StateLayout;
 namespace {
 
 constexpr std::size_t kOfCam0 = 0, kOfMount = 2;  // in StateLayout::has_more
-constexpr Eigen::Index kTimeOffset = 5;           // in the block of a camera
+constexpr Eigen::Index kTimeOffsetColumn = 5;     // in the block of a camera
 
 }  // namespace
 
@@ -48,7 +48,7 @@ CameraPose cam0_pose(const MountedCamera& cam0, const Pose& T_world_body, const 
   if (layout.has_more[kOfCam0]) {
     const Vector3d& omega = cam0.motion.omega_body;
     Matrix3d of_position = Matrix3d::Zero(), of_attitude = Matrix3d::Zero();
-    constexpr Eigen::Index kColumn = kTimeOffset - kTriplet;
+    constexpr Eigen::Index kColumn = kTimeOffsetColumn - kTriplet;
     of_position.col(kColumn) = cam0.motion.v_world + lever * omega;
     of_attitude.col(kColumn) = turn * omega;
     add(layout.more(kOfCam0) + kTriplet, of_position, of_attitude);

@@ -13,9 +13,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr int kIterations = 30;  // by least sum of distances: finds the majority from anywhere
-constexpr int kRefinements = 5;  // with weights that fall with the square: forgets the minority
-constexpr double kClose = 2.5;   // standard deviations: nearer groups count alike
+constexpr int kIterations = 30;           // by least sum of distances: finds the majority from anywhere
+constexpr int kConsensusRefinements = 5;  // with weights that fall with the square: forgets the minority
+constexpr double kClose = 2.5;            // standard deviations: nearer groups count alike
 
 }  // namespace
 
@@ -35,7 +35,7 @@ Consensus find_consensus(const VectorXd& r, const MatrixXd& S, const std::vector
   Consensus out{VectorXd::Zero(A.cols()), std::vector<double>(groups.size())};
   VectorXd e = y, weight = VectorXd::Ones(y.size());
   bool settled = false;
-  for (int i = 0, refinements = 0; refinements < kRefinements && A.cols() > 0; ++i) {
+  for (int i = 0, refinements = 0; refinements < kConsensusRefinements && A.cols() > 0; ++i) {
     settled = settled || i >= kIterations;
     refinements += settled ? 1 : 0;
     for (const RowGroup& group : groups) {

@@ -9,14 +9,15 @@ using Eigen::MatrixXd;
 namespace {
 
 constexpr Index kBlock = 8;  // columns that are solved at once, one cache line of a row of L
-using Block = Eigen::Matrix<double, kBlock, kBlock>;
+using SquareBlock = Eigen::Matrix<double, kBlock, kBlock>;
 
 /// X := X L⁻ᵀ for kBlock columns, by the inverse of L: rows of X in blocks that fit the registers.
-void whiten_block(const Block& L, Eigen::Ref<MatrixXd> X) {
-  const Block right = L.triangularView<Eigen::Lower>().solve(Block(Block::Identity())).transpose();
+void whiten_block(const SquareBlock& L, Eigen::Ref<MatrixXd> X) {
+  const SquareBlock right =
+      L.triangularView<Eigen::Lower>().solve(SquareBlock(SquareBlock::Identity())).transpose();
   Index row = 0;
   for (; row + kBlock <= X.rows(); row += kBlock) {
-    const Block rows = X.middleRows<kBlock>(row);
+    const SquareBlock rows = X.middleRows<kBlock>(row);
     X.middleRows<kBlock>(row).noalias() = rows.lazyProduct(right);
   }
   for (; row < X.rows(); ++row) {

@@ -21,14 +21,14 @@ using testing::read_text;
 using testing::run_limber;
 using testing::write_text;
 
-const char* const kScenario =
+const char* const kSmallScenario =
     "duration: 1\n"
     "odometry: {rate: 20}\n"
     "decalibration: [{shape: constant, amplitude: [0.1, 0, 0, 5%, 0, 0]}]\n";
 
 class SimulateCommand : public ::testing::Test {
  protected:
-  SimulateCommand() { write_text(scenario(), kScenario); }
+  SimulateCommand() { write_text(scenario(), kSmallScenario); }
 
   [[nodiscard]] fs::path folder() const { return folder_.path(); }
   [[nodiscard]] fs::path scenario() const { return folder() / "case.yaml"; }
@@ -55,7 +55,7 @@ class SimulateCommand : public ::testing::Test {
 };
 
 /// Names and contents of all files below a folder.
-std::string content_of(const fs::path& folder) {
+std::string content_of_all(const fs::path& folder) {
   std::vector<std::string> names = files_below(folder);
   std::sort(names.begin(), names.end());
   std::string content;
@@ -87,7 +87,7 @@ TEST_F(SimulateCommand, WritesATrackLogAndSaysWhatIsInIt) {
 TEST_F(SimulateCommand, GivesTheSameBitsTwiceAndOthersForAnotherSeedOrRun) {
   const auto made = [this](const char* name, const std::vector<std::string>& options) {
     EXPECT_EQ(simulate_into(folder() / name, options).exit_code, 0);
-    return content_of(folder() / name);
+    return content_of_all(folder() / name);
   };
   const std::string content = made("a", {"--seed", "7", "--run", "1"});
   EXPECT_EQ(content, made("b", {"--seed", "7", "--run", "1"}));
@@ -103,13 +103,13 @@ TEST_F(SimulateCommand, LeavesTheImuOutWhenAsked) {
 
 TEST_F(SimulateCommand, PrintsAScenarioThatGivesTheSameRecording) {
   ASSERT_EQ(simulate().exit_code, 0);
-  const std::string content = content_of(out());
+  const std::string content = content_of_all(out());
   const ProgramResult printed = run_limber({"simulate", scenario().string(), "--print"});
   EXPECT_EQ(printed.exit_code, 0);
   EXPECT_THAT(printed.out, AllOf(HasSubstr("duration: 1  # s"), HasSubstr("gravity: 9.81")));
   write_text(scenario(), printed.out);
   ASSERT_EQ(simulate_into(folder() / "again").exit_code, 0);
-  EXPECT_EQ(content, content_of(folder() / "again"));
+  EXPECT_EQ(content, content_of_all(folder() / "again"));
 }
 
 TEST_F(SimulateCommand, MakesPixelsRealisticAndSensorsFaultyWhenAsked) {
@@ -189,20 +189,20 @@ TEST_F(SimulateCommand, FailsWhereTheOutputCannotBeWritten) {
 
 TEST_F(SimulateCommand, ReplacesAnOlderLogButNobodysImages) {
   ASSERT_EQ(simulate({"--seed", "1"}).exit_code, 0);
-  const std::string older = content_of(out());
+  const std::string older = content_of_all(out());
   ASSERT_EQ(simulate({"--seed", "2"}).exit_code, 0);
-  EXPECT_NE(content_of(out()), older);
+  EXPECT_NE(content_of_all(out()), older);
   write_text(out() / "mav0/cam0/data/1.png", "an image");
-  const std::string before = content_of(folder());
+  const std::string before = content_of_all(folder());
   const ProgramResult result = simulate({"--seed", "3"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("expected no folder mav0, or an older track log to replace"));
-  EXPECT_EQ(content_of(folder()), before);
+  EXPECT_EQ(content_of_all(folder()), before);
 }
 
 TEST_F(SimulateCommand, LeavesNothingAndTheOlderLogAloneOnAFullDisk) {
   ASSERT_EQ(simulate().exit_code, 0);
-  const std::string before = content_of(folder());
+  const std::string before = content_of_all(folder());
   {
     const testing::SmallDisk disk;
     for (const fs::path& place : {out(), folder() / "new"}) {
@@ -211,7 +211,7 @@ TEST_F(SimulateCommand, LeavesNothingAndTheOlderLogAloneOnAFullDisk) {
       EXPECT_THAT(result.err, HasSubstr("room to write the file"));
     }
   }
-  EXPECT_EQ(content_of(folder()), before);
+  EXPECT_EQ(content_of_all(folder()), before);
 }
 
 TEST_F(SimulateCommand, LeavesNothingWhenItIsKilledHalfWay) {

@@ -19,7 +19,7 @@ using testing::read_text;
 using testing::TemporaryFolder;
 using testing::write_text;
 
-constexpr double kRounding = 2e-15;
+constexpr double kTextRounding = 2e-15;
 
 class TrajectoryFile : public ::testing::Test {
  protected:
@@ -52,7 +52,8 @@ TEST_F(TrajectoryFile, InTumFormatKeepsEveryNanosecondAndDigit) {
   for (std::size_t k = 0; k < poses.size(); ++k) {
     EXPECT_EQ(actual.poses[k].t_ns, poses[k].t_ns);
     EXPECT_EQ(actual.poses[k].T_world_body.p, poses[k].T_world_body.p);
-    EXPECT_LE((actual.poses[k].T_world_body.R - poses[k].T_world_body.R).cwiseAbs().maxCoeff(), kRounding);
+    EXPECT_LE((actual.poses[k].T_world_body.R - poses[k].T_world_body.R).cwiseAbs().maxCoeff(),
+              kTextRounding);
   }
 }
 
@@ -120,7 +121,7 @@ TEST_F(TrajectoryFile, OfLimberGivesBackKnownAndUnknownValues) {
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0].t_ns, full.t_ns);
   EXPECT_EQ(rows[0].T_world_body.p, full.T_world_body.p);
-  EXPECT_LE((rows[0].T_world_body.R - full.T_world_body.R).cwiseAbs().maxCoeff(), kRounding);
+  EXPECT_LE((rows[0].T_world_body.R - full.T_world_body.R).cwiseAbs().maxCoeff(), kTextRounding);
   EXPECT_EQ(rows[0].v_world_body, full.v_world_body);
   EXPECT_EQ(rows[0].bias_gyro, full.bias_gyro);
   EXPECT_EQ(rows[0].bias_accel, full.bias_accel);

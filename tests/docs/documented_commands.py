@@ -6,7 +6,7 @@
     documented_commands.py --limber PROGRAM help        the example at the end of every command's --help
     documented_commands.py --example PROGRAM output     what README.md says that the C++ example prints
 
-Commands are run as they stand, on shorter twins of the scenarios (2 s, 60 points where the file names no world). What
+Commands are run as they stand, on shorter twins of the scenarios (3 s, 60 points where the file names no world). What
 would still take long runs as the smaller twin that TWINS says. Exit codes other than 0 fail the test.
 """
 import argparse
@@ -31,7 +31,7 @@ TWINS = [
      "tests/cli/paper_command_test.cpp runs smaller ones"),
 ]
 
-# Exit codes that are answers: two seconds of a recording are too short to say more.
+# Exit codes that are answers: three seconds of a recording are too short to say more.
 VERDICTS = {"health": [0, 3, 4, 5], "recalibrate": [0, 4, 6]}
 
 
@@ -43,9 +43,9 @@ def twin(command):
 
 def shorter(text):
     if re.search(r"^duration:", text, re.M):
-        text = re.sub(r"^duration: *\S+", "duration: 2", text, flags=re.M)
+        text = re.sub(r"^duration: *\S+", "duration: 3", text, flags=re.M)
     else:
-        text = "duration: 2\n" + text
+        text = "duration: 3\n" + text
     return text if re.search(r"^world:", text, re.M) else text + "world: {points: 60}\n"
 
 

@@ -14,7 +14,7 @@ using testing::fly_past;
 using testing::World;
 using testing::WorldOptions;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kOneDegree = std::numbers::pi / 180.0;
 
 std::vector<RigEvidence> windows_of(const World& world, std::size_t frames = 50) {
   std::vector<RigEvidence> out;
@@ -37,7 +37,7 @@ RigEstimate estimate_of(const World& world) {
 
 RigParameters some_error() {
   RigParameters out;
-  out << 0.3 * kDegree, -0.3 * kDegree, 0.2 * kDegree, 0.003, -0.003, 0.002;
+  out << 0.3 * kOneDegree, -0.3 * kOneDegree, 0.2 * kOneDegree, 0.003, -0.003, 0.002;
   return out;
 }
 
@@ -49,7 +49,7 @@ TEST(RigWindow, FindsAConstantErrorOfEveryAxis) {
   const RigEstimate found = estimate_of(world);
   const RigParameters off = found.delta - some_error();
   EXPECT_LT(off.cwiseQuotient(found.sigma()).cwiseAbs().maxCoeff(), 4.0) << off.transpose();
-  EXPECT_LT(off.head<3>().cwiseAbs().maxCoeff(), 0.02 * kDegree);
+  EXPECT_LT(off.head<3>().cwiseAbs().maxCoeff(), 0.02 * kOneDegree);
   EXPECT_LT(off.tail<3>().cwiseAbs().maxCoeff(), 2e-3);
 }
 
@@ -60,7 +60,7 @@ TEST(RigWindow, MismatchesDoNotMoveIt) {
   options.error = [](double) { return some_error(); };
   const World world = fly_past(options);
   const RigEstimate found = estimate_of(world);
-  EXPECT_LT((found.delta - some_error()).head<3>().cwiseAbs().maxCoeff(), 0.03 * kDegree);
+  EXPECT_LT((found.delta - some_error()).head<3>().cwiseAbs().maxCoeff(), 0.03 * kOneDegree);
 }
 
 TEST(RigWindow, WithoutMotionTheDepthIsNotKnown) {
@@ -72,8 +72,8 @@ TEST(RigWindow, WithoutMotionTheDepthIsNotKnown) {
   ASSERT_EQ(windows.size(), 1u);
   EXPECT_EQ(windows.front().deep, 0u);
   const RigParameters sigma = estimate_of(world).sigma();
-  EXPECT_GT(sigma(3), 0.04);           // of 0.11 m: the length of the baseline
-  EXPECT_LT(sigma(2), 0.1 * kDegree);  // roll shows in the epipolar lines
+  EXPECT_GT(sigma(3), 0.04);              // of 0.11 m: the length of the baseline
+  EXPECT_LT(sigma(2), 0.1 * kOneDegree);  // roll shows in the epipolar lines
 }
 
 TEST(RigWindow, ErrorsThatTracksAndPlacesShareMakeItAsUnsureAsItIs) {

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 using testing::Generator;
 
 constexpr std::int64_t kSecond = 1000000000;
-constexpr std::int64_t kNow = 100 * kSecond;
+constexpr std::int64_t kPresent = 100 * kSecond;
 
 /// Options under which nothing happens.
 MapManagementOptions idle() {
@@ -34,7 +34,7 @@ Estimate before_a_point(double depth, double sigma_rho) {
   landmark.track_id = 1;
   landmark.anchor = estimate.add_anchor({});
   landmark.value << 0.0, 0.0, 1.0 / depth;
-  landmark.last_seen_ns = kNow;
+  landmark.last_seen_ns = kPresent;
   Matrix3d P = 1e-6 * Matrix3d::Identity();
   P(2, 2) = sigma_rho * sigma_rho;
   estimate.add_landmark(landmark, P);
@@ -68,12 +68,12 @@ TEST(MapManagement, ConvertsALandmarkThatIsLinearEnoughAndJustSeen) {
   const auto kind_after = [&](double sigma_rho, std::int64_t last_seen_ns) {
     Estimate estimate = before_a_point(5.0, sigma_rho);
     estimate.find(1)->last_seen_ns = last_seen_ns;
-    EXPECT_EQ(manage_map(estimate, kNow, options), 0U);
+    EXPECT_EQ(manage_map(estimate, kPresent, options), 0U);
     return estimate.find(1)->kind;
   };
-  EXPECT_EQ(kind_after(0.004, kNow), LandmarkKind::kCartesian);
-  EXPECT_EQ(kind_after(0.006, kNow), LandmarkKind::kInverseDepth);
-  EXPECT_EQ(kind_after(0.004, kNow - kSecond), LandmarkKind::kInverseDepth);
+  EXPECT_EQ(kind_after(0.004, kPresent), LandmarkKind::kCartesian);
+  EXPECT_EQ(kind_after(0.006, kPresent), LandmarkKind::kInverseDepth);
+  EXPECT_EQ(kind_after(0.004, kPresent - kSecond), LandmarkKind::kInverseDepth);
 }
 
 /// A camera of 100 px focal length at the body's origin.
@@ -91,7 +91,7 @@ Estimate before_a_cartesian_point(const Vector3d& sigma) {
   landmark.track_id = 1;
   landmark.kind = LandmarkKind::kCartesian;
   landmark.value << 0.0, 0.0, 5.0;
-  landmark.last_seen_ns = kNow;
+  landmark.last_seen_ns = kPresent;
   estimate.add_landmark(landmark, sigma.cwiseAbs2().asDiagonal());
   return estimate;
 }
@@ -122,7 +122,7 @@ TEST(ProjectionCurvature, IsInfiniteWhereThePointDoesNotProject) {
 
 TEST(ForgetMisplaced, RemovesOfTheReturningOnlyWhatIsCurved) {
   StereoFrame frame;
-  frame.t_ns = kNow + 2 * kSecond;
+  frame.t_ns = kPresent + 2 * kSecond;
   frame.observations.resize(2);
   frame.observations[0].track_id = 1;
   frame.observations[1].track_id = 77;  // unknown: no harm
@@ -136,10 +136,10 @@ TEST(ForgetMisplaced, RemovesOfTheReturningOnlyWhatIsCurved) {
     EXPECT_EQ(estimate.find(1) == nullptr, count == 1);
     return count;
   };
-  EXPECT_EQ(forgotten(1.5, kNow + kSecond, true), 1U);   // 0.3 px
-  EXPECT_EQ(forgotten(1.0, kNow + kSecond, true), 0U);   // 0.2 px
-  EXPECT_EQ(forgotten(1.5, kNow, true), 0U);             // seen in the frame before
-  EXPECT_EQ(forgotten(1.5, kNow + kSecond, false), 0U);  // not back
+  EXPECT_EQ(forgotten(1.5, kPresent + kSecond, true), 1U);   // 0.3 px
+  EXPECT_EQ(forgotten(1.0, kPresent + kSecond, true), 0U);   // 0.2 px
+  EXPECT_EQ(forgotten(1.5, kPresent, true), 0U);             // seen in the frame before
+  EXPECT_EQ(forgotten(1.5, kPresent + kSecond, false), 0U);  // not back
 }
 
 /// Born 5 m away under a doubtful calibration; now at `depth`.
@@ -162,12 +162,12 @@ TEST(DepthShift, IsTheShareByWhichTheInverseDepthMoved) {
 
 TEST(ForgetMisplaced, RemovesWhatTurnsOutToLieElsewhere) {
   StereoFrame frame;
-  frame.t_ns = kNow;
+  frame.t_ns = kPresent;
   frame.observations.resize(1);
   frame.observations[0].track_id = 1;
   for (const auto& [depth, gone] : {std::pair{5.4, 0U}, {5.6, 1U}, {4.6, 0U}, {4.4, 1U}}) {
     Estimate estimate = moved_to(depth, 0.001);
-    EXPECT_EQ(forget_misplaced(estimate, frame, kNow, camera(), MapManagementOptions{}), gone) << depth;
+    EXPECT_EQ(forget_misplaced(estimate, frame, kPresent, camera(), MapManagementOptions{}), gone) << depth;
     EXPECT_EQ(estimate.find(1) == nullptr, gone == 1) << depth;
   }
 }
@@ -179,7 +179,7 @@ Estimate aging_map(Generator& generator) {
   Estimate estimate = testing::random_map(generator, 10);
   for (Landmark& landmark : estimate.landmarks()) {
     const std::int64_t age = landmark.track_id >= 8 ? 0 : 10 - landmark.track_id;
-    landmark.last_seen_ns = kNow - age * kSecond;
+    landmark.last_seen_ns = kPresent - age * kSecond;
   }
   return estimate;
 }
@@ -188,7 +188,7 @@ TEST(MapManagement, RemovesNothingWithoutReason) {
   Generator generator(1);
   Estimate estimate = aging_map(generator);
   const testing::Snapshot before = testing::snapshot(estimate);
-  EXPECT_EQ(manage_map(estimate, kNow, idle()), 0U);
+  EXPECT_EQ(manage_map(estimate, kPresent, idle()), 0U);
   EXPECT_EQ(testing::snapshot(estimate), before);
 }
 
@@ -197,7 +197,7 @@ TEST(MapManagement, BeyondTheMostLandmarksThoseUnseenForLongestGo) {
   Estimate estimate = aging_map(generator);
   MapManagementOptions options = idle();
   options.max_landmarks = 6;
-  EXPECT_EQ(manage_map(estimate, kNow, options), 4U);
+  EXPECT_EQ(manage_map(estimate, kPresent, options), 4U);
   EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{4, 5, 6, 7, 8, 9}));
 }
 
@@ -206,7 +206,7 @@ TEST(MapManagement, NeverRemovesForRoomWhatIsInView) {
   Estimate estimate = aging_map(generator);
   MapManagementOptions options = idle();
   options.max_landmarks = 1;
-  EXPECT_EQ(manage_map(estimate, kNow, options), 8U);
+  EXPECT_EQ(manage_map(estimate, kPresent, options), 8U);
   EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{8, 9}));
 }
 
@@ -214,11 +214,11 @@ TEST(MapManagement, OfThoseUnseenForEquallyLongTheOlderTrackGoes) {
   Generator generator(4);
   Estimate estimate = aging_map(generator);
   for (Landmark& landmark : estimate.landmarks()) {
-    landmark.last_seen_ns = kNow - kSecond;
+    landmark.last_seen_ns = kPresent - kSecond;
   }
   MapManagementOptions options = idle();
   options.max_landmarks = 7;
-  EXPECT_EQ(manage_map(estimate, kNow, options), 3U);
+  EXPECT_EQ(manage_map(estimate, kPresent, options), 3U);
   EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{3, 4, 5, 6, 7, 8, 9}));
 }
 
@@ -227,7 +227,7 @@ TEST(MapManagement, ForgetsWhatWasUnseenForTooLong) {
   Estimate estimate = aging_map(generator);
   MapManagementOptions options = idle();
   options.forget_after_s = 6.5;
-  EXPECT_EQ(manage_map(estimate, kNow, options), 4U);
+  EXPECT_EQ(manage_map(estimate, kPresent, options), 4U);
   EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{4, 5, 6, 7, 8, 9}));
 }
 
@@ -237,7 +237,7 @@ TEST(MapManagement, RemovesWhatWasRefusedTooOften) {
   estimate.find(3)->refusals = 2;
   estimate.find(5)->refusals = 3;
   estimate.find(9)->refusals = 7;
-  EXPECT_EQ(manage_map(estimate, kNow, idle()), 2U);
+  EXPECT_EQ(manage_map(estimate, kPresent, idle()), 2U);
   EXPECT_EQ(ids(estimate), (std::vector<std::int64_t>{0, 1, 2, 3, 4, 6, 7, 8}));
 }
 
@@ -247,7 +247,7 @@ TEST(MapManagement, WhatOneRuleRemovesMakesRoomForTheOther) {
   estimate.find(9)->refusals = 3;
   MapManagementOptions options = idle();
   options.max_landmarks = 9;
-  EXPECT_EQ(manage_map(estimate, kNow, options), 1U);
+  EXPECT_EQ(manage_map(estimate, kPresent, options), 1U);
 }
 
 }  // namespace

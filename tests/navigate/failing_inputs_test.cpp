@@ -17,12 +17,12 @@ namespace limber {
 namespace {
 
 using testing::Feeder;
+using testing::kMs;
 using testing::make_scene;
 using testing::Scene;
 using testing::SceneOptions;
 using testing::with_method;
 
-constexpr std::int64_t kMs = 1000000;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 

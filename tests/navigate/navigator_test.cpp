@@ -16,18 +16,18 @@ using testing::make_scene;
 using testing::Scene;
 using testing::SceneOptions;
 
-struct Outcome {
+struct Flight {
   double rmse = 0.0;
   std::vector<Eigen::Vector3d> positions;
   std::vector<FrameReport> reports;
   RigParameters theta, theta_sigma = RigParameters::Zero();
 };
 
-Outcome fly(const Scene& scene, Method method) {
+Flight fly(const Scene& scene, Method method) {
   NavigatorOptions options = scene.options;
   options.method = method;
   Navigator navigator(options, scene.calibration, scene.initial);
-  Outcome out;
+  Flight out;
   std::size_t next = 0;
   for (std::size_t k = 0; k < scene.frames.size(); ++k) {
     const StereoFrame& frame = scene.frames[k];
@@ -70,7 +70,7 @@ RigParameters step_error() {
 TEST(Navigator, ASoundRigIsNavigatedAsByTheEkf) {
   for (const MotionModel motion : {MotionModel::kImu, MotionModel::kOdometry}) {
     const Scene scene = make_scene(ten_seconds(motion));
-    const Outcome ekf = fly(scene, Method::kEkf), adaptive = fly(scene, Method::kAdaptive);
+    const Flight ekf = fly(scene, Method::kEkf), adaptive = fly(scene, Method::kAdaptive);
     EXPECT_NEAR(adaptive.rmse, ekf.rmse, 0.02 * ekf.rmse);
     EXPECT_EQ(adaptive.reports.back().health->verdict, HealthVerdict::kOk);
   }
@@ -84,8 +84,8 @@ TEST(Navigator, AStepIsLearnedAndDoesNotLeadAstray) {
       return t < 6.0 ? RigParameters(RigParameters::Zero()) : step_error();
     };
     const Scene scene = make_scene(options);
-    const Outcome sound = fly(make_scene(ten_seconds(motion)), Method::kEkf);
-    const Outcome ekf = fly(scene, Method::kEkf), adaptive = fly(scene, Method::kAdaptive);
+    const Flight sound = fly(make_scene(ten_seconds(motion)), Method::kEkf);
+    const Flight ekf = fly(scene, Method::kEkf), adaptive = fly(scene, Method::kAdaptive);
     EXPECT_LT(adaptive.rmse, ekf.rmse) << static_cast<int>(motion);
     EXPECT_LT(adaptive.rmse, 1.3 * sound.rmse) << static_cast<int>(motion);
     if (motion == MotionModel::kConstantVelocity) {
@@ -103,8 +103,8 @@ TEST(Navigator, AnErrorFromTheStartIsFoundByTheParallelFilter) {
   SceneOptions options = ten_seconds();
   options.theta_error = [](double) { return RigParameters(0.1 * RigParameters::Unit(3) * 0.3); };
   const Scene scene = make_scene(options);
-  const Outcome ekf = fly(scene, Method::kEkf), lcekf = fly(scene, Method::kLcekf),
-                adaptive = fly(scene, Method::kAdaptive);
+  const Flight ekf = fly(scene, Method::kEkf), lcekf = fly(scene, Method::kLcekf),
+               adaptive = fly(scene, Method::kAdaptive);
   EXPECT_EQ(adaptive.reports.back().health->verdict, HealthVerdict::kDecalibrated);
   EXPECT_LT(adaptive.rmse, ekf.rmse);
   EXPECT_LT((adaptive.positions.back() - scene.truth.back().T_world_body.p).norm(),
@@ -115,7 +115,7 @@ TEST(Navigator, WhereNothingFixesTheScaleAWrongStartIsNavigatedAsByTheEkfAndRepo
   SceneOptions options = ten_seconds(MotionModel::kConstantVelocity);
   options.theta_error = [](double) { return step_error(); };
   const Scene scene = make_scene(options);
-  const Outcome ekf = fly(scene, Method::kEkf), adaptive = fly(scene, Method::kAdaptive);
+  const Flight ekf = fly(scene, Method::kEkf), adaptive = fly(scene, Method::kAdaptive);
   EXPECT_EQ(adaptive.reports.back().health->verdict, HealthVerdict::kDecalibrated);
   EXPECT_NEAR(adaptive.rmse, ekf.rmse, 0.02 * ekf.rmse);
 }

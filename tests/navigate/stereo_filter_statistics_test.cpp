@@ -22,12 +22,12 @@ using testing::with_method;
 using testing::wrong_rig;
 
 /// What a run says of itself and what it did.
-struct Outcome {
+struct Judgement {
   double end_nees = 0.0, nis = 0.0, dof = 0.0, squared = 0.0;
 };
 
-Outcome judge(const Scene& scene, const NavigatorOptions& options) {
-  Outcome out;
+Judgement judge(const Scene& scene, const NavigatorOptions& options) {
+  Judgement out;
   run(scene, options, [&](StereoFilter& navigator, std::size_t k, const FrameReport& report) {
     const auto e = pose_error(navigator, scene.truth[k]);
     out.end_nees = e.dot(navigator.estimate().P.diagonal_block<6>(0).llt().solve(e));
@@ -38,30 +38,30 @@ Outcome judge(const Scene& scene, const NavigatorOptions& options) {
   return out;
 }
 
-constexpr int kRuns = 12;
+constexpr int kSeeds = 12;
 
-/// Sum over runs of seeds 1 to kRuns. The pose errors at the end of the runs are independent.
-Outcome judge_runs(const std::function<Scene(std::uint64_t)>& scene_of, Method method,
-                   const std::string& constraints = "full") {
-  Outcome sum;
-  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+/// Sum over runs of seeds 1 to kSeeds. The pose errors at the end of the runs are independent.
+Judgement judge_runs(const std::function<Scene(std::uint64_t)>& scene_of, Method method,
+                     const std::string& constraints = "full") {
+  Judgement sum;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const Scene scene = scene_of(seed);
     NavigatorOptions options = with_method(scene, method);
     options.constraints = constraint_set_from_string(constraints);
-    const Outcome one = judge(scene, options);
+    const Judgement one = judge(scene, options);
     sum.end_nees += one.end_nees;
     sum.nis += one.nis;
     sum.dof += one.dof;
-    sum.squared += one.squared / kRuns;
+    sum.squared += one.squared / kSeeds;
   }
   return sum;
 }
 
 /// NEES of 12 runs: chi-square with 72 degrees of freedom, 95 % one in a million on either side. NIS of some
 /// 60 000 rows: 3 % are many standard deviations, and room for what is not linear.
-void expect_consistent(const Outcome& sum) {
-  EXPECT_GE(sum.end_nees, chi_square_quantile(1e-6, 6.0 * kRuns));
-  EXPECT_LE(sum.end_nees, chi_square_quantile(1.0 - 1e-6, 6.0 * kRuns));
+void expect_consistent(const Judgement& sum) {
+  EXPECT_GE(sum.end_nees, chi_square_quantile(1e-6, 6.0 * kSeeds));
+  EXPECT_LE(sum.end_nees, chi_square_quantile(1.0 - 1e-6, 6.0 * kSeeds));
   EXPECT_NEAR(sum.nis / sum.dof, 1.0, 0.05);
 }
 
@@ -72,9 +72,9 @@ Scene exact_rig(std::uint64_t seed) {
 }
 
 TEST(NavigatorStatistics, OnAnExactRigAllAreConsistentAndTrustIsWorthSomething) {
-  const Outcome ekf = judge_runs(exact_rig, Method::kEkf);
-  const Outcome lcekf = judge_runs(exact_rig, Method::kLcekf);
-  const Outcome mono_left = judge_runs(exact_rig, Method::kMonoLeft);
+  const Judgement ekf = judge_runs(exact_rig, Method::kEkf);
+  const Judgement lcekf = judge_runs(exact_rig, Method::kLcekf);
+  const Judgement mono_left = judge_runs(exact_rig, Method::kMonoLeft);
   expect_consistent(ekf);
   expect_consistent(lcekf);
   expect_consistent(mono_left);
@@ -84,25 +84,25 @@ TEST(NavigatorStatistics, OnAnExactRigAllAreConsistentAndTrustIsWorthSomething) 
 
 TEST(NavigatorStatistics, WhoExpectsNoErrorOfTheRigIsAsGoodAsWhoTrustsIt) {
   double soft = 0.0, ekf = 0.0, nees = 0.0;
-  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const Scene scene = exact_rig(seed);
     NavigatorOptions options = with_method(scene, Method::kSoft);
     options.theta_sigma.setConstant(1e-9);
-    const Outcome one = judge(scene, options);
+    const Judgement one = judge(scene, options);
     soft += one.squared;
     nees += one.end_nees;
     ekf += judge(scene, with_method(scene, Method::kEkf)).squared;
   }
-  EXPECT_LE(nees, chi_square_quantile(1.0 - 1e-6, 6.0 * kRuns));
+  EXPECT_LE(nees, chi_square_quantile(1.0 - 1e-6, 6.0 * kSeeds));
   EXPECT_NEAR(soft, ekf, 0.05 * ekf);  // within 1 %; a quarter worse where the frame's own rig is believed
 }
 
 TEST(NavigatorStatistics, OnAWrongRigTheConstrainedOneStaysConsistentAndTheEkfDoesNot) {
   const auto scene_of = [](std::uint64_t seed) { return make_scene(wrong_rig(seed)); };
-  const Outcome lcekf = judge_runs(scene_of, Method::kLcekf);
+  const Judgement lcekf = judge_runs(scene_of, Method::kLcekf);
   expect_consistent(lcekf);
-  const Outcome ekf = judge_runs(scene_of, Method::kEkf);
-  EXPECT_GT(ekf.end_nees, 3.0 * chi_square_quantile(1.0 - 1e-6, 6.0 * kRuns));
+  const Judgement ekf = judge_runs(scene_of, Method::kEkf);
+  EXPECT_GT(ekf.end_nees, 3.0 * chi_square_quantile(1.0 - 1e-6, 6.0 * kSeeds));
   EXPECT_GT(ekf.squared, 2.0 * lcekf.squared);
 }
 

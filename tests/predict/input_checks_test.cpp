@@ -18,13 +18,13 @@ namespace {
 using testing::Generator;
 using testing::random_normal;
 
-constexpr std::int64_t kMs = 1000000;
+constexpr std::int64_t kMillisecond = 1000000;
 
 /// A small drone: swings and trembles, with the noise of a MEMS IMU at 200 Hz.
 std::vector<InputSample> flight(double seconds, std::uint64_t seed = 1) {
   Generator generator(seed);
   std::vector<InputSample> out;
-  for (std::int64_t t = 0; t < static_cast<std::int64_t>(seconds * 1e9); t += 5 * kMs) {
+  for (std::int64_t t = 0; t < static_cast<std::int64_t>(seconds * 1e9); t += 5 * kMillisecond) {
     const double s = 1e-9 * static_cast<double>(t);
     const Eigen::Vector3d omega(std::sin(2.0 * s), 0.7 * std::cos(3.0 * s), 0.3);
     const Eigen::Vector3d accel(2.0 * std::cos(3.0 * s), std::sin(300.0 * s), 9.81 + 2.0 * std::sin(s));
@@ -104,7 +104,7 @@ TEST(InputChecks, TakeAStuckSensorForAGap) {
 TEST(InputChecks, TakeAStreamThatNeverVariedAsItIs) {
   std::vector<InputSample> samples(1000);
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    samples[k] = {static_cast<std::int64_t>(k) * 5 * kMs, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}};
+    samples[k] = {static_cast<std::int64_t>(k) * 5 * kMillisecond, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}};
   }
   const Outcome out = check(samples);
   EXPECT_FALSE(out.faults.any());

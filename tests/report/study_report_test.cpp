@@ -44,7 +44,7 @@ std::vector<Block> blocks(const ReportDocument& document) {
   return out;
 }
 
-ReportFigure figure(const ReportDocument& document, const std::string& suffix) {
+ReportFigure figure_ending(const ReportDocument& document, const std::string& suffix) {
   for (const ReportFigure& figure : blocks<ReportFigure>(document)) {
     if (figure.id.ends_with(suffix)) {
       return figure;
@@ -64,17 +64,17 @@ const ReportTrace& trace(const ReportFigure& figure, const std::string& name) {
 
 TEST(StudyReport, DrawsMeanSquaredErrorsBesideNineTimesTheMeanVariance) {
   const ReportDocument document = study_report(small_study());
-  const ReportFigure position = figure(document, "-position");
+  const ReportFigure position = figure_ending(document, "-position");
   EXPECT_EQ(trace(position, "lcekf").x.size(), testing::kInstants);
   EXPECT_DOUBLE_EQ(trace(position, "lcekf").y[7], 0.05 * 0.05);
   EXPECT_EQ(trace(position, "lcekf 3σ").shape, TraceShape::kBound);
   EXPECT_DOUBLE_EQ(trace(position, "lcekf 3σ").y[7], 9.0 * 0.1 * 0.1);
-  EXPECT_DOUBLE_EQ(trace(figure(document, "-nees"), "ekf").y[7], 1.0);
-  EXPECT_DOUBLE_EQ(trace(figure(document, "-landmarks"), "ekf").y[0], 1.0);
+  EXPECT_DOUBLE_EQ(trace(figure_ending(document, "-nees"), "ekf").y[7], 1.0);
+  EXPECT_DOUBLE_EQ(trace(figure_ending(document, "-landmarks"), "ekf").y[0], 1.0);
 }
 
 TEST(StudyReport, BeginsWithThePapersMethodsAndOffersThemWithoutEkf) {
-  const ReportFigure position = figure(study_report(small_study()), "-position");
+  const ReportFigure position = figure_ending(study_report(small_study()), "-position");
   ASSERT_EQ(position.variants.size(), 4u);
   EXPECT_EQ(position.variants[0].label, "paper");
   EXPECT_THAT(position.variants[0].hidden_styles, ElementsAre("mono-left"));
@@ -91,7 +91,7 @@ TEST(StudyReport, DrawsTheCalibrationBesideWhatIsEstimated) {
     full.curves[theta_axis(CurveQuantity::kDeltaAx, axis)] = testing::constant_curve(0.09);
     full.curves[theta_axis(CurveQuantity::kThetaVarianceAx, axis)] = testing::constant_curve(0.0004);
   }
-  const ReportFigure translation = figure(study_report(results), "-calibration-translation");
+  const ReportFigure translation = figure_ending(study_report(results), "-calibration-translation");
   EXPECT_EQ(translation.y.size(), 3u);
   EXPECT_DOUBLE_EQ(trace(translation, "truth").y[5], 0.1);  // delta of case (ii)
   EXPECT_DOUBLE_EQ(trace(translation, "ekf-full").y[5], 0.09);

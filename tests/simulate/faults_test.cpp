@@ -21,10 +21,10 @@ namespace {
 using Eigen::Vector3d;
 using testing::same;
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-constexpr double kGravity = 9.80665;
+constexpr std::int64_t kOneSecond = 1'000'000'000;
+constexpr double kStandardGravity = 9.80665;
 
-Scenario drone() {
+Scenario sound_drone() {
   Scenario s = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
   s.duration = 4.0;
   return s;
@@ -34,8 +34,8 @@ Scenario drone() {
 struct Pair {
   Recording sound, faulty;
 
-  explicit Pair(const std::string& fault) : sound(simulate(drone(), 1)) {
-    Scenario s = drone();
+  explicit Pair(const std::string& fault) : sound(simulate(sound_drone(), 1)) {
+    Scenario s = sound_drone();
     s.faults = {fault_from_string(fault)};
     faulty = simulate(s, 1);
     EXPECT_EQ(sound.groundtruth.size(), faulty.groundtruth.size());
@@ -80,7 +80,7 @@ TEST(ImuFaults, SaturationClipsEachComponent) {
   const double gyro = 20.0 * detail::kDegree;
   std::size_t clipped = 0;
   for (std::size_t k = 0; k < p.sound.imu.size(); ++k) {
-    const Vector3d accel = p.sound.imu[k].accel_imu.cwiseMax(-kGravity).cwiseMin(kGravity);
+    const Vector3d accel = p.sound.imu[k].accel_imu.cwiseMax(-kStandardGravity).cwiseMin(kStandardGravity);
     const Vector3d omega = p.sound.imu[k].omega_imu.cwiseMax(-gyro).cwiseMin(gyro);
     ASSERT_LT((accel - p.faulty.imu[k].accel_imu).norm(), 1e-12);
     ASSERT_LT((omega - p.faulty.imu[k].omega_imu).norm(), 1e-12);
@@ -93,7 +93,7 @@ TEST(ImuFaults, ASpikeHitsOneSampleOfTheAccelerometer) {
   const Pair p("imu-spike=1.002:10");
   for (std::size_t k = 0; k < p.sound.imu.size(); ++k) {
     const Vector3d added = p.faulty.imu[k].accel_imu - p.sound.imu[k].accel_imu;
-    ASSERT_NEAR(added.norm(), k == 201 ? 10.0 * kGravity : 0.0, 1e-9);
+    ASSERT_NEAR(added.norm(), k == 201 ? 10.0 * kStandardGravity : 0.0, 1e-9);
     ASSERT_EQ(p.faulty.imu[k].omega_imu, p.sound.imu[k].omega_imu);
   }
 }
@@ -101,7 +101,7 @@ TEST(ImuFaults, ASpikeHitsOneSampleOfTheAccelerometer) {
 TEST(ImuFaults, BiasStepsAreInTheSamplesAndInTheTrueBiases) {
   const Pair gyro("gyro-bias-step=1:0.05"), accel("accel-bias-step=1:0.2");
   for (std::size_t k = 0; k < gyro.sound.imu.size(); ++k) {
-    const bool later = gyro.sound.imu[k].t_ns >= kSecond;
+    const bool later = gyro.sound.imu[k].t_ns >= kOneSecond;
     const Vector3d turn = gyro.faulty.imu[k].omega_imu - gyro.sound.imu[k].omega_imu;
     ASSERT_NEAR(turn.norm(), later ? 0.05 : 0.0, 1e-9);
     ASSERT_LT((turn - (gyro.faulty.groundtruth[k].bias_gyro - gyro.sound.groundtruth[k].bias_gyro)).norm(),
@@ -117,13 +117,13 @@ TEST(ImuFaults, AClockStepMovesTheStampsOfWhatComesLater) {
   ASSERT_EQ(late.sound.imu.size(), late.faulty.imu.size());
   for (std::size_t k = 0; k < late.sound.imu.size(); ++k) {
     const std::int64_t t_ns = late.sound.imu[k].t_ns;
-    ASSERT_EQ(late.faulty.imu[k].t_ns, t_ns + (t_ns >= kSecond ? kSecond / 10 : 0));
+    ASSERT_EQ(late.faulty.imu[k].t_ns, t_ns + (t_ns >= kOneSecond ? kOneSecond / 10 : 0));
     ASSERT_EQ(late.faulty.imu[k].accel_imu, late.sound.imu[k].accel_imu);
   }
   const Pair early("clock-step=1:-0.1");
   // Sample 200 is stamped 0.9 s; the first later than 0.995 s is sample 220 with 1.0 s.
   ASSERT_EQ(early.faulty.imu.size(), early.sound.imu.size() - 20);
-  EXPECT_EQ(early.faulty.imu[200].t_ns, kSecond);
+  EXPECT_EQ(early.faulty.imu[200].t_ns, kOneSecond);
   EXPECT_EQ(early.faulty.imu[200].accel_imu, early.sound.imu[220].accel_imu);
   for (std::size_t k = 1; k < early.faulty.imu.size(); ++k) {
     ASSERT_GT(early.faulty.imu[k].t_ns, early.faulty.imu[k - 1].t_ns);
@@ -131,10 +131,10 @@ TEST(ImuFaults, AClockStepMovesTheStampsOfWhatComesLater) {
 }
 
 TEST(ImuFaults, ActInTheOrderOfTheSensorWhateverTheOrderOfTheList) {
-  Scenario s = drone();
+  Scenario s = sound_drone();
   s.faults = {fault_from_string("imu-saturation=2:1000"), fault_from_string("imu-spike=1:100")};
   for (const ImuSample& sample : simulate(s, 1).imu) {
-    ASSERT_LE(sample.accel_imu.cwiseAbs().maxCoeff(), 2.0 * kGravity + 1e-9);
+    ASSERT_LE(sample.accel_imu.cwiseAbs().maxCoeff(), 2.0 * kStandardGravity + 1e-9);
   }
 }
 
@@ -161,7 +161,7 @@ TEST(CameraFaults, RepeatedFramesShowTheLastOneBefore) {
 }
 
 TEST(CameraFaults, ALateRightImageShowsWhereThePointsWere) {
-  Scenario s = drone();
+  Scenario s = sound_drone();
   s.noise.pixel = 0.0;
   const Recording sound = simulate(s, 1);
   s.faults = {fault_from_string("right-late=1:2:0.1")};  // two frames

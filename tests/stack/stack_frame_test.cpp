@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using testing::Generator;
 
-const PixelNoise kSigma(0.4, 0.5, 0.6, 0.7);
+const PixelNoise kUnequalSigma(0.4, 0.5, 0.6, 0.7);
 
 StereoCalibration calibration(BodyFrame body) {
   StereoCalibration out;
@@ -79,7 +79,7 @@ struct Stacked {
 Stacked stacked(const Estimate& estimate, const StereoFrame& frame, const MountedRig& rig,
                 const std::unordered_map<std::int64_t, RemainingRows>& newborn = {}) {
   Stacked out;
-  out.frame = stack_frame(estimate, frame, rig, kSigma, newborn, out.refused);
+  out.frame = stack_frame(estimate, frame, rig, kUnequalSigma, newborn, out.refused);
   return out;
 }
 
@@ -91,7 +91,7 @@ TEST(StackFrame, ResidualIsWhatThePixelsAreOff) {
   ASSERT_EQ(z.frame.measurement.rows(), 24);
   EXPECT_LE((z.frame.measurement.residual - VectorXd::Constant(24, 2.0)).cwiseAbs().maxCoeff(), 1e-10);
   for (Index row = 0; row < 24; row += 4) {
-    EXPECT_EQ(z.frame.measurement.sigma.segment<4>(row), kSigma);
+    EXPECT_EQ(z.frame.measurement.sigma.segment<4>(row), kUnequalSigma);
   }
   EXPECT_EQ(z.frame.track_ids, (std::vector<std::int64_t>{0, 1, 2, 3, 4, 5}));
   EXPECT_TRUE(z.refused.empty());
@@ -209,8 +209,8 @@ TEST(StackFrame, EachCameraThatSawThePointGivesTwoRows) {
   }
   EXPECT_EQ(row, 4 + 2 + 2 + 4);
   EXPECT_EQ(row, z.frame.measurement.rows());
-  EXPECT_EQ(z.frame.measurement.sigma.segment<2>(4), kSigma.head<2>());
-  EXPECT_EQ(z.frame.measurement.sigma.segment<2>(6), kSigma.tail<2>());
+  EXPECT_EQ(z.frame.measurement.sigma.segment<2>(4), kUnequalSigma.head<2>());
+  EXPECT_EQ(z.frame.measurement.sigma.segment<2>(6), kUnequalSigma.tail<2>());
   // Left rows do not depend on theta, right ones do.
   EXPECT_TRUE(z.frame.measurement.D.middleRows<2>(4).isZero(0.0));
   EXPECT_FALSE(z.frame.measurement.D.middleRows<2>(6).isZero(1.0));
@@ -226,7 +226,7 @@ TEST(StackFrame, OfANewLandmarkOnlyTheRowsItsInitializationLeft) {
               {{0, RemainingRows::kNone}, {1, RemainingRows::kRight}, {2, RemainingRows::kAll}});
   EXPECT_EQ(z.frame.track_ids, (std::vector<std::int64_t>{1, 2, 3, 4, 5}));
   EXPECT_EQ(z.frame.measurement.groups[0].rows, 2);
-  EXPECT_EQ(z.frame.measurement.sigma.head<2>(), kSigma.tail<2>());
+  EXPECT_EQ(z.frame.measurement.sigma.head<2>(), kUnequalSigma.tail<2>());
   EXPECT_EQ(z.frame.measurement.groups[1].rows, 4);
 }
 

@@ -26,7 +26,7 @@ fs::path make_shard(const fs::path& folder, const StudyPlan& plan, Shard shard) 
   return path;
 }
 
-std::string message_of(const std::vector<fs::path>& parts, const fs::path& out) {
+std::string refusal_of_parts(const std::vector<fs::path>& parts, const fs::path& out) {
   try {
     merge_studies(parts, out);
   } catch (const std::runtime_error& error) {
@@ -63,19 +63,19 @@ TEST(MergeStudies, RefusesPartsThatDoNotBelongTogetherAndLeavesNothing) {
   const TemporaryFolder folder;
   const fs::path merged = folder.path() / "merged";
   const fs::path part = make_shard(folder.path(), tiny_plan(4), {1, 2});
-  EXPECT_THAT(message_of({part, part}, merged),
+  EXPECT_THAT(refusal_of_parts({part, part}, merged),
               HasSubstr("holds run 0 of 'tiny', and so does a part before it"));
 
   StudyPlan other = tiny_plan(4);
   other.seed = 9;
-  EXPECT_THAT(message_of({part, make_shard(folder.path(), other, {2, 2})}, merged),
+  EXPECT_THAT(refusal_of_parts({part, make_shard(folder.path(), other, {2, 2})}, merged),
               HasSubstr("was made with seed 9, the parts before it with 1"));
   fs::remove(folder.path() / "part2");
   other = tiny_plan(4);
   other.cases[0].scenario.duration = 1.1;
-  EXPECT_THAT(message_of({part, make_shard(folder.path(), other, {2, 2})}, merged),
+  EXPECT_THAT(refusal_of_parts({part, make_shard(folder.path(), other, {2, 2})}, merged),
               HasSubstr("with other settings than the parts before it:\n  stored: duration: 1"));
-  EXPECT_THAT(message_of({part, folder.path() / "nowhere"}, merged), HasSubstr("no such file"));
+  EXPECT_THAT(refusal_of_parts({part, folder.path() / "nowhere"}, merged), HasSubstr("no such file"));
   EXPECT_EQ(testing::files_in(folder.path()), (std::vector<std::string>{"part1", "part2"}));
 }
 
@@ -83,9 +83,9 @@ TEST(MergeStudies, DoesNotOverwrite) {
   const TemporaryFolder folder;
   const fs::path part = make_shard(folder.path(), tiny_plan(2), {1, 1});
   const fs::path mine = testing::write_text(folder.path() / "mine", "mine");
-  EXPECT_THAT(message_of({part}, mine), HasSubstr("expected a name that is not taken"));
+  EXPECT_THAT(refusal_of_parts({part}, mine), HasSubstr("expected a name that is not taken"));
   EXPECT_EQ(testing::read_text(mine), "mine");
-  EXPECT_THAT(message_of({part}, folder.path() / "nowhere" / "out"),
+  EXPECT_THAT(refusal_of_parts({part}, folder.path() / "nowhere" / "out"),
               HasSubstr("expected a place where a database can be made"));
 }
 

@@ -12,7 +12,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-std::string message_of(const std::string& text) {
+std::string refusal_of_text(const std::string& text) {
   try {
     (void)method_variants_from_string(text);
   } catch (const std::invalid_argument& error) {
@@ -60,20 +60,20 @@ TEST(MethodVariants, KeepTheParametersOfAListTogether) {
 }
 
 TEST(MethodVariants, RefuseEverythingElseAndSayWhy) {
-  EXPECT_THAT(message_of("kalman"), HasSubstr("unknown method 'kalman', expected one of ekf"));
-  EXPECT_THAT(message_of(""), HasSubstr("unknown method"));
-  EXPECT_THAT(message_of("ekf,"), HasSubstr("unknown method"));
-  EXPECT_THAT(message_of("ax"), HasSubstr("unknown method"));
-  EXPECT_THAT(message_of("ekf:full"), HasSubstr("unknown option 'full', expected cartesian"));
-  EXPECT_THAT(message_of("lcekf:everything"), HasSubstr("unknown constraint set 'everything'"));
-  EXPECT_THAT(message_of("lcekf:walk=x10"), HasSubstr("only ekf-full lets theta walk"));
+  EXPECT_THAT(refusal_of_text("kalman"), HasSubstr("unknown method 'kalman', expected one of ekf"));
+  EXPECT_THAT(refusal_of_text(""), HasSubstr("unknown method"));
+  EXPECT_THAT(refusal_of_text("ekf,"), HasSubstr("unknown method"));
+  EXPECT_THAT(refusal_of_text("ax"), HasSubstr("unknown method"));
+  EXPECT_THAT(refusal_of_text("ekf:full"), HasSubstr("unknown option 'full', expected cartesian"));
+  EXPECT_THAT(refusal_of_text("lcekf:everything"), HasSubstr("unknown constraint set 'everything'"));
+  EXPECT_THAT(refusal_of_text("lcekf:walk=x10"), HasSubstr("only ekf-full lets theta walk"));
   for (const std::string walk : {"", "x", "10", "1/2/3", "-1/1", "x-1", "nan/1", "1e-6/"}) {
-    EXPECT_THAT(message_of("ekf-full:walk=" + walk), HasSubstr("expected walk=xFACTOR")) << walk;
+    EXPECT_THAT(refusal_of_text("ekf-full:walk=" + walk), HasSubstr("expected walk=xFACTOR")) << walk;
   }
-  EXPECT_THAT(message_of("ekf:estimate="), HasSubstr("unknown parameter ''"));
-  EXPECT_THAT(message_of("ekf:soften=dt2"), HasSubstr("unknown parameter 'dt2'"));
-  EXPECT_THAT(message_of("ekf:assume=dt1"), HasSubstr("NAME=VALUE"));
-  EXPECT_THAT(message_of("ekf,lcekf,ekf"), HasSubstr("'ekf': comes twice"));
+  EXPECT_THAT(refusal_of_text("ekf:estimate="), HasSubstr("unknown parameter ''"));
+  EXPECT_THAT(refusal_of_text("ekf:soften=dt2"), HasSubstr("unknown parameter 'dt2'"));
+  EXPECT_THAT(refusal_of_text("ekf:assume=dt1"), HasSubstr("NAME=VALUE"));
+  EXPECT_THAT(refusal_of_text("ekf,lcekf,ekf"), HasSubstr("'ekf': comes twice"));
 }
 
 }  // namespace

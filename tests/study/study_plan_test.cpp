@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using testing::tiny_plan;
 using testing::tiny_scenario;
 
-std::string message_of(const StudyPlan& plan) {
+std::string refusal_of_plan(const StudyPlan& plan) {
   try {
     check_plan(plan);
   } catch (const std::invalid_argument& error) {
@@ -25,22 +25,22 @@ std::string message_of(const StudyPlan& plan) {
 }
 
 TEST(CheckPlan, AcceptsAPlanAndNamesWhatIsWrongWithOthers) {
-  EXPECT_EQ(message_of(tiny_plan(3)), "");
-  EXPECT_THAT(message_of({}), HasSubstr("no scenario"));
-  EXPECT_THAT(message_of(tiny_plan(0)), HasSubstr("case 'tiny' has 0 runs"));
-  EXPECT_THAT(message_of(tiny_plan(kMaxTerms + 1)), HasSubstr("expected 1 to 16777216"));
+  EXPECT_EQ(refusal_of_plan(tiny_plan(3)), "");
+  EXPECT_THAT(refusal_of_plan({}), HasSubstr("no scenario"));
+  EXPECT_THAT(refusal_of_plan(tiny_plan(0)), HasSubstr("case 'tiny' has 0 runs"));
+  EXPECT_THAT(refusal_of_plan(tiny_plan(kMaxTerms + 1)), HasSubstr("expected 1 to 16777216"));
 
   StudyPlan plan = tiny_plan(1);
   plan.cases.push_back(plan.cases.front());
-  EXPECT_THAT(message_of(plan), HasSubstr("two scenarios are called 'tiny'"));
+  EXPECT_THAT(refusal_of_plan(plan), HasSubstr("two scenarios are called 'tiny'"));
   plan = tiny_plan(1);
   plan.cases[0].methods.push_back(plan.cases[0].methods[0]);
-  EXPECT_THAT(message_of(plan), HasSubstr("has the method ekf twice"));
+  EXPECT_THAT(refusal_of_plan(plan), HasSubstr("has the method ekf twice"));
   plan.cases[0].methods.clear();
-  EXPECT_THAT(message_of(plan), HasSubstr("has no method"));
+  EXPECT_THAT(refusal_of_plan(plan), HasSubstr("has no method"));
   plan = tiny_plan(1);
   plan.cases[0].scenario.noise.pixel = -1.0;
-  EXPECT_THAT(message_of(plan), HasSubstr("pixel"));
+  EXPECT_THAT(refusal_of_plan(plan), HasSubstr("pixel"));
 }
 
 TEST(DefinitionOf, ChangesWithEverythingThatResultsDependOn) {

@@ -22,7 +22,7 @@ struct Problem {
 };
 
 /// Groups of two rows with noise of their own size, moved by a shared offset of a few prior deviations.
-Problem make_problem(Generator& generator, Index count, Index k) {
+Problem consensus_problem(Generator& generator, Index count, Index k) {
   Problem out;
   out.A = 20.0 * MatrixXd(2 * count, k).unaryExpr([&](double) {
     return testing::random_scalar(generator, -1.0, 1.0);
@@ -43,7 +43,7 @@ Problem make_problem(Generator& generator, Index count, Index k) {
 TEST(Consensus, IsNotMovedByFortyPerCentOfGrossOutliers) {
   Generator generator(1);
   for (int run = 0; run < 50; ++run) {
-    Problem p = make_problem(generator, 50, 6);
+    Problem p = consensus_problem(generator, 50, 6);
     for (Index g = 0; g < 20; ++g) {
       p.r.segment<2>(2 * g) += 300.0 * testing::random_normal(generator, 2);
     }
@@ -57,7 +57,7 @@ TEST(Consensus, IsNotMovedByFortyPerCentOfGrossOutliers) {
 
 TEST(Consensus, WithoutSharedDirectionsIsEachGroupsOwnDistance) {
   Generator generator(2);
-  const Problem p = make_problem(generator, 10, 0);
+  const Problem p = consensus_problem(generator, 10, 0);
   const Consensus found = find_consensus(p.r, p.S, p.groups, p.A);
   EXPECT_EQ(found.beta.size(), 0);
   for (std::size_t g = 0; g < p.groups.size(); ++g) {

@@ -22,7 +22,7 @@ using testing::StereoProblem;
 using testing::Updated;
 using testing::updated;
 
-constexpr double kExact = 1e-9;
+constexpr double kNear = 1e-9;
 
 std::vector<StereoProblem> ordinary_problems(Generator& generator, int count) {
   std::vector<StereoProblem> out;
@@ -73,9 +73,9 @@ TEST(ConstrainedUpdate, NullSpaceFormIsTheGainFormWhereTheConstraintsAreWellCond
     EXPECT_EQ(null_space.report.rank, 6) << problem.name;
     EXPECT_EQ(null_space.report.dof, gain_form.dof) << problem.name;
     const VectorXd sigma = prior_sigma(problem.P);
-    EXPECT_LE(relative_difference(null_space.report.dx, gain_form.dx, sigma), kExact) << problem.name;
-    EXPECT_LE(relative_difference(null_space.P, P.dense(), sigma), kExact) << problem.name;
-    EXPECT_NEAR(null_space.report.nis, gain_form.nis, kExact * gain_form.nis) << problem.name;
+    EXPECT_LE(relative_difference(null_space.report.dx, gain_form.dx, sigma), kNear) << problem.name;
+    EXPECT_LE(relative_difference(null_space.P, P.dense(), sigma), kNear) << problem.name;
+    EXPECT_NEAR(null_space.report.nis, gain_form.nis, kNear * gain_form.nis) << problem.name;
   }
   EXPECT_GE(compared, 200);
 }
@@ -109,7 +109,7 @@ TEST(ConstrainedUpdate, GainIsBlindToTheConstrainedDirectionsWhateverTheGeometry
     const MatrixXd heard = weight.asDiagonal() * L * DC;
     const Eigen::JacobiSVD<MatrixXd> svd(heard, Eigen::ComputeThinV);
     for (Index k = 0; k < svd.singularValues().size(); ++k) {
-      if (svd.singularValues()(k) <= kExact * unconstrained) {
+      if (svd.singularValues()(k) <= kNear * unconstrained) {
         continue;  // silenced
       }
       // What is heard is too weak to matter: a plausible error moves no pixel by a thousandth of its noise.
@@ -140,8 +140,8 @@ TEST(ConstrainedUpdate, NeverShrinksTheCovarianceBelowTheEkfsNorGrowsItAboveTheP
     const MatrixXd prior = problem.P.dense();
     const MatrixXd ekf = updated(problem, {}).P;
     const MatrixXd constrained = updated(problem, problem.constrained()).P;
-    EXPECT_GE(smallest_eigenvalue(constrained - ekf, prior), -kExact) << problem.name;
-    EXPECT_GE(smallest_eigenvalue(prior - constrained, prior), -kExact) << problem.name;
+    EXPECT_GE(smallest_eigenvalue(constrained - ekf, prior), -kNear) << problem.name;
+    EXPECT_GE(smallest_eigenvalue(prior - constrained, prior), -kNear) << problem.name;
   }
 }
 
@@ -151,7 +151,7 @@ TEST(ConstrainedUpdate, EachConstraintMoreCostsInformation) {
     MatrixXd previous = updated(problem, {}).P;
     for (Index k = 1; k <= 6; ++k) {
       const MatrixXd P = updated(problem, {problem.C.leftCols(k), {}}).P;
-      EXPECT_GE(smallest_eigenvalue(P - previous, problem.P.dense()), -kExact) << problem.name << ", " << k;
+      EXPECT_GE(smallest_eigenvalue(P - previous, problem.P.dense()), -kNear) << problem.name << ", " << k;
       EXPECT_GT(P.trace(), previous.trace()) << problem.name << ", " << k;
       previous = P;
     }
@@ -168,7 +168,7 @@ TEST(ConstrainedUpdate, ACalibrationErrorInAConstrainedDirectionMovesNothing) {
     const UpdateReport ekf_after = updated(problem, {}).report;
     const VectorXd weight = prior_sigma(problem.P).cwiseInverse();
     const double moved_ekf = (ekf_after.dx - ekf_before.dx).cwiseProduct(weight).cwiseAbs().maxCoeff();
-    EXPECT_LE((after.dx - before.dx).cwiseProduct(weight).cwiseAbs().maxCoeff(), kExact * moved_ekf)
+    EXPECT_LE((after.dx - before.dx).cwiseProduct(weight).cwiseAbs().maxCoeff(), kNear * moved_ekf)
         << problem.name;
     EXPECT_GT(moved_ekf, 1.0) << problem.name;
   }
@@ -210,8 +210,8 @@ TEST(ConstrainedUpdate, UpToThreeStereoPointsTheRightCameraSaysNothing) {
     EXPECT_EQ(both.report.rank, 2 * count);
     EXPECT_EQ(both.report.dof, 2 * count);
     const VectorXd sigma = prior_sigma(problem.P);
-    EXPECT_LE(relative_difference(both.report.dx, left.report.dx, sigma), kExact) << problem.name;
-    EXPECT_LE(relative_difference(both.P, left.P, sigma), kExact) << problem.name;
+    EXPECT_LE(relative_difference(both.report.dx, left.report.dx, sigma), kNear) << problem.name;
+    EXPECT_LE(relative_difference(both.P, left.P, sigma), kNear) << problem.name;
   }
 }
 

@@ -20,7 +20,7 @@ using testing::StereoProblem;
 
 constexpr Index kNuisance = 2;
 
-StereoProblem make_problem(Generator& generator, int points) {
+StereoProblem nuisance_problem(Generator& generator, int points) {
   return testing::make_problem(generator, "nuisance", testing::stereo_rig(0.12),
                                testing::random_points(generator, points, 1.0, 20.0));
 }
@@ -62,7 +62,7 @@ void expect_same(const ParameterEvidence& found, const ParameterEvidence& expect
 TEST(Nuisance, ChangesNothingButWhatIsSaid) {
   Generator generator(1);
   for (const bool compress : {false, true}) {
-    const StereoProblem problem = make_problem(generator, 12);
+    const StereoProblem problem = nuisance_problem(generator, 12);
     ParameterErrorModel all = watch_first(problem);
     all.watched = problem.C;
     all.nuisance = 0;
@@ -81,7 +81,7 @@ TEST(Nuisance, AloneLeavesTheEvidenceAboutWhatIsTrusted) {
   for (const int points : {6, 12, 30}) {
     for (const bool compress : {false, true}) {
       SCOPED_TRACE(::testing::Message() << points << " points, " << (compress ? "compressed" : "as it is"));
-      const StereoProblem problem = make_problem(generator, points);
+      const StereoProblem problem = nuisance_problem(generator, points);
       ParameterErrorModel how = watch_first(problem);
       how.constrained = problem.C.rightCols(kNuisance).eval();
       ParameterErrorModel plain;
@@ -106,7 +106,7 @@ TEST(Nuisance, AloneLeavesTheEvidenceAboutWhatIsTrusted) {
 TEST(Nuisance, IsNothingThatTheWitnessLearnsFrom) {
   Generator generator(3);
   for (const bool compress : {false, true}) {
-    StereoProblem problem = make_problem(generator, 15);
+    StereoProblem problem = nuisance_problem(generator, 15);
     const Index n = problem.P.size();
     VectorXd sigma(n + kWitnessSize);
     sigma << testing::prior_sigma(problem.P), VectorXd::Constant(kWitnessSize, 2.0);
@@ -133,7 +133,7 @@ TEST(Nuisance, IsNothingThatTheWitnessLearnsFrom) {
 
 TEST(Nuisance, MoreColumnsThanThereAreIsAnError) {
   Generator generator(4);
-  const StereoProblem problem = make_problem(generator, 8);
+  const StereoProblem problem = nuisance_problem(generator, 8);
   ParameterErrorModel how = watch_first(problem);
   how.nuisance = problem.C.cols() + 1;
   Covariance P = problem.P;

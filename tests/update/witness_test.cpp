@@ -24,7 +24,7 @@ struct WitnessProblem {
   Witness witness;
 };
 
-WitnessProblem make_problem(Generator& generator, int points) {
+WitnessProblem witness_problem(Generator& generator, int points) {
   WitnessProblem out{testing::make_problem(generator, "witness", testing::stereo_rig(0.12),
                                            testing::random_points(generator, points, 1.0, 20.0)),
                      {}};
@@ -75,7 +75,7 @@ TEST(Witness, IsTheOptimalGainBesideTheConstrainedOne) {
   Generator generator(1);
   for (const int points : {5, 8, 20}) {
     for (const bool compress : {false, true}) {
-      const WitnessProblem problem = make_problem(generator, points);
+      const WitnessProblem problem = witness_problem(generator, points);
       const Joint expected = joseph(problem);
       Covariance P = problem.stereo.P;
       const UpdateReport report = compress
@@ -91,7 +91,7 @@ TEST(Witness, IsTheOptimalGainBesideTheConstrainedOne) {
 
 TEST(Witness, NoOtherStateHearsOfIt) {
   Generator generator(2);
-  const WitnessProblem problem = make_problem(generator, 12);
+  const WitnessProblem problem = witness_problem(generator, 12);
   ParameterErrorModel without = treatment(problem);
   without.watched.resize(6, 0);
   without.witness.reset();

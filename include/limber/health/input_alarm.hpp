@@ -33,7 +33,8 @@ struct InputContradiction {
 ///
 /// Two tests: each frame's correction, and the fading mean of the whitened corrections of some ten frames,
 /// which sees a small bias. Both are measured against the noise that the frame's other rows show (NIS / dof),
-/// if that is larger than assumed. For a filter that no calibration can lead astray.
+/// if that is larger than assumed, with room for inputs that are noisier than their data sheet says and for
+/// pixel errors that stay while a track lives. For a filter that no calibration can lead astray.
 /// @note docs/faults.md
 class InputAlarm {
  public:

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "recalibration.hpp"
+
+#include <string_view>
+
+#include "frame_source.hpp"
+#include "limber/diagnose/run_summary.hpp"
+#include "limber/io/atomic_file.hpp"
+#include "limber/rig_files/write_rig_files.hpp"
+#include "recalibration_text.hpp"
+#include "replaceable.hpp"
+
+namespace limber::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kRecalibrationMark = "\"recalibration\"";
+
+std::optional<BeforeAfter> ate_of(const Recording& recording, const RunOptions& run,
+                                  const Recalibration& found, std::vector<std::string>& notes) {
+  if (recording.groundtruth.empty()) {
+    return std::nullopt;
+  }
+  RunOptions options = run;
+  options.method = Method::kEkf;
+  options.assume_error.setZero();
+  std::vector<double> ates;
+  for (const StereoCalibration* calibration : {&found.given, &found.fitted}) {
+    Recording with = recording;
+    with.calibration = *calibration;
+    try {
+      const RunRecord record = run_recording(with, options, frame_source(with));
+      const auto ate = summarize(with, options, record).ate_se3_m;
+      if (!ate) {
+        return std::nullopt;
+      }
+      ates.push_back(*ate);
+    } catch (const std::runtime_error& error) {
+      notes.push_back("ekf with the " + std::string(ates.empty() ? "given" : "corrected") +
+                      " calibration fails: " + error.what());
+      return std::nullopt;
+    }
+  }
+  return BeforeAfter{ates[0], ates[1]};
+}
+
+}  // namespace
+
+RecalibrationOutcome recalibrate(const Recording& recording, const RecalibrateOptions& options,
+                                 const FrameSource& frames,
+                                 const std::function<void(std::size_t)>& progress) {
+  RecalibrationOutcome out;
+  out.found = recalibrate_recording(recording, options, frames, progress);
+  out.notes = out.found.notes;
+  out.ate = ate_of(recording, options.run, out.found, out.notes);
+  return out;
+}
+
+void require_replaceable_recalibration(const fs::path& folder, bool force,
+                                       const std::vector<fs::path>& inputs) {
+  const fs::path report = folder / kRecalibrationFile;
+  require_replaceable(report, kRecalibrationMark, force, inputs);
+  const std::string_view mark = fs::exists(report) ? "" : kRecalibrationMark;
+  for (const std::string& name : rig_file_names()) {
+    require_replaceable(folder / name, mark, force, inputs);
+  }
+}
+
+void write_recalibration(const fs::path& folder, const RecalibrationOutcome& outcome,
+                         const Recording& recording, bool rig) {
+  fs::create_directories(folder);
+  std::vector<std::string> files;
+  if (rig) {
+    files = write_rig_files(folder, outcome.found.fitted, recording.imu_noise);
+  }
+  write_file_atomically(folder / kRecalibrationFile,
+                        to_json(outcome.found, recording.name, outcome.ate, files));
+}
+
+}  // namespace limber::app

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "limber/run/recalibrate_recording.hpp"
+
+namespace limber::app {
+
+/// What limber recalibrate finds.
+struct RecalibrationOutcome {
+  Recalibration found;
+  std::optional<BeforeAfter> ate;  ///< of ekf with either calibration, where there is a truth [m]
+  std::vector<std::string> notes;  ///< found.notes and why an ATE is missing
+};
+
+/// @brief recalibrate_recording, and what ekf makes of either calibration.
+/// @throws as recalibrate_recording
+[[nodiscard]] RecalibrationOutcome recalibrate(const Recording& recording, const RecalibrateOptions& options,
+                                               const FrameSource& frames,
+                                               const std::function<void(std::size_t)>& progress);
+
+/// @brief Nothing is replaced but what an earlier recalibration wrote, and nothing of `inputs`.
+/// @throws as require_replaceable
+void require_replaceable_recalibration(const std::filesystem::path& folder, bool force,
+                                       const std::vector<std::filesystem::path>& inputs);
+
+/// Writes recalibration.json and, if `rig` is set, the corrected calibration in all formats. Makes the
+/// folder.
+void write_recalibration(const std::filesystem::path& folder, const RecalibrationOutcome& outcome,
+                         const Recording& recording, bool rig);
+
+}  // namespace limber::app
