@@ -68,12 +68,14 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     }
     out.failure = error.what();
   }
+  StereoCalibration found = assumed;  // a wrong rig is no wrong clock
   if (out.health) {
     out.depths = depth_effects(assumed.theta, out.health->present.estimate);
+    found.theta += out.health->present.estimate.delta;
   }
   if (out.mistakes.empty()) {
-    out.cam1_offset = cam1_time_offset(assumed, seen);
-    out.camera_offset = camera_time_offset(assumed, seen, recording.imu);
+    out.cam1_offset = cam1_time_offset(found, seen);
+    out.camera_offset = camera_time_offset(found, seen, recording.imu);
   }
   return out;
 }

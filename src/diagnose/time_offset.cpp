@@ -30,9 +30,8 @@ constexpr std::size_t kEnoughRows = 200, kEnoughPairs = 50;
 constexpr double kHuber = 2.0;  // robust standard deviations
 constexpr double kMadToSigma = 1.4826;
 constexpr int kReweightings = 5, kShifts = 8;
-constexpr double kDerivativeStep = 1e-6;   // of numerical derivatives [rad, shares of the baseline]
-constexpr double kLargestOffset = 1.0;     // [s]
-constexpr Eigen::Index kGyroColumns = 13;  // bias, 3 x 3 shares of the rate, offset
+constexpr double kDerivativeStep = 1e-6;  // of numerical derivatives [rad, shares of the baseline]
+constexpr double kLargestOffset = 1.0;    // [s]
 
 /// Rows of y = A x + noise; rows of one cluster share their noise. Z are the instruments: the same as A, but
 /// where A is measured with noise, something that goes with it and has noise of its own. Without them noise
@@ -203,23 +202,30 @@ std::vector<Turn> turns_of(const StereoCalibration& calibration, std::span<const
   return out;
 }
 
-/// Rows for (a linear function of the rate, a change of tau) at the present tau. Rotation by noisy points is
-/// off by a share of itself, and by a constant bias of the gyro.
+/// Rows for (bias, a change of tau) at the present tau. The instrument of the gyro's slope is its slope over
+/// the intervals before and behind: noise of the samples between is in both sides, and alone looks like
+/// milliseconds.
 Rows gyro_rows(const std::vector<Turn>& turns, std::span<const ImuSample> imu, double tau) {
   Rows rows;
+  const double sample =
+      seconds_between(imu.front().t_ns, imu.back().t_ns) / static_cast<double>(imu.size() - 1);
   for (std::size_t k = 0; k < turns.size(); ++k) {
     const double begin = turns[k].begin_s + tau, end = turns[k].end_s + tau;
     const auto mean = mean_rate(imu, begin, end), first = rate_at(imu, begin), last = rate_at(imu, end);
-    if (!mean || !first || !last) {
+    const double span = end - begin;
+    const auto before = mean_rate(imu, begin - sample - span, begin - sample),
+               behind = mean_rate(imu, end + sample, end + sample + span);
+    if (!mean || !first || !last || !before || !behind) {
       continue;
     }
-    const Vector3d slope = (*last - *first) / (end - begin);
+    const Vector3d slope = (*last - *first) / span;
+    const Vector3d around = (*behind - *before) / (2.0 * (span + sample));
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      VectorXd row = VectorXd::Zero(kGyroColumns);
+      VectorXd row = VectorXd::Zero(4);
       row(axis) = 1.0;
-      row.segment<3>(3 + 3 * axis) = *mean;
-      row(kGyroColumns - 1) = slope(axis);
+      row(3) = slope(axis);
       rows.A.push_back(row);
+      row(3) = around(axis);
       rows.Z.push_back(row);
       rows.y.push_back(turns[k].rate(axis) - (*mean)(axis));
       rows.cluster.push_back(static_cast<std::int64_t>(k));
@@ -257,7 +263,7 @@ std::optional<TimeOffset> camera_time_offset(const StereoCalibration& calibratio
     if (!solution) {
       return std::nullopt;
     }
-    out.seconds += solution->x(kGyroColumns - 1);
+    out.seconds += solution->x(3);
     out.sigma = solution->sigma_of_last;
     if (std::abs(out.seconds) > kLargestOffset) {
       return std::nullopt;

@@ -37,7 +37,7 @@ function tableOf(block) {
     element('td', cell.mark ? { class: cell.mark } : {}, ...(k === 0 ? breakable(cell.text) : [cell.text]))));
   return element('div', { class: 'table' }, ...heading(block.title),
     element('div', { class: 'scroll', tabindex: '0', role: 'group', 'aria-label': block.title || 'Table' },
-      element('table', {},
+      element('table', block.columns.length > 11 ? { class: 'wide' } : {},
         element('thead', {}, element('tr', {}, ...block.columns.map((name) => element('th', { scope: 'col' }, ...breakable(name))))),
         element('tbody', {}, ...block.rows.map(row)))),
     ...(block.note ? [element('p', { class: 'note' }, block.note)] : []));
