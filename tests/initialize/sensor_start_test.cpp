@@ -3,110 +3,24 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
-#include <functional>
 #include <stdexcept>
 
-#include "check_covariance.hpp"
-#include "limber/core/so3.hpp"
 #include "navigate/scene.hpp"
+#include "started.hpp"
 
 namespace limber {
 namespace {
 
-using Eigen::Matrix3d;
-using Eigen::MatrixXd;
 using Eigen::Vector3d;
-using Eigen::VectorXd;
 using testing::make_scene;
+using testing::of_seed;
+using testing::options_of;
 using testing::Scene;
 using testing::SceneOptions;
+using testing::start;
+using testing::Started;
 using L = StateLayout;
-
-struct Started {
-  StartReport report;
-  SensorStartResult result;
-  std::size_t frames = 0;
-};
-
-NavigatorOptions options_of(const Scene& scene, Method method) {
-  NavigatorOptions options = scene.options;
-  options.method = method;
-  options.constraints.kind = ConstraintSet::Kind::kFull;
-  return options;
-}
-
-Started start(const Scene& scene, const NavigatorOptions& options, const StartOptions& how = {}) {
-  SensorStart start(options, scene.calibration, how);
-  for (const InputSample& sample : scene.inputs) {
-    if (options.motion == MotionModel::kImu) {
-      start.add_imu({sample.t_ns, sample.first, sample.second});
-    }
-  }
-  Started out;
-  for (const StereoFrame& frame : scene.frames) {
-    out.report = start.add_frame(frame);
-    ++out.frames;
-    if (out.report.status != StartStatus::kWaiting) {
-      break;
-    }
-  }
-  out.result = start.result();
-  return out;
-}
-
-/// true = estimate ⊕ error of the body; the scene begins at the origin, level and looking along x.
-VectorXd body_error(const NavigationState& estimate, const NavigationState& truth) {
-  VectorXd e(15);
-  e << truth.T_world_body.p - estimate.T_world_body.p,
-      so3_log(estimate.T_world_body.R.transpose() * truth.T_world_body.R),
-      truth.v_world_body - estimate.v_world_body, truth.bias_gyro - estimate.bias_gyro,
-      truth.bias_accel - estimate.bias_accel;
-  return e;
-}
-
-/// The scene's biases are small beside what a start expects of one, which NEES of 15 shows as less than 15.
-void expect_consistent(const std::function<SceneOptions(std::uint64_t)>& make, Method method) {
-  constexpr int kRuns = 10;
-  double nees = 0.0, map_nees = 0.0;
-  int points = 0;
-  for (int k = 1; k <= kRuns; ++k) {
-    const Scene scene = make_scene(make(static_cast<std::uint64_t>(k)));
-    const Started started = start(scene, options_of(scene, method));
-    const InitialState& initial = started.result.initial;
-    const NavigationState& truth = scene.truth[started.frames - 1];
-    const VectorXd e = body_error(initial.nav, truth).head(9);
-    nees += e.dot(MatrixXd(initial.body_covariance.topLeftCorner(9, 9)).llt().solve(e)) / 9.0 / kRuns;
-    const Pose T_cam0_world = (truth.T_world_body * scene.calibration.T_body_cam0).inverse();
-    for (std::size_t j = 0; j < initial.landmarks.size(); ++j) {
-      const Landmark& landmark = initial.landmarks[j];
-      const Vector3d X = landmark.R_cam0_chart.transpose() *
-                         (T_cam0_world * scene.landmarks[static_cast<std::size_t>(landmark.track_id)]);
-      const Vector3d error = Vector3d(X.x() / X.z(), X.y() / X.z(), 1.0 / X.z()) - landmark.value;
-      const Matrix3d P = initial.landmarks_covariance.block<3, 3>(3 * static_cast<Eigen::Index>(j),
-                                                                  3 * static_cast<Eigen::Index>(j));
-      map_nees += error.dot(P.llt().solve(error)) / 3.0;
-      ++points;
-    }
-  }
-  EXPECT_GE(nees, 0.5);
-  EXPECT_LE(nees, 1.4);
-  EXPECT_GE(map_nees / points, 0.5);
-  EXPECT_LE(map_nees / points, 1.4);
-}
-
-SceneOptions of_seed(std::uint64_t seed) {
-  SceneOptions options;
-  options.seed = seed;
-  return options;
-}
-
-TEST(SensorStart, OfATrustedRigIsAsSureAsItSays) { expect_consistent(of_seed, Method::kEkf); }
-
-TEST(SensorStart, OfARigThatIsWrongIsAsSureAsItSaysWhereTheMethodDistrustsIt) {
-  expect_consistent([](std::uint64_t seed) { return testing::wrong_rig(seed); }, Method::kLcekf);
-}
 
 TEST(SensorStart, OfARigThatIsWrongAndMovesIsTheSameForAMethodThatDistrustsIt) {
   SceneOptions still = of_seed(3);
@@ -137,59 +51,6 @@ TEST(SensorStart, GivesEveryFrameOfTheWindowAPoseFromTheOriginOn) {
   for (std::size_t k = 0; k < started.frames; ++k) {
     EXPECT_EQ(started.result.trajectory[k].nav.t_ns, scene.frames[k].t_ns);
     EXPECT_LE((started.result.trajectory[k].nav.T_world_body.p - scene.truth[k].T_world_body.p).norm(), 0.1);
-  }
-}
-
-/// What a rig at the origin sees that turns about its left camera: no way to know how far a point is.
-Scene turning_scene(bool turns) {
-  Scene scene = make_scene(of_seed(1));
-  scene.calibration.T_body_cam0.p.setZero();
-  testing::Generator generator(5);
-  const MountedRig rig = mount(scene.calibration);
-  const auto rate = [turns](double t) {
-    return turns ? Vector3d(0.1 * std::cos(3.0 * t), -0.2 * std::cos(2.0 * t), 0.3 * std::cos(t))
-                 : Vector3d::Zero().eval();
-  };
-  NavigationState truth;
-  scene.inputs.clear();
-  scene.frames.clear();
-  for (int ms = 0; ms <= 4500; ms += 5) {
-    const double t = 1e-3 * ms;
-    const Vector3d noise = testing::random_normal(generator, 3) * 1e-3 / std::sqrt(0.005);
-    const Vector3d shake = testing::random_normal(generator, 3) * 1e-2 / std::sqrt(0.005);
-    scene.inputs.push_back({ms * testing::kMs, rate(t) + noise,
-                            truth.T_world_body.R.transpose() * Vector3d(0.0, 0.0, 9.81) + shake});
-    if (ms % 50 == 0) {
-      StereoFrame frame;
-      frame.t_ns = ms * testing::kMs;
-      for (std::size_t j = 0; j < scene.landmarks.size(); ++j) {
-        const Vector3d X = truth.T_world_body.inverse() * scene.landmarks[j];
-        const auto left = project(rig[0].camera, rig[0].T_cam_body * X);
-        const auto right = project(rig[1].camera, rig[1].T_cam_body * X);
-        if (left && right) {
-          frame.observations.push_back({static_cast<std::int64_t>(j),
-                                        left->uv + 0.5 * testing::random_normal(generator, 2),
-                                        right->uv + 0.5 * testing::random_normal(generator, 2)});
-        }
-      }
-      scene.frames.push_back(frame);
-    }
-    truth.T_world_body.R = truth.T_world_body.R * so3_exp(0.005 * rate(t + 0.0025));
-  }
-  return scene;
-}
-
-TEST(SensorStart, LearnsNoScaleFromTurningOrStandingWhereTheRigIsNotTrusted) {
-  for (const bool turns : {true, false}) {
-    const Scene scene = turning_scene(turns);
-    StartOptions how;
-    how.longest_s = 4.0;
-    const Started distrusting = start(scene, options_of(scene, Method::kLcekf), how);
-    EXPECT_EQ(distrusting.report.status, StartStatus::kTimedOut);
-    EXPECT_GE(distrusting.report.scale_sigma, 0.5);
-    EXPECT_NE(distrusting.report.missing.find("parallax"), std::string::npos);
-    const Started trusting = start(scene, options_of(scene, Method::kEkf), how);
-    EXPECT_LE(trusting.report.scale_sigma, 0.05);
   }
 }
 
