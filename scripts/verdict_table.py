@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Verdicts of limber health on simulated rigs whose error is known, and the coverage of its 95 % intervals.
+
+  scripts/verdict_table.py [--runs N] [--seed N] [--scenarios NAME,...] [--limber PROGRAM]
+
+Each run simulates a sound rig and assumes it wrong by shares of the tolerance, each on one axis in turn: 0 (sound), half of
+what is ok (inside), between ok and wrong (between), twice what is wrong (outside). Automatic start, default options.
+An axis is covered if its true error lies within 1.96 of the sigmas that limber states.
+"""
+import argparse
+import collections
+import json
+import pathlib
+import subprocess
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+AXES = ["ax", "ay", "az", "tx", "ty", "tz"]
+SIZES = {"sound": lambda ok, wrong: 0.0, "inside": lambda ok, wrong: 0.5 * ok,
+         "between": lambda ok, wrong: 0.5 * (ok + wrong), "outside": lambda ok, wrong: 2.0 * wrong}
+UNITS = {"deg": 1.0, "mm": 1e-3}
+VERDICTS = ["ok", "degraded", "decalibrated", "cannot tell"]
+
+
+def run(*command):
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+
+
+def health(limber, recording, error):
+    done = run(limber, "health", recording, "--json", *(["--assume-error", error] if error else []))
+    if not done.stdout:
+        raise SystemExit(f"{recording}: {done.stderr.strip()}")
+    return json.loads(done.stdout)
+
+
+def error_of(axis, size, unit):
+    """What to assume, so that true minus assumed is `size`."""
+    return ",".join(f"{-size * UNITS[unit]:.9g}" if name == axis else "0" for name in AXES)
+
+
+class Tally:
+    def __init__(self):
+        self.verdicts = collections.Counter()
+        self.covered = self.intervals = self.named = self.changed = self.mistakes = 0
+
+    def add(self, found, truth, changed):
+        self.verdicts[found["verdict"]] += 1
+        self.mistakes += bool(found["mistakes"])
+        if found["health"] is None:
+            return
+        present = found["health"]["present"]
+        for name, axis in present["axes"].items():
+            self.intervals += 1
+            self.covered += abs(axis["error"] - truth.get(name, 0.0)) <= 1.96 * axis["sigma"]
+        if changed:
+            self.changed += 1
+            self.named += present["most_likely_axis"] == changed
+
+    def row(self):
+        share = f"{100 * self.covered / self.intervals:.0f} %" if self.intervals else "–"
+        named = f"{self.named} of {self.changed}" if self.changed else "–"
+        return [*(str(self.verdicts[v]) for v in VERDICTS), share, named, str(self.mistakes)]
+
+
+def judge(limber, scenario, pixels, seed, tallies):
+    with tempfile.TemporaryDirectory() as folder:
+        recording = pathlib.Path(folder) / "recording"
+        run(limber, "simulate", ROOT / f"scenarios/{scenario}.yaml", "--seed", seed, "--pixels", pixels, "--out", recording)
+        sound = health(limber, recording, "")
+        tallies["sound"].add(sound, {}, "")
+        axes = sound["health"]["present"]["axes"]
+        name = AXES[seed % 6]
+        axis = axes[name]
+        for level in ("inside", "between", "outside"):
+            size = SIZES[level](axis["ok"], axis["wrong"])
+            found = health(limber, recording, error_of(name, size, axis["unit"]))
+            tallies[level].add(found, {name: size}, name if level == "outside" else "")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=50)
+    parser.add_argument("--seed", type=int, default=1, help="of the first run; the axis is that of seed modulo 6")
+    parser.add_argument("--scenarios", default="paper_i,drone_none")
+    parser.add_argument("--limber", type=pathlib.Path, default=ROOT / "build/release/limber")
+    arguments = parser.parse_args()
+    print("| scenario, pixels | rig | " + " | ".join(VERDICTS) + " | 95 % covers | axis named | mistakes claimed |")
+    print("| --- " * 9 + "|")
+    for scenario in arguments.scenarios.split(","):
+        for pixels in ("white", "realistic"):
+            tallies = {level: Tally() for level in SIZES}
+            for seed in range(arguments.seed, arguments.seed + arguments.runs):
+                judge(arguments.limber, scenario, pixels, seed, tallies)
+            for level, tally in tallies.items():
+                print(f"| {scenario}, {pixels} | {level} | " + " | ".join(tally.row()) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
