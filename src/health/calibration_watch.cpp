@@ -109,7 +109,7 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
     out.verdict = tolerance.axes[k] ? worst(out.verdict, out.axes[k]) : out.verdict;
   }
   if (out.verdict == HealthVerdict::kDegraded || out.verdict == HealthVerdict::kDecalibrated) {
-    out.named = static_cast<std::size_t>(most_likely_axis(out.estimate));
+    out.named = static_cast<std::size_t>(most_likely_axis(out.estimate, out.bands));
   }
   return out;
 }

@@ -126,15 +126,24 @@ SizeInterval axis_size(const RigEstimate& estimate, Eigen::Index axis) {
   return about(estimate.delta(axis), std::sqrt(estimate.covariance(axis, axis)));
 }
 
-Eigen::Index most_likely_axis(const RigEstimate& estimate) {
-  const RigParameters unit = estimate.sigma().cwiseInverse();
+Eigen::Index most_likely_axis(const RigEstimate& estimate, const std::array<Band, 6>& bands) {
+  const RigParameters sigma = estimate.sigma(), unit = sigma.cwiseInverse();
   Matrix6 correlation = unit.asDiagonal() * estimate.covariance * unit.asDiagonal();
   correlation.diagonal().array() += 1e-9;
   const Matrix6 inverse = correlation.llt().solve(Matrix6::Identity());
-  const RigParameters explained =
-      (inverse * unit.cwiseProduct(estimate.delta)).cwiseAbs2().cwiseQuotient(inverse.diagonal());
+  const RigParameters evidence = inverse * unit.cwiseProduct(estimate.delta);
+  RigParameters explained = evidence.cwiseAbs2().cwiseQuotient(inverse.diagonal());
+  const RigParameters alone = sigma.cwiseProduct(evidence.cwiseQuotient(inverse.diagonal()));
   Eigen::Index best = 0;
   explained.maxCoeff(&best);
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    if (std::abs(alone(k)) <= bands[static_cast<std::size_t>(k)].ok) {
+      explained(k) = 0.0;
+    }
+  }
+  if (explained.maxCoeff() > 0.0) {
+    explained.maxCoeff(&best);
+  }
   return best;
 }
 

@@ -68,10 +68,21 @@ TEST(Tolerance, TheMostLikelyAxisIsTheOneThatExplainsTheOffset) {
   estimate.covariance.diagonal().setOnes();
   estimate.covariance(0, 4) = estimate.covariance(4, 0) = 0.99;
   estimate.delta(0) = 5.0;
-  EXPECT_EQ(most_likely_axis(estimate), 0);
+  EXPECT_EQ(most_likely_axis(estimate, {}), 0);
   estimate.delta(4) = 5.0;
   estimate.delta(0) = 0.0;
-  EXPECT_EQ(most_likely_axis(estimate), 4);
+  EXPECT_EQ(most_likely_axis(estimate, {}), 4);
+}
+
+TEST(Tolerance, ASmallErrorThatIsKnownWellDoesNotHideALargeOne) {
+  RigEstimate estimate;
+  estimate.covariance.diagonal() << 1e-6, 1.0, 1.0, 1.0, 1.0, 1.0;
+  estimate.delta << 0.02, 0.0, 0.0, 5.0, 0.0, 0.0;  // 20 sigma, 5 sigma
+  std::array<Band, 6> bands;
+  bands.fill({0.1, 0.2});
+  EXPECT_EQ(most_likely_axis(estimate, bands), 3);
+  bands.fill({10.0, 20.0});
+  EXPECT_EQ(most_likely_axis(estimate, bands), 0);
 }
 
 TEST(Tolerance, RefusesBandsThatAreNone) {

@@ -76,8 +76,10 @@ struct CalibrationEffect {
 /// |delta| of one axis with its interval.
 [[nodiscard]] SizeInterval axis_size(const RigEstimate& estimate, Eigen::Index axis);
 
-/// @brief Which axis alone explains the offset best: the largest (V⁻¹ delta)_k² / (V⁻¹)_kk.
-[[nodiscard]] Eigen::Index most_likely_axis(const RigEstimate& estimate);
+/// @brief Which axis alone explains the offset best: the largest (V⁻¹ delta)_k² / (V⁻¹)_kk, of those whose
+/// size would then be beyond what is ok (of all, if there is none such). A small error that is known well
+/// does not hide a large one that is known less.
+[[nodiscard]] Eigen::Index most_likely_axis(const RigEstimate& estimate, const std::array<Band, 6>& bands);
 
 /// The worst of several: decalibrated, degraded, cannot tell, ok.
 [[nodiscard]] HealthVerdict worst(HealthVerdict a, HealthVerdict b);
