@@ -36,6 +36,8 @@ constexpr InitialSigma kNothingKnown{
     .position = 1e-3, .attitude = 0.5, .velocity = 5.0, .bias_accel = 0.5, .bias_gyro = 0.1, .rate = 1.0};
 constexpr double kGrowth = 1.4;  // of the window, from one solution to the next
 constexpr int kStartIterations = 25;
+constexpr int kMoreIterations = 75;  // of a solution that fits and has not settled
+constexpr double kSettled = 0.02;    // of the cost, still to come: no unknown is off by more than 0.2 sigma
 constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
 constexpr double kFits =
     1.0;  // cost per degree of freedom (expected: 1/2) up to which no other guess is tried
@@ -199,11 +201,15 @@ void SensorStart::Window::solve() {
         rows += (s.observation.in_cam0 ? 2.0 : 0.0) + (s.observation.in_cam1 && model.right ? 2.0 : 0.0);
       }
     }
+    const double fits = kFits * 0.5 * rows + 10.0;
+    if (there.cost < fits && there.left > kSettled) {
+      there = solve_window(model, start, kMoreIterations);
+    }
     if (!solution || there.cost < normal.cost) {
       normal = std::move(there);
       solution = std::move(start);
     }
-    if (normal.cost < kFits * 0.5 * rows + 10.0) {
+    if (normal.cost < fits) {
       break;
     }
   }
@@ -352,11 +358,17 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
     out.missing = w.solution && w.parallax() > kSeenParallax ? "no acceleration yet that tells the scale"
                                                              : "no parallax yet that tells the scale";
   }
+  const bool settled = !w.solution || w.normal.left <= kSettled;
+  if (!settled && tilt && scale) {
+    out.missing = "a solution that has settled";
+  }
   if (w.solution && !tilt) {
     out.missing += std::string(out.missing.empty() ? "" : "; ") +
                    "no turn or acceleration yet that tells the tilt from a bias";
   }
-  out.status = tilt && scale ? StartStatus::kReady : over ? StartStatus::kTimedOut : StartStatus::kWaiting;
+  out.status = tilt && scale && settled ? StartStatus::kReady
+               : over                   ? StartStatus::kTimedOut
+                                        : StartStatus::kWaiting;
   w.report = out;
   return out;
 }

@@ -70,6 +70,7 @@ struct WindowState {
 /// @brief Normal equations at a state: [A W; Wᵀ V] dx = g, the frames' errors first, then three per point.
 struct WindowNormal {
   double cost = 0.0;     ///< half the sum of squares, after the robust loss
+  double left = 0.0;     ///< of a solution: how much lower the undamped step promises to come
   Eigen::MatrixXd A, W;  ///< lower triangle of A; all of W
   std::vector<Eigen::Matrix3d> V;
   Eigen::VectorXd g, g_points;

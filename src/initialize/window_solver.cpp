@@ -2,6 +2,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "window_problem.hpp"
@@ -11,6 +12,7 @@ namespace limber::detail {
 using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
+using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 namespace {
@@ -71,6 +73,27 @@ std::optional<Step> step_of(const WindowNormal& normal, double damping) {
   return out;
 }
 
+/// Points moved by one Gauss-Newton step of their own, frames as they are. What scales a map bends in frames
+/// and inverse depths together; in the frames alone it is straight, and steps along it need not be short.
+WindowState points_refitted(const WindowModel& model, const WindowState& state, const WindowNormal& normal) {
+  VectorXd points = VectorXd::Zero(normal.g_points.size());
+  for (std::size_t j = 0; j < normal.V.size(); ++j) {
+    const auto at = static_cast<Index>(3 * j);
+    const Vector3d step = normal.V[j].inverse() * normal.g_points.segment<3>(at);
+    if (step.allFinite()) {
+      points.segment<3>(at) = step;
+    }
+  }
+  return moved(model, state, VectorXd::Zero(normal.g.size()), points);
+}
+
+/// Decrease of the cost that the undamped step promises.
+double promised_decrease(const WindowNormal& normal) {
+  const std::optional<Step> step = step_of(normal, 0.0);
+  return step ? 0.5 * (normal.g.dot(step->frames) + normal.g_points.dot(step->points))
+              : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 WindowNormal solve_window(const WindowModel& model, WindowState& state, int iterations) {
@@ -84,6 +107,12 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
     }
     WindowState next = moved(model, state, step->frames, step->points);
     WindowNormal there = linearise(model, next);
+    WindowState refitted = points_refitted(model, next, there);
+    WindowNormal at_refitted = linearise(model, refitted);
+    if (at_refitted.cost < there.cost) {
+      next = std::move(refitted);
+      there = std::move(at_refitted);
+    }
     if (!(there.cost < normal.cost)) {
       damping *= 10.0;
       continue;
@@ -96,6 +125,7 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
       break;
     }
   }
+  normal.left = promised_decrease(normal);
   return normal;
 }
 

@@ -105,5 +105,24 @@ TEST(WindowProblem, TheSolverGoesOnUntilNoDirectionIsOff) {
   EXPECT_LE(g.dot(A.ldlt().solve(g)), 0.01);
 }
 
+/// All lengths too short together: where the left camera and the inertial samples alone tell the scale, the
+/// way back is bent in frames and inverse depths.
+TEST(WindowProblem, TheSolverFindsTheScaleBack) {
+  Problem problem(MotionModel::kImu, 20);
+  const WindowNormal solved = solve_window(problem.model, problem.state, 100);
+  ASSERT_LE(solved.left, 0.005);
+  constexpr double kShorter = 0.7;
+  for (WindowFrame& frame : problem.state.frames) {
+    frame.nav.T_world_body.p *= kShorter;
+    frame.nav.v_world_body *= kShorter;
+  }
+  for (WindowPoint& point : problem.state.points) {
+    point.landmark.value.z() /= kShorter;
+  }
+  const WindowNormal again = solve_window(problem.model, problem.state, 12);
+  EXPECT_NEAR(again.cost, solved.cost, 0.02);
+  EXPECT_LE(again.left, 0.02);
+}
+
 }  // namespace
 }  // namespace limber::detail
