@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "hand_over.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <optional>
@@ -13,10 +14,16 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
+using Eigen::VectorXd;
 using Matrix34 = Eigen::Matrix<double, 3, 4>;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
 namespace {
+
+/// The 99 % quantile of chi-square of 6: of a body that does not move, the way that noise makes of it in
+/// position and velocity, counted in what the inputs know of them.
+constexpr double kNoiseInformation = 16.8;
+constexpr double kLeastInformation = 0.25;  // a factor of seven either way
 
 /// A point in the last left camera, and what its error is made of.
 struct LastView {
@@ -94,6 +101,36 @@ InitialState hand_over(const WindowModel& model, const WindowState& state, const
     out.landmarks_covariance.block<3, 3>(static_cast<Index>(3 * j), static_cast<Index>(3 * j)) += own[j];
   }
   return out;
+}
+
+double scale_information(const InitialState& state) {
+  const auto n = static_cast<Index>(state.landmarks.size());
+  if (n < 3) {
+    return 0.0;
+  }
+  MatrixXd C(n, n);
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < n; ++j) {
+      C(i, j) = state.landmarks_covariance(3 * i + 2, 3 * j + 2) /
+                (state.landmarks[static_cast<std::size_t>(i)].value.z() *
+                 state.landmarks[static_cast<std::size_t>(j)].value.z());
+    }
+  }
+  const VectorXd x = C.llt().solve(VectorXd::Ones(n));
+  return x.allFinite() && x.sum() > 0.0 ? x.sum() : 0.0;
+}
+
+void take_noise_from_scale(InitialState& state) {
+  const double stated = scale_information(state);
+  if (stated == 0.0) {
+    return;
+  }
+  const double known = std::max(stated - kNoiseInformation, kLeastInformation);
+  VectorXd scale = VectorXd::Zero(state.landmarks_covariance.rows());
+  for (std::size_t j = 0; j < state.landmarks.size(); ++j) {
+    scale[3 * static_cast<Index>(j) + 2] = state.landmarks[j].value.z();
+  }
+  state.landmarks_covariance += std::max(1.0 / known - 1.0 / stated, 0.0) * scale * scale.transpose();
 }
 
 }  // namespace limber::detail

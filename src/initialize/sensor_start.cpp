@@ -105,6 +105,7 @@ struct SensorStart::Window {
            !(model.directions.bottomRows<3>().transpose() * model.calibration.theta.tail<3>()).isZero();
   }
   [[nodiscard]] double tilt_sigma() const;
+  [[nodiscard]] InitialState handed_over() const;
   [[nodiscard]] double scale_sigma() const;
   [[nodiscard]] double parallax() const;
 };
@@ -231,23 +232,19 @@ double SensorStart::Window::tilt_sigma() const {
   return std::sqrt(std::max(P(0, 0), P(1, 1)));
 }
 
-/// Of the logarithm of what all inverse depths have in common, as well as it can be known from them.
+/// Of the logarithm of what all inverse depths have in common.
 double SensorStart::Window::scale_sigma() const {
-  const InitialState state = hand_over(model, *solution, normal, covariance);
-  const auto n = static_cast<Index>(state.landmarks.size());
-  if (n < 3) {
-    return kUnknown;
+  const double information = scale_information(handed_over());
+  return information > 0.0 ? 1.0 / std::sqrt(information) : kUnknown;
+}
+
+/// The last frame and the map; of their scale no more than the motion can tell.
+InitialState SensorStart::Window::handed_over() const {
+  InitialState out = hand_over(model, *solution, normal, covariance);
+  if (leaves_scale_open()) {
+    take_noise_from_scale(out);
   }
-  MatrixXd C(n, n);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      C(i, j) = state.landmarks_covariance(3 * i + 2, 3 * j + 2) /
-                (state.landmarks[static_cast<std::size_t>(i)].value.z() *
-                 state.landmarks[static_cast<std::size_t>(j)].value.z());
-    }
-  }
-  const VectorXd x = C.llt().solve(VectorXd::Ones(n));
-  return x.allFinite() && x.sum() > 0.0 ? 1.0 / std::sqrt(x.sum()) : kUnknown;
+  return out;
 }
 
 /// Angle under which the usual point sees the way that the body went [rad].
@@ -392,7 +389,7 @@ SensorStartResult SensorStart::result() {
   if (!w.solution) {
     return w.unsolved();
   }
-  out.initial = hand_over(w.model, *w.solution, w.normal, w.covariance);
+  out.initial = w.handed_over();
   out.trajectory = w.trajectory();
   return out;
 }

@@ -151,8 +151,8 @@ FolderUnlessEmpty::FolderUnlessEmpty(const std::filesystem::path& path) : Folder
        folder = folder.parent_path()) {
     made_.push_back(folder);
   }
-  for (const auto& folder : made_ | std::views::reverse) {
-    std::filesystem::create_directory(folder);
+  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) {
+    std::filesystem::create_directory(*folder);
   }
 }
 

@@ -179,8 +179,8 @@ TEST(LandmarksPly, NamesTheLineThatIsWrong) {
       {head + "0 0 0 1\n0 0 0 1\n", 10},
   };
   for (const auto& [text, line] : bad) {
-    const DataError error =
-        data_error_of([&] { (void)read_landmarks_ply(write_text(folder.path() / "l.ply", text)); });
+    const DataError error = data_error_of(
+        [&, &text = text] { (void)read_landmarks_ply(write_text(folder.path() / "l.ply", text)); });
     EXPECT_EQ(error.line(), line) << text;
   }
 }

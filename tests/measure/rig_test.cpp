@@ -92,8 +92,8 @@ TEST(Mount, JacobiansMatchCentralDifferences) {
       J << rig[cam].J_rotation, rig[cam].J_translation;
       testing::check_jacobian(
           J,
-          [&, c = calibration](const VectorXd& dtheta) mutable {
-            c.theta = calibration.theta + dtheta;
+          [&, theta = calibration.theta, c = calibration](const VectorXd& dtheta) mutable {
+            c.theta = theta + dtheta;
             const Pose moved = mount(c)[cam].T_cam_body;
             VectorXd out(6);
             out << so3_log(moved.R * rig[cam].T_cam_body.R.transpose()), moved.p - rig[cam].T_cam_body.p;

@@ -138,7 +138,9 @@ TEST(Camera, JacobianMatchesCentralDifferences) {
       ASSERT_TRUE(projection);
       testing::check_jacobian(
           projection->J_uv_X,
-          [&](const Eigen::VectorXd& d) { return Eigen::VectorXd(project(camera, X + Vector3d(d))->uv); },
+          [&, &camera = camera](const Eigen::VectorXd& d) {
+            return Eigen::VectorXd(project(camera, X + Vector3d(d))->uv);
+          },
           1e-7);
     }
   }
