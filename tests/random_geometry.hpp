@@ -7,7 +7,8 @@
 #include "limber/core/pose.hpp"
 #include "limber/core/so3.hpp"
 
-/// Random geometry for property tests; the seed is the generator the test owns.
+/// Random geometry for property tests; the seed is the generator the test owns. Two draws in the arguments of
+/// one call come in an order of the compiler's: draw them one by one, or in braces.
 namespace limber::testing {
 
 using Generator = std::mt19937_64;

@@ -3,6 +3,7 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
+
 #include <CLI/CLI.hpp>
 
 #include "arrays.hpp"

@@ -96,7 +96,8 @@ void PixelErrors::mismatch(StereoFrame& frame) const {
     const Camera& camera = right ? scenario_.rig.cam1 : scenario_.rig.cam0;
     Vector2d& uv = right ? o.uv_cam1 : o.uv_cam0;
     // One number in (0, 1) says which: below 0.5 a random place, above it another point.
-    const auto other = static_cast<std::size_t>((2.0 * how.y() - 1.0) * static_cast<double>(seen.size()));
+    const auto other =
+        static_cast<std::size_t>(std::max(2.0 * how.y() - 1.0, 0.0) * static_cast<double>(seen.size()));
     if (how.y() > 0.5 && seen[other].track_id != o.track_id && (!right || seen[other].in_cam1)) {
       uv = right ? seen[other].uv_cam1 : seen[other].uv_cam0;
     } else {

@@ -13,6 +13,14 @@
 namespace limber {
 namespace {
 
+#if defined(__SANITIZE_ADDRESS__)  // GCC
+constexpr bool kSanitized = true;
+#elif defined(__has_feature)  // Clang
+constexpr bool kSanitized = __has_feature(address_sanitizer);
+#else
+constexpr bool kSanitized = false;
+#endif
+
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
@@ -174,9 +182,9 @@ TEST_F(StudyCommand, StopsCleanlyOnCtrlC) {
 }
 
 TEST_F(StudyCommand, NeedsNoMoreMemoryForMoreRuns) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the sanitizer keeps freed memory";
-#endif
+  if (kSanitized) {
+    GTEST_SKIP() << "the sanitizer keeps freed memory";
+  }
   const auto peak = [&](const std::string& name, int runs) {
     ChildProcess child(study(name, runs, {"--threads", "2"}));
     EXPECT_EQ(child.wait(), 0);

@@ -81,7 +81,8 @@ TEST(RelativeErrors, DoNotDependOnTheWorldsOfEstimateAndTruth) {
   std::vector<MatchedPose> poses, moved;
   const Pose A = testing::random_pose(generator, 50.0), B = testing::random_pose(generator, 50.0);
   for (std::size_t i = 0; i < 40; ++i) {
-    poses.push_back(matched(i, testing::random_pose(generator, 3.0), testing::random_pose(generator, 3.0)));
+    const Pose estimate = testing::random_pose(generator, 3.0);
+    poses.push_back(matched(i, estimate, testing::random_pose(generator, 3.0)));
     moved.push_back(matched(i, A * poses[i].estimate, B * poses[i].truth));
   }
   const auto pairs = pairs_by_frames(poses.size(), 3);

@@ -24,8 +24,8 @@ std::vector<BearingPair> random_pairs(const EpipolarGeometry& rig, int n, double
                                       Generator& generator) {
   std::vector<BearingPair> pairs;
   for (int i = 0; i < n; ++i) {
-    const Eigen::Vector3d direction(random_scalar(generator, -0.7, 0.7), random_scalar(generator, -0.5, 0.5),
-                                    1.0);
+    const Eigen::Vector3d direction{random_scalar(generator, -0.7, 0.7), random_scalar(generator, -0.5, 0.5),
+                                    1.0};
     const Eigen::Vector3d X = direction / random_scalar(generator, 0.05, 1.0);
     const Eigen::Vector3d noise = random_vector(generator, sigma * std::sqrt(3.0));
     pairs.push_back({X.normalized(), ((rig.R_b_a * X + 0.12 * rig.t).normalized() + noise).normalized()});
@@ -37,7 +37,7 @@ std::vector<BearingPair> random_pairs(const EpipolarGeometry& rig, int n, double
 void spoil(std::vector<BearingPair>& pairs, std::size_t n, Generator& generator) {
   for (std::size_t i = 0; i < n; ++i) {
     pairs[i].b =
-        Eigen::Vector3d(random_scalar(generator, -0.7, 0.7), random_scalar(generator, -0.5, 0.5), 1.0)
+        Eigen::Vector3d{random_scalar(generator, -0.7, 0.7), random_scalar(generator, -0.5, 0.5), 1.0}
             .normalized();
   }
 }

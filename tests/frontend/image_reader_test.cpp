@@ -6,6 +6,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "datasets/files.hpp"
 #include "limber/core/errors.hpp"
 
 namespace limber {
@@ -17,15 +18,15 @@ const Camera kCamera{100.0, 100.0, 40.0, 30.0, 80, 60, NoDistortion{}};
 
 class ImageReaderOf : public ::testing::Test {
  protected:
-  ImageReaderOf() { fs::create_directories(folder_); }
-  ~ImageReaderOf() override { fs::remove_all(folder_); }
-
   [[nodiscard]] fs::path write(const std::string& name, const cv::Mat& image) const {
-    cv::imwrite((folder_ / name).string(), image);
-    return folder_ / name;
+    cv::imwrite((folder() / name).string(), image);
+    return folder() / name;
   }
 
-  fs::path folder_ = fs::path(::testing::TempDir()) / "image_reader_test";
+  [[nodiscard]] const fs::path& folder() const { return folder_.path(); }
+
+ private:
+  testing::TemporaryFolder folder_;
 };
 
 /// Grey values u + v, times `scale`.
@@ -70,10 +71,10 @@ TEST_F(ImageReaderOf, ADarkImageAfterABrightOneIsDark) {
 }
 
 TEST_F(ImageReaderOf, RefusesWhatIsNoImageOfThisCamera) {
-  const fs::path text = folder_ / "text.pgm";
+  const fs::path text = folder() / "text.pgm";
   std::ofstream(text) << "P5 eighty 60 255\n";
   EXPECT_THROW((void)ImageReader(kCamera).read(text), DataError);
-  const fs::path cut = folder_ / "cut.tif";
+  const fs::path cut = folder() / "cut.tif";
   std::ofstream(cut) << "II*";
   EXPECT_THROW((void)ImageReader(kCamera).read(cut), DataError);
   const fs::path large = write("large.tif", cv::Mat::zeros(10, 10, CV_8U));

@@ -59,8 +59,8 @@ Scene random_scene(Generator& generator, const StereoCalibration& calibration) {
   Scene scene;
   scene.calibration = calibration;
   scene.T_world_body = random_pose(generator, 5.0);
-  scene.anchor.T_world_body =
-      moved(scene.T_world_body, random_vector(generator, 0.3), 0.1 * random_vector(generator, 1.0));
+  const Vector3d shift = random_vector(generator, 0.3);
+  scene.anchor.T_world_body = moved(scene.T_world_body, shift, 0.1 * random_vector(generator, 1.0));
   scene.anchor.T_body_cam0 = body_from_cam0(calibration);
   return scene;
 }
@@ -68,7 +68,7 @@ Scene random_scene(Generator& generator, const StereoCalibration& calibration) {
 Scene cartesian_scene(Generator& generator, const StereoCalibration& calibration, double depth) {
   Scene scene = random_scene(generator, calibration);
   const Vector3d X_cam0 =
-      depth * Vector3d(random_scalar(generator, -0.3, 0.3), random_scalar(generator, -0.3, 0.3), 1.0);
+      depth * Vector3d{random_scalar(generator, -0.3, 0.3), random_scalar(generator, -0.3, 0.3), 1.0};
   scene.landmark.kind = LandmarkKind::kCartesian;
   scene.landmark.value = scene.T_world_body * (body_from_cam0(calibration) * X_cam0);
   return scene;
@@ -78,7 +78,7 @@ Scene cartesian_scene(Generator& generator, const StereoCalibration& calibration
 Scene inverse_depth_scene(Generator& generator, const StereoCalibration& calibration, double rho) {
   Scene scene = random_scene(generator, calibration);
   const Vector3d d =
-      Vector3d(random_scalar(generator, -0.2, 0.2), random_scalar(generator, -0.2, 0.2), 1.0).normalized();
+      Vector3d{random_scalar(generator, -0.2, 0.2), random_scalar(generator, -0.2, 0.2), 1.0}.normalized();
   scene.landmark.kind = LandmarkKind::kInverseDepth;
   scene.landmark.R_cam0_chart.col(2) = d;
   scene.landmark.R_cam0_chart.col(0) = d.unitOrthogonal();

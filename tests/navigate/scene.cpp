@@ -112,8 +112,8 @@ class SceneMaker {
     const Pose world{so3_exp(Eigen::Vector3d(0.0, 0.0, o_.yaw)), o_.shift};
     for (int k = 0; k < o_.points; ++k) {
       const double x = 2.5 * std::pow(8.0, random_scalar(generator_, 0.0, 1.0));
-      scene_.landmarks.push_back(world * Eigen::Vector3d(x, x * random_scalar(generator_, -0.8, 0.8),
-                                                         x * random_scalar(generator_, -0.6, 0.6)));
+      const double z = x * random_scalar(generator_, -0.6, 0.6);
+      scene_.landmarks.push_back(world * Eigen::Vector3d(x, x * random_scalar(generator_, -0.8, 0.8), z));
     }
   }
 

@@ -95,10 +95,14 @@ bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel
         continue;
       }
       const auto [row, rows, own] = z.groups[kept++];
+      // In units of the group's own S, or a new landmark's huge variance makes a direction look used up.
+      const MatrixXd L = S.block(row, row, rows, rows).llt().matrixL();
+      const MatrixXd white = L.inverse() * B.block(row, row, rows, rows) * L.inverse().transpose();
+      const VectorXd white_e = L.inverse() * e.segment(row, rows);
       Eigen::CompleteOrthogonalDecomposition<MatrixXd> block;
       block.setThreshold(1e-8);
-      block.compute(B.block(row, row, rows, rows));
-      report.distance[g] = e.segment(row, rows).dot(block.solve(e.segment(row, rows)));
+      block.compute(white);
+      report.distance[g] = white_e.dot(block.solve(white_e));
       report.threshold[g] = chi_square_quantile(kProbability, static_cast<double>(block.rank()));
       if (report.distance[g] > worst_ratio * report.threshold[g]) {
         worst_ratio = report.distance[g] / report.threshold[g];

@@ -162,7 +162,8 @@ TEST(StatelessRows, SayWhatTheySayAmongTheOthers) {
   Generator generator(9);
   const MatrixXd C = testing::random_normal(generator, 6).cwiseAbs().asDiagonal();
   const auto all_but_one = [&](Index rows) {
-    return MatrixXd(random_matrix(generator, rows, 5) * random_matrix(generator, 5, 6));
+    const MatrixXd left = random_matrix(generator, rows, 5);
+    return MatrixXd(left * random_matrix(generator, 5, 6));
   };
   const MatrixXd weak =
       Eigen::VectorXd::LinSpaced(5, 1.0, 1e-4).asDiagonal() * random_matrix(generator, 5, 6);

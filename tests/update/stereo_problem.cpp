@@ -97,8 +97,8 @@ std::vector<SeenPoint> random_points(Generator& generator, int count, double nea
   std::vector<SeenPoint> out;
   for (int k = 0; k < count; ++k) {
     const double depth = near * std::pow(far / near, random_scalar(generator, 0.0, 1.0));
-    out.push_back({depth * Eigen::Vector3d(random_scalar(generator, -0.7, 0.7),
-                                           random_scalar(generator, -0.9, 0.9), 1.0)});
+    const double v = random_scalar(generator, -0.9, 0.9);
+    out.push_back({depth * Eigen::Vector3d(random_scalar(generator, -0.7, 0.7), v, 1.0)});
   }
   return out;
 }

@@ -65,13 +65,14 @@ struct CalibrationEffect {
 [[nodiscard]] SizeInterval root_of_form(const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance,
                                         const Eigen::MatrixXd& M);
 
+/// What the estimated error does to points and depths, each with its 95 % interval.
 [[nodiscard]] CalibrationEffect effect_of(const BetaEstimate& estimate, const RigParameters& theta,
-                                          const RigParameters& depth_slope);  ///< With 95 % intervals.
+                                          const RigParameters& depth_slope);
 
 /// An axis' own band: where its effect alone reaches the tolerance [rad, m].
 /// @param px  root mean square of the distance to the epipolar line, by axis [px by rad, m]
 [[nodiscard]] std::array<Band, 6> axis_bands(const Tolerance& tolerance, const RigParameters& px,
-                                             const RigParameters& depth_slope);  ///< With 95 % intervals.
+                                             const RigParameters& depth_slope);
 
 /// |delta| of one axis with its interval.
 [[nodiscard]] SizeInterval axis_size(const RigEstimate& estimate, Eigen::Index axis);

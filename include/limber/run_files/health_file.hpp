@@ -25,7 +25,8 @@ struct HealthRow {
   std::array<HealthVerdict, 6> axes{};       ///< since then
 };
 
-[[nodiscard]] HealthRow health_row(std::int64_t t_ns, const CalibrationReport& report);  ///< As a row.
+/// What health.csv says of the window that ends at a frame.
+[[nodiscard]] HealthRow health_row(std::int64_t t_ns, const CalibrationReport& report);
 
 /// Columns: docs/formats.md. One row for each window.
 void write_health_csv(const std::filesystem::path& path, std::span<const FrameReport> frames);
