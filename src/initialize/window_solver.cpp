@@ -23,6 +23,8 @@ constexpr double kDampingMost = 1e8;
 /// than some hundredths of its standard deviation. Only of a step that damping hardly shortens: along what is
 /// weakly known every other one is short.
 constexpr double kPays = 1e-3;
+/// Share of the promised decrease from which on the valley counts as straight.
+constexpr double kStraight = 0.9;
 constexpr double kUndamped = 1e-11;
 constexpr double kDampingLeast = 1e-12;
 
@@ -38,12 +40,34 @@ MatrixXd times_inverse(const MatrixXd& W, const std::vector<Matrix3d>& V, double
   return out;
 }
 
+/// Rows of W that are not zero: poses and theta; points say nothing of velocities and biases.
+std::vector<Index> seen_by_points(const MatrixXd& W) {
+  const VectorXd largest = W.cols() > 0 ? VectorXd(W.cwiseAbs().rowwise().maxCoeff()) : VectorXd();
+  std::vector<Index> rows;
+  for (Index k = 0; k < largest.size(); ++k) {
+    if (largest[k] > 0.0) {
+      rows.push_back(k);
+    }
+  }
+  return rows;
+}
+
 /// A - W V^-1 Wᵀ, lower triangle.
 MatrixXd without_points(const WindowNormal& normal, const MatrixXd& WV, double damping) {
   MatrixXd S = normal.A;
   S.diagonal() *= 1.0 + damping;
-  if (WV.cols() > 0) {  // Eigen multiplies nothing at its peril
-    S.triangularView<Eigen::Lower>() -= WV * normal.W.transpose();
+  const std::vector<Index> rows = seen_by_points(normal.W);
+  if (rows.empty()) {  // Eigen multiplies nothing at its peril
+    return S;
+  }
+  const auto n = static_cast<Index>(rows.size());
+  const MatrixXd W = normal.W(rows, Eigen::all);
+  MatrixXd known = MatrixXd::Zero(n, n);
+  known.triangularView<Eigen::Lower>() += WV(rows, Eigen::all) * W.transpose();
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = j; i < n; ++i) {
+      S(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]) -= known(i, j);
+    }
   }
   return S;
 }
@@ -87,11 +111,15 @@ WindowState points_refitted(const WindowModel& model, const WindowState& state, 
   return moved(model, state, VectorXd::Zero(normal.g.size()), points);
 }
 
-/// Decrease of the cost that the undamped step promises.
+/// Decrease of the cost that a step promises, or less where it is damped.
+double promised_decrease(const WindowNormal& normal, const Step& step) {
+  return 0.5 * (normal.g.dot(step.frames) + normal.g_points.dot(step.points));
+}
+
+/// That of the undamped step.
 double promised_decrease(const WindowNormal& normal) {
   const std::optional<Step> step = step_of(normal, 0.0);
-  return step ? 0.5 * (normal.g.dot(step->frames) + normal.g_points.dot(step->points))
-              : std::numeric_limits<double>::infinity();
+  return step ? promised_decrease(normal, *step) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -107,23 +135,25 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
     }
     WindowState next = moved(model, state, step->frames, step->points);
     WindowNormal there = linearise(model, next);
-    WindowState refitted = points_refitted(model, next, there);
-    WindowNormal at_refitted = linearise(model, refitted);
-    if (at_refitted.cost < there.cost) {
-      next = std::move(refitted);
-      there = std::move(at_refitted);
+    if (!(normal.cost - there.cost >= kStraight * promised_decrease(normal, *step))) {
+      WindowState refitted = points_refitted(model, next, there);
+      WindowNormal at_refitted = linearise(model, refitted);
+      if (at_refitted.cost < there.cost) {
+        next = std::move(refitted);
+        there = std::move(at_refitted);
+      }
     }
     if (!(there.cost < normal.cost)) {
       damping *= 10.0;
       continue;
     }
-    const bool done = damping <= kUndamped && normal.cost - there.cost < kPays;
+    const double gained = normal.cost - there.cost;
     state = std::move(next);
     normal = std::move(there);
-    damping = std::max(damping * 0.1, kDampingLeast);
-    if (done) {
+    if (gained < kPays && (damping <= kUndamped || promised_decrease(normal) < kPays)) {
       break;
     }
+    damping = std::max(damping * 0.1, kDampingLeast);
   }
   normal.left = promised_decrease(normal);
   return normal;

@@ -141,9 +141,10 @@ void keep_window(const SensorWindow& window, const Navigator& navigator, RunReco
   }
   const StartReport& report = window.report;
   record.notes.push_back(
-      fmt::format("started from the first {:.2g} s, which are smoothed: tilt known to {:.2g} deg, scale "
-                  "to {:.2g} %{}",
-                  report.waited_s, report.tilt_sigma * kDegreesPerRadian, 100.0 * report.scale_sigma,
+      fmt::format("started from the first {:.2g} s, which are smoothed: tilt known to {:.2g} deg, {}{}",
+                  report.waited_s, report.tilt_sigma * kDegreesPerRadian,
+                  report.scale_sigma < 1.0 ? fmt::format("scale to {:.2g} %", 100.0 * report.scale_sigma)
+                                           : "scale not at all",
                   report.missing.empty() ? "" : "; not known: " + report.missing));
 }
 

@@ -110,7 +110,7 @@ TEST_F(RunCommand, GivesTheSameBitsTwiceAndOthersForAnotherSeedOrRun) {
 
 TEST_F(RunCommand, KnowsEveryMethod) {
   for (const std::string method : {"ekf", "ekf-full", "lcekf", "soft", "consider", "mono-left", "oracle"}) {
-    const ProgramResult result = run({"--method", method});
+    const ProgramResult result = run({"--method", method, "--init", "groundtruth"});
     EXPECT_EQ(result.exit_code, 0) << method << result.err;
     EXPECT_EQ(summary_in(out())["method"], method);
   }
@@ -152,15 +152,18 @@ TEST_F(RunCommand, EstimatesSoftensAndConstrainsOtherParameters) {
 }
 
 TEST_F(RunCommand, ObeysItsOtherOptions) {
-  ASSERT_EQ(run_into(folder() / "default").exit_code, 0);
+  ASSERT_EQ(run_into(folder() / "sensors").exit_code, 0);
+  ASSERT_EQ(run_into(folder() / "default", {"--init", "groundtruth"}).exit_code, 0);
   const std::string usual = content_without_times(folder() / "default");
+  EXPECT_NE(content_without_times(folder() / "sensors"), usual);
   for (const std::vector<std::string>& options : {std::vector<std::string>{"--constraints", "rotation"},
                                                   {"--constraints", "ax,tx"},
                                                   {"--sigma-px", "0.7"},
                                                   {"--landmarks", "cartesian"},
-                                                  {"--max-landmarks", "3"},
-                                                  {"--init", "groundtruth"}}) {
-    const ProgramResult result = run(options);
+                                                  {"--max-landmarks", "3"}}) {
+    std::vector<std::string> arguments = options;
+    arguments.insert(arguments.end(), {"--init", "groundtruth"});
+    const ProgramResult result = run(arguments);
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_NE(content_without_times(out()), usual) << options[0] << " " << options[1];
   }
@@ -171,8 +174,8 @@ TEST_F(RunCommand, ObeysItsOtherOptions) {
              tracks.substr(0, frame) +
                  "\n1900000000,90001,100,100,160,160\n1900000000,90002,300,300,200,340" +
                  tracks.substr(frame));
-  ASSERT_EQ(run_into(folder() / "on", {"--gate", "on"}).exit_code, 0);
-  ASSERT_EQ(run_into(folder() / "off", {"--gate", "off"}).exit_code, 0);
+  ASSERT_EQ(run_into(folder() / "on", {"--gate", "on", "--init", "groundtruth"}).exit_code, 0);
+  ASSERT_EQ(run_into(folder() / "off", {"--gate", "off", "--init", "groundtruth"}).exit_code, 0);
   EXPECT_GT(summary_in(folder() / "on")["points_refused"], summary_in(folder() / "off")["points_refused"]);
 }
 
@@ -296,7 +299,7 @@ class LongRun : public ::testing::Test {
   }
   [[nodiscard]] fs::path out() const { return folder_.path() / "new" / "out"; }
   [[nodiscard]] std::vector<std::string> arguments() const {
-    return {"run", (folder_.path() / "log").string(), "--out", out().string()};
+    return {"run", (folder_.path() / "log").string(), "--out", out().string(), "--init", "groundtruth"};
   }
 
  private:
