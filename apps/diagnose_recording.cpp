@@ -54,6 +54,11 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     out.duration_s = summary.duration_s;
     out.nis_per_dof = summary.nis_per_dof;
     out.health = summary.health;
+    if (summary.health) {
+      out.state = HealthState{recording.name,
+                              {camera_in_words(assumed.cam0), camera_in_words(assumed.cam1)},
+                              rig_record(summary.health->present, assumed.theta, has_scale(record.motion))};
+    }
     out.pose = compare_with_ekf(
         recording, options, [&](std::size_t n) { return seen.at(n - first); }, record);
     if (done) {

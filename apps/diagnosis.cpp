@@ -68,6 +68,22 @@ void add_effect(Out out, const char* name, const SizeInterval& size, const Band&
                  to_string(verdict));
 }
 
+template <typename Out>
+void add_axes(Out out, const CalibrationState& state, const char* what) {
+  const RigParameters delta = in_degrees_and_mm(state.estimate.delta);
+  const RigParameters sigma = in_degrees_and_mm(state.estimate.sigma());
+  const RigParameters unit = in_degrees_and_mm(RigParameters::Ones());
+  fmt::format_to(out, "\n{:<22}{:>15}{:>10}{:>10}{:>9}\n", "cam1 against cam0", what, "± sigma", "ok up to",
+                 "wrong");
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    fmt::format_to(out, "{}  {:<18}{:>+15.4f}{:>10.4f}{:>10.3f}{:>9.3f}  {:<4}{}{}\n", kParameterNames[k],
+                   axis_in_words(k), delta(i), sigma(i), unit(i) * state.bands[k].ok,
+                   unit(i) * state.bands[k].wrong, k < 3 ? "deg" : "mm", to_string(state.axes[k]),
+                   state.named == k ? ", explains it best" : "");
+  }
+}
+
 /// Sizes with their intervals against the tolerance.
 template <typename Out>
 void add_state(Out out, const CalibrationState& state, const Tolerance& tolerance) {
@@ -77,18 +93,7 @@ void add_state(Out out, const CalibrationState& state, const Tolerance& toleranc
              state.by_epipolar);
   add_effect(out, fmt::format("depth at {:g} baselines", tolerance.baselines).c_str(), state.effect.depth,
              tolerance.depth, 100.0, "%", state.by_depth);
-  const RigParameters delta = in_degrees_and_mm(state.estimate.delta);
-  const RigParameters sigma = in_degrees_and_mm(state.estimate.sigma());
-  const RigParameters unit = in_degrees_and_mm(RigParameters::Ones());
-  fmt::format_to(out, "\n{:<22}{:>15}{:>10}{:>10}{:>9}\n", "cam1 against cam0", "true - assumed", "± sigma",
-                 "ok up to", "wrong");
-  for (std::size_t k = 0; k < 6; ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    fmt::format_to(out, "{}  {:<18}{:>+15.4f}{:>10.4f}{:>10.3f}{:>9.3f}  {:<4}{}{}\n", kParameterNames[k],
-                   axis_in_words(k), delta(i), sigma(i), unit(i) * state.bands[k].ok,
-                   unit(i) * state.bands[k].wrong, k < 3 ? "deg" : "mm", to_string(state.axes[k]),
-                   state.named == k ? ", explains it best" : "");
-  }
+  add_axes(out, state, "true - assumed");
 }
 
 template <typename Out>
@@ -116,6 +121,15 @@ void add_depths(Out out, const std::vector<DepthEffect>& depths) {
       fmt::format_to(out, "  at {:>2.0f} m  cannot be measured: the rays do not meet\n", effect.depth);
     }
   }
+}
+
+Json json_of(const std::optional<SinceThen>& since, const Tolerance& tolerance) {
+  if (!since) {
+    return nullptr;
+  }
+  Json out = {{"recording", since->recording}};
+  out.update(Json::parse(change_json(since->change, tolerance)));
+  return out;
 }
 
 Json json_of(const std::optional<PoseLoss>& pose) {
@@ -168,6 +182,10 @@ std::string to_text(const Diagnosis& diagnosis) {
                    "What the pose loses: ekf drifts {:.2f} m per 100 m from lcekf, scale {:.4f} ({:.0f} m)\n",
                    diagnosis.pose->drift_per_100_m, diagnosis.pose->scale, diagnosis.pose->path_m);
   }
+  if (diagnosis.since) {
+    fmt::format_to(out, "Since {}: {}\n", diagnosis.since->recording,
+                   change_in_words(diagnosis.since->change, diagnosis.judged_by.tolerance));
+  }
   fmt::format_to(out, "What to do: {}\n", advice(diagnosis));
   if (!diagnosis.failure.empty()) {
     fmt::format_to(out, "\nno run was possible: {}\n", diagnosis.failure);
@@ -181,6 +199,10 @@ std::string to_text(const Diagnosis& diagnosis) {
   }
   add_past(out, *diagnosis.health);
   add_state(out, diagnosis.health->present, diagnosis.judged_by.tolerance);
+  if (diagnosis.since) {
+    fmt::format_to(out, "\nHow it moved since {}", diagnosis.since->recording);
+    add_axes(out, diagnosis.since->change, "now - then");
+  }
   add_depths(out, diagnosis.depths);
   return text;
 }
@@ -200,6 +222,7 @@ std::string to_json(const Diagnosis& diagnosis) {
       {"nis_per_dof", diagnosis.nis_per_dof ? Json(*diagnosis.nis_per_dof) : Json(nullptr)},
       {"health", diagnosis.health ? Json::parse(limber::to_json(*diagnosis.health, diagnosis.judged_by))
                                   : Json(nullptr)},
+      {"since", json_of(diagnosis.since, diagnosis.judged_by.tolerance)},
       {"depths", depths},
       {"ekf_beside_lcekf", json_of(diagnosis.pose)},
       {"mistakes", all_mistakes(diagnosis)},

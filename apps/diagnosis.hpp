@@ -9,11 +9,18 @@
 #include "limber/diagnose/health_summary.hpp"
 #include "limber/diagnose/pose_loss.hpp"
 #include "limber/diagnose/time_offset.hpp"
+#include "limber/run_files/health_state.hpp"
 
 /// What `limber health` says: as an exit code, in plain words, and as JSON.
 namespace limber::app {
 
 inline constexpr int kExitDecalibrated = 3, kExitCannotTell = 4, kExitDegraded = 5;
+
+/// Against an earlier recording.
+struct SinceThen {
+  std::string recording;
+  CalibrationState change;
+};
 
 struct Diagnosis {
   std::string dataset;
@@ -23,6 +30,8 @@ struct Diagnosis {
   std::optional<double> nis_per_dof;
   std::optional<HealthSummary> health;      ///< nothing if the run failed, or no frame could be judged
   std::vector<DepthEffect> depths;          ///< of the present state
+  std::optional<HealthState> state;         ///< to be kept for later recordings
+  std::optional<SinceThen> since;           ///< if there was an earlier one to compare with
   std::optional<PoseLoss> pose;             ///< of ekf beside lcekf
   std::vector<std::string> mistakes;        ///< of the calibration, see calibration_mistakes
   std::optional<TimeOffset> cam1_offset;    ///< of cam1 against cam0

@@ -6,10 +6,16 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
 #include "diagnose_recording.hpp"
+#include "fleet.hpp"
 #include "frame_source.hpp"
+#include "health_since.hpp"
+#include "limber/core/divergence_error.hpp"
+#include "limber/core/errors.hpp"
+#include "limber/run_files/health_state.hpp"
 #include "limber/run_files/run_output.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
@@ -24,9 +30,10 @@ namespace limber::app {
 namespace {
 
 struct HealthArguments : RecordingArguments {
-  std::filesystem::path out;
+  std::filesystem::path out, since;
   double gravity = RunOptions{}.gravity;
-  bool json = false, force = false;
+  bool json = false, force = false, fleet = false;
+  std::vector<std::filesystem::path> more;
 };
 
 RunOptions to_options(const HealthArguments& arguments, const Recording& recording) {
@@ -50,7 +57,7 @@ void report_run(const HealthArguments& arguments, const RunOptions& options, con
   }
 }
 
-Diagnosis diagnose(const HealthArguments& arguments, const Recording& recording, const RunOptions& options) {
+Diagnosis navigate(const HealthArguments& arguments, const Recording& recording, const RunOptions& options) {
   std::optional<Progress> progress;
   progress.emplace("health", frame_count(recording));
   return diagnose_recording(
@@ -62,16 +69,78 @@ Diagnosis diagnose(const HealthArguments& arguments, const Recording& recording,
       });
 }
 
-void health(const HealthArguments& arguments) {
+void require_output(const HealthArguments& arguments) {
+  std::error_code ignored;
+  if (!arguments.since.empty() && std::filesystem::equivalent(arguments.out / kHealthStateName,
+                                                              health_state_file(arguments.since), ignored)) {
+    throw DataError(arguments.out.string(), 0, "another folder than that of --since", "the same");
+  }
+  require_replaceable_run(arguments.out, arguments.force);
+  require_writable_folder(arguments.out);
+}
+
+/// Of one recording, with all that is to be written of it.
+Diagnosis diagnose(const HealthArguments& arguments) {
   const Recording recording = open_recording(arguments);
   const RunOptions options = to_options(arguments, recording);
   if (!arguments.out.empty()) {
-    require_replaceable_run(arguments.out, arguments.force);
-    require_writable_folder(arguments.out);
+    require_output(arguments);
   }
-  const Diagnosis diagnosis = diagnose(arguments, recording, options);
-  fmt::print("{}", arguments.json ? to_json(diagnosis) : to_text(diagnosis));
-  const int code = exit_code(verdict_of(diagnosis));
+  std::optional<HealthState> before;
+  if (!arguments.since.empty()) {
+    before = earlier_state(arguments.since, corrected(recording.calibration, options.assume_error));
+  }
+  Diagnosis diagnosis = navigate(arguments, recording, options);
+  diagnosis.since = since_then(before, diagnosis);
+  if (!arguments.out.empty() && diagnosis.state) {
+    write_health_state(arguments.out / kHealthStateName, *diagnosis.state);
+  }
+  return diagnosis;
+}
+
+/// In DIR/01-NAME, DIR/02-NAME, ...
+HealthArguments member(const HealthArguments& fleet, std::size_t n) {
+  HealthArguments one = fleet;
+  one.dataset = n == 0 ? fleet.dataset : fleet.more[n - 1];
+  if (!fleet.out.empty()) {
+    const std::filesystem::path name = (one.dataset / "").parent_path().filename();
+    one.out = fleet.out / fmt::format("{:02}-{}", n + 1, name.string());
+  }
+  return one;
+}
+
+int fleet(const HealthArguments& arguments) {
+  std::vector<FleetRow> rows;
+  for (std::size_t n = 0; n <= arguments.more.size(); ++n) {
+    const HealthArguments one = member(arguments, n);
+    rows.push_back({one.dataset.string(), std::nullopt, ""});
+    try {
+      rows.back().diagnosis = diagnose(one);
+    } catch (const DataError& error) {  // the others are judged nevertheless
+      rows.back().failure = error.what();
+    } catch (const DivergenceError& error) {
+      rows.back().failure = error.what();
+    }
+  }
+  if (arguments.since.empty()) {
+    compare_with_first(rows);
+  }
+  fmt::print("{}", arguments.json ? fleet_json(rows) : fleet_text(rows));
+  return fleet_exit_code(rows);
+}
+
+void health(const HealthArguments& arguments) {
+  if (!arguments.fleet && !arguments.more.empty()) {
+    throw CLI::ValidationError("MORE", "several recordings: --fleet judges them all");
+  }
+  int code = kExitDone;
+  if (arguments.fleet) {
+    code = fleet(arguments);
+  } else {
+    const Diagnosis diagnosis = diagnose(arguments);
+    fmt::print("{}", arguments.json ? to_json(diagnosis) : to_text(diagnosis));
+    code = exit_code(verdict_of(diagnosis));
+  }
   if (code != kExitDone) {
     throw CLI::RuntimeError(code);
   }
@@ -79,11 +148,20 @@ void health(const HealthArguments& arguments) {
 
 void add_options(CLI::App& command, HealthArguments& arguments) {
   add_recording_options(command, arguments);
+  command.add_option("MORE", arguments.more, "More recordings, with --fleet");
+  command.add_flag("--fleet", arguments.fleet,
+                   "A table of all recordings, a row each, and how each rig moved since the first with the "
+                   "same cameras; the exit code of the worst");
   command.add_option("--gravity", arguments.gravity, "At the place of the recording [m/s^2]")
       ->check(positive())
       ->capture_default_str();
   command.add_option("--out", arguments.out, "Keep the run's files and its report in this folder")
       ->check(not_empty());
+  command
+      .add_option("--since", arguments.since,
+                  "What moved since an earlier recording: the folder that health wrote for it (--out), or "
+                  "its health_state.json")
+      ->check(CLI::ExistingPath);
   command.add_flag("--json", arguments.json, "Print JSON instead of text");
 }
 
@@ -102,7 +180,9 @@ void add_health_command(CLI::App& app) {
       "transforms, a wrong\n"
       "resolution and clocks that disagree.\n"
       "Exit codes: 0 ok, 3 decalibrated, 4 cannot tell, 5 degraded; 1 failed, 2 wrong usage.\n"
-      "Example:\n  limber health data/v101 --false-alarms 0.1 --out runs/v101-health");
+      "Examples:\n  limber health data/v101 --false-alarms 0.1 --out runs/v101-health\n"
+      "  limber health data/v102 --since runs/v101-health\n"
+      "  limber health data/monday data/tuesday data/wednesday --fleet");
   command->callback([arguments] { health(*arguments); });
 }
 

@@ -101,9 +101,10 @@ def smooth(recording, theta="free", *, threads=1, **options):
 class Health(dict):
     """What `limber health --json` says, as a dictionary; str() is the text for people."""
 
-    def __init__(self, json, text):
+    def __init__(self, json, text, state):
         super().__init__(_json.loads(json))
         self._text = text
+        self.state = state  #: the text of health_state.json, for `since`; empty if nothing could be judged
 
     @property
     def verdict(self):
@@ -114,13 +115,23 @@ class Health(dict):
         return self._text
 
 
-def health(recording, **options):
+def health(recording, *, since=None, **options):
     """Is the calibration the problem? What moved, and since when; as `limber health` does.
 
+    since: what moved since an earlier recording: its Health, or the folder or health_state.json of `limber health`
     options: those of RunOptions, for instance false_alarms (per hour) or assume_error
     """
     recording = _recording(recording)
-    return Health(*_limber.diagnose_recording(recording, RunOptions(recording, "lcekf", **options)))
+    return Health(*_limber.diagnose_recording(recording, RunOptions(recording, "lcekf", **options),
+                                              _state_of(since)))
+
+
+def _state_of(since):
+    """The text of a health_state.json; empty of nothing."""
+    if since is None or isinstance(since, Health):
+        return since.state if since else ""
+    path = _pathlib.Path(since)
+    return (path / "health_state.json" if path.is_dir() else path).read_text(encoding="utf-8")
 
 
 class Recalibration(dict):

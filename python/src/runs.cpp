@@ -12,6 +12,7 @@
 #include "docs.hpp"
 #include "evaluation_report.hpp"
 #include "frame_source.hpp"
+#include "health_since.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "limber/run/run_recording.hpp"
@@ -339,13 +340,20 @@ void bind_running(py::module_& module) {
 #endif
   module.def(
       "diagnose_recording",
-      [](const Recording& recording, const RunOptions& options) {
-        const app::Diagnosis diagnosis = app::diagnose_recording(
+      [](const Recording& recording, const RunOptions& options, const std::string& before) {
+        std::optional<HealthState> earlier;
+        if (!before.empty()) {
+          earlier = parse_health_state(before, "since");
+          app::require_same_cameras(*earlier, corrected(recording.calibration, options.assume_error), "since");
+        }
+        app::Diagnosis diagnosis = app::diagnose_recording(
             recording, options, app::frame_source(recording), [](std::size_t) { check_signals(); });
-        return std::pair(to_json(diagnosis), to_text(diagnosis));
+        diagnosis.since = app::since_then(earlier, diagnosis);
+        return std::tuple(to_json(diagnosis), to_text(diagnosis),
+                          diagnosis.state ? to_json(*diagnosis.state) : std::string());
       },
-      py::arg("recording"), py::arg("options"), py::call_guard<py::gil_scoped_release>(),
-      "JSON and text of limber health.");
+      py::arg("recording"), py::arg("options"), py::arg("since") = "",
+      py::call_guard<py::gil_scoped_release>(), "JSON, text and state of limber health.");
 }
 
 /// A trajectory in memory, to be evaluated or written.

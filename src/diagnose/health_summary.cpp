@@ -29,7 +29,7 @@ Json json_of(const SizeInterval& size, const Band& band, HealthVerdict verdict, 
           {"ok", unit * band.ok},     {"wrong", unit * band.wrong}, {"verdict", to_string(verdict)}};
 }
 
-Json json_of(const CalibrationState& state, const HealthSummary& summary, const Tolerance& tolerance) {
+Json sizes_of(const CalibrationState& state, const Tolerance& tolerance) {
   const RigParameters delta = in_degrees_and_mm(state.estimate.delta);
   const RigParameters sigma = in_degrees_and_mm(state.estimate.sigma());
   const RigParameters unit = in_degrees_and_mm(RigParameters::Ones());
@@ -47,9 +47,6 @@ Json json_of(const CalibrationState& state, const HealthSummary& summary, const 
   depth["error"] = 100.0 * state.effect.depth_signed;
   depth["baselines"] = tolerance.baselines;
   return {
-      {"verdict", to_string(state.verdict)},
-      {"from_s", summary.seconds(state.from_ns)},
-      {"to_s", summary.seconds(state.to_ns)},
       {"epipolar_px", json_of(state.effect.epipolar_px, tolerance.epipolar_px, state.by_epipolar, 1.0)},
       {"depth_percent", depth},
       {"most_likely_axis", state.named ? Json(std::string(kParameterNames[*state.named])) : Json(nullptr)},
@@ -60,9 +57,23 @@ Json json_of(const CalibrationState& state, const HealthSummary& summary, const 
       {"points_with_depth", state.deep}};
 }
 
+Json json_of(const CalibrationState& state, const HealthSummary& summary, const Tolerance& tolerance) {
+  Json out = {{"verdict", to_string(state.verdict)},
+              {"from_s", summary.seconds(state.from_ns)},
+              {"to_s", summary.seconds(state.to_ns)}};
+  out.update(sizes_of(state, tolerance));
+  return out;
+}
+
 std::string range(const SizeInterval& size, double unit, const char* name) {
   return fmt::format("{:.2f} {} ({:.2f} to {:.2f})", unit * size.size, name, unit * size.low,
                      unit * size.high);
+}
+
+std::string sizes_in_words(const CalibrationState& state, const Tolerance& tolerance) {
+  return fmt::format("{} off the epipolar lines, {} of the depth at {:g} baselines",
+                     range(state.effect.epipolar_px, 1.0, "px"), range(state.effect.depth, 100.0, "%"),
+                     tolerance.baselines);
 }
 
 }  // namespace
@@ -106,9 +117,7 @@ std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frame
 
 std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
   const CalibrationState& state = summary.present;
-  const std::string sizes = fmt::format("{} off the epipolar lines, {} of the depth at {:g} baselines",
-                                        range(state.effect.epipolar_px, 1.0, "px"),
-                                        range(state.effect.depth, 100.0, "%"), tolerance.baselines);
+  const std::string sizes = sizes_in_words(state, tolerance);
   if (summary.comes_and_goes()) {
     return "it is within the tolerance now, but was not all the time: it comes and goes; now " + sizes;
   }
@@ -134,6 +143,28 @@ std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
                                                        : "the epipolar lines are not known well enough";
   }
   return why + ": " + sizes;
+}
+
+std::string change_in_words(const CalibrationState& change, const Tolerance& tolerance) {
+  const std::string sizes = sizes_in_words(change, tolerance);
+  switch (change.verdict) {
+    case HealthVerdict::kOk:
+      return "nothing moved that matters: " + sizes;
+    case HealthVerdict::kSuspect:
+    case HealthVerdict::kDegraded:
+      return "moved, by more than what is ok: " + sizes;
+    case HealthVerdict::kDecalibrated:
+      return "moved, by more than what is of use: " + sizes;
+    case HealthVerdict::kCannotTell:
+      break;
+  }
+  return "cannot tell whether anything moved that matters: " + sizes;
+}
+
+std::string change_json(const CalibrationState& change, const Tolerance& tolerance) {
+  Json json = {{"verdict", to_string(change.verdict)}};
+  json.update(sizes_of(change, tolerance));
+  return json.dump();
 }
 
 std::string to_json(const HealthSummary& summary, const WatchOptions& options) {

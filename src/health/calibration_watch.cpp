@@ -89,14 +89,20 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
     out.tracks += window.track_count;
     out.deep += window.deep;
   }
-  const BetaEstimate estimate = robust_estimate(windows, theta, metric);
+  judge_estimate(robust_estimate(windows, theta, metric), theta, metric, tolerance, out);
+  return out;
+}
+
+void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bool metric,
+                    const Tolerance& tolerance, CalibrationState& out) {
   const RigParameters slope = visible_slope(theta, metric, tolerance);
+  out.whole = estimate;
   out.estimate = estimate.rig(theta);
   out.effect = effect_of(estimate, theta, slope);
   out.bands = axis_bands(tolerance, px_by_axis(estimate, theta), slope);
   out.axes.fill(HealthVerdict::kCannotTell);
   if (out.tracks < kFewestTracks) {
-    return out;
+    return;
   }
   for (Eigen::Index k = 0; k < 6; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -111,7 +117,6 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
   if (out.verdict == HealthVerdict::kDegraded || out.verdict == HealthVerdict::kDecalibrated) {
     out.named = static_cast<std::size_t>(most_likely_axis(out.estimate, out.bands));
   }
-  return out;
 }
 
 CalibrationWatch::CalibrationWatch(const WatchOptions& options, const StereoCalibration& assumed, bool metric)

@@ -196,9 +196,9 @@ std::string refusals_csv(const RunRecord& record) {
 }  // namespace
 
 const std::vector<std::string>& run_file_names() {
-  static const std::vector<std::string> kNames = {"trajectory.tum",  "trajectory.csv", "landmarks.ply",
-                                                  "frames.csv",      "refusals.csv",   "health.csv",
-                                                  "calibration.csv", "truth.tum",      "summary.json"};
+  static const std::vector<std::string> kNames = {
+      "trajectory.tum", "trajectory.csv",  "landmarks.ply", "frames.csv",   "refusals.csv",
+      "health.csv",     "calibration.csv", "truth.tum",     "summary.json", "health_state.json"};
   return kNames;
 }
 
@@ -240,6 +240,7 @@ void write_run_output(const std::filesystem::path& folder, const RunOptions& opt
     std::filesystem::remove(folder / "summary.json");
     std::filesystem::remove(folder / "truth.tum");
     std::filesystem::remove(folder / "health.csv");
+    std::filesystem::remove(folder / "health_state.json");
     std::filesystem::remove(folder / "calibration.csv");
     staged.move_files(names, folder);
   } catch (const std::filesystem::filesystem_error& error) {

@@ -106,6 +106,74 @@ TEST_F(HealthCommand, KeepsTheRunWhereItIsTold) {
   EXPECT_EQ(summary["options"]["false_alarms_per_hour"], 0.1);
 }
 
+/// A drone with a sound rig, and one that is bent by that much.
+Recording drone_bent_by(const RigParameters& error, std::uint64_t seed) {
+  Scenario drone = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  drone.duration = 8.0;
+  drone.decalibration = {{error, ConstantShape{}}};
+  return simulate(drone, seed);
+}
+
+TEST_F(HealthCommand, SaysWhatMovedSinceAnEarlierRecording) {
+  write(drone_bent_by(RigParameters::Zero(), 1));
+  const std::string monday = (folder() / "monday").string();
+  ASSERT_EQ(health({"--out", monday}).exit_code, 0);
+  EXPECT_THAT(files_below(monday), Contains("health_state.json"));
+
+  write(drone_bent_by(0.0087 * RigParameters::Unit(0), 2));  // half a degree of nod
+  const ProgramResult moved = health({"--since", monday, "--json"});
+  EXPECT_EQ(moved.exit_code, 3) << moved.err;
+  const Json since = Json::parse(moved.out)["since"];
+  EXPECT_EQ(since["recording"], "log");
+  EXPECT_EQ(since["verdict"], "decalibrated");
+  EXPECT_EQ(since["most_likely_axis"], "ax");
+  EXPECT_NEAR(since["axes"]["ax"]["error"].get<double>(), 0.5, 0.05);
+
+  // Another calibration is assumed, which is wrong; the rig did not move.
+  write(drone_bent_by(RigParameters::Zero(), 3));
+  const ProgramResult assumed = health({"--since", monday, "--assume-error", "0.5,0,0,0,0,0"});
+  EXPECT_EQ(assumed.exit_code, 3) << assumed.err;
+  EXPECT_THAT(assumed.out, HasSubstr("Since log: nothing moved that matters"));
+  EXPECT_THAT(assumed.out, HasSubstr("now - then"));
+}
+
+TEST_F(HealthCommand, ComparesNothingThatCannotBeCompared) {
+  write(drone_bent_by(RigParameters::Zero(), 1));
+  const std::string monday = (folder() / "monday").string();
+  ASSERT_EQ(health({"--out", monday}).exit_code, 0);
+  expect_refused(health({"--since", monday, "--out", monday}), 1, "another folder than that of --since");
+  EXPECT_TRUE(fs::exists(fs::path(monday) / "health_state.json"));
+  expect_refused(health({"--since", (folder() / "sunday").string()}), 2, "sunday");
+  expect_refused(health({"--since", log().string()}), 1, "health_state.json");
+  write(sound());
+  expect_refused(health({"--since", monday}), 1, "the cameras of this recording, cam0");
+}
+
+TEST_F(HealthCommand, OfAFleetIsATableWithTheExitCodeOfTheWorst) {
+  const auto log_of = [this](const std::string& day) { return (folder() / day).string(); };
+  write_track_log(drone_bent_by(RigParameters::Zero(), 1), log_of("monday"));
+  write_track_log(drone_bent_by(0.0087 * RigParameters::Unit(0), 2), log_of("tuesday"));
+  const std::vector<std::string> both = {"health", log_of("monday"), log_of("tuesday"), "--fleet",
+                                         "--init", "groundtruth",    "--out",           out().string()};
+  const ProgramResult result = run_limber(both);
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("since " + log_of("monday")));
+  EXPECT_THAT(files_below(out()), IsSupersetOf({"01-monday/health_state.json", "02-tuesday/health.csv"}));
+
+  std::vector<std::string> json = both;
+  json.resize(6);
+  json.insert(json.begin() + 3, {(folder() / "sunday").string(), "--json"});
+  const ProgramResult with_a_missing_one = run_limber(json);
+  EXPECT_EQ(with_a_missing_one.exit_code, 1);
+  const Json rigs = Json::parse(with_a_missing_one.out);
+  ASSERT_EQ(rigs.size(), 3u);
+  EXPECT_EQ(rigs[0]["verdict"], "ok");
+  EXPECT_EQ(rigs[1]["since"]["most_likely_axis"], "ax");
+  EXPECT_THAT(rigs[2]["failure"].get<std::string>(), HasSubstr("sunday"));
+
+  expect_refused(run_limber({"health", log_of("monday"), log_of("tuesday")}), 2, "--fleet judges them all");
+}
+
 TEST_F(HealthCommand, WithoutAFolderLeavesNothing) {
   const auto before = files_below(folder());
   (void)health();

@@ -101,6 +101,18 @@ def test_unknown_options_are_refused(recording):
         limber.run(recording, "ekf", constraints="full")
 
 
+def test_what_moved_since_an_earlier_recording_is_said(tmp_path):
+    before = limber.health(short("drone_none", 10.0))
+    (tmp_path / "health_state.json").write_text(before.state)
+    same = limber.health(short("drone_none", 10.0), since=before)
+    assert same["since"]["verdict"] == "ok" and "nothing moved that matters" in str(same)
+    moved = limber.health(short("drone_constant", 10.0), since=tmp_path)
+    assert moved["since"]["verdict"] == "degraded"
+    with pytest.raises(limber.DataError, match="the cameras of this recording"):
+        limber.health(short("paper_i", 5.0), since=before)
+    assert limber.health(short("drone_none", 10.0))["since"] is None
+
+
 def test_a_rig_that_moved_is_found_and_a_sound_one_is_not():
     moved = limber.health(short("drone_constant", 10.0))
     assert moved.verdict == "degraded" and moved["health"]["present"]["most_likely_axis"]

@@ -37,6 +37,10 @@ struct HealthSummary {
 /// The verdict in one sentence, with the sizes that it rests on.
 [[nodiscard]] std::string in_words(const HealthSummary& summary, const Tolerance& tolerance);
 
+/// @brief The same of how the rig moved from one recording to the next, see change_between.
+[[nodiscard]] std::string change_in_words(const CalibrationState& change, const Tolerance& tolerance);
+[[nodiscard]] std::string change_json(const CalibrationState& change, const Tolerance& tolerance);
+
 /// From radians and metres to degrees and millimetres.
 [[nodiscard]] RigParameters in_degrees_and_mm(const RigParameters& theta);
 

@@ -28,6 +28,7 @@ struct CalibrationState {
   std::array<Band, 6> bands{};          ///< of the axes [rad, m]
   std::optional<std::size_t> named;     ///< the axis that explains best what is degraded or decalibrated
   RigEstimate estimate;
+  BetaEstimate whole;  ///< what `estimate` is a part of
   CalibrationEffect effect;
   std::size_t windows = 0, tracks = 0, points = 0, deep = 0;
 };
@@ -35,6 +36,11 @@ struct CalibrationState {
 /// The state of one stretch of windows.
 [[nodiscard]] CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                                         bool metric, const Tolerance& tolerance);
+
+/// @brief Fills in what follows from an estimate: effect, bands and verdicts. With fewer than 30 tracks
+/// (`out.tracks`) nothing can be told.
+void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bool metric,
+                    const Tolerance& tolerance, CalibrationState& out);
 
 /// After a window.
 struct CalibrationReport {

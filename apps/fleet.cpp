@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "fleet.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ctime>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "health_since.hpp"
+
+namespace limber::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Row = std::vector<std::string>;
+
+/// Of the first frame, in UTC; "-" where stamps do not count from 1970.
+std::string date_of(const Diagnosis& diagnosis) {
+  constexpr std::int64_t kYear2000 = 946'684'800'000'000'000;
+  if (!diagnosis.health || diagnosis.health->begin_ns < kYear2000) {
+    return "-";
+  }
+  return fmt::format("{:%Y-%m-%d}",
+                     fmt::gmtime(static_cast<std::time_t>(diagnosis.health->begin_ns / 1'000'000'000)));
+}
+
+/// The intervals of what it does, and the axes.
+void add_sizes(Row& row, const CalibrationState& state) {
+  const CalibrationEffect& effect = state.effect;
+  row.push_back(fmt::format("{:.2f}–{:.2f}", effect.epipolar_px.low, effect.epipolar_px.high));
+  row.push_back(fmt::format("{:.1f}–{:.1f}", 100.0 * effect.depth.low, 100.0 * effect.depth.high));
+  const RigParameters delta = in_degrees_and_mm(state.estimate.delta);
+  const RigParameters sigma = in_degrees_and_mm(state.estimate.sigma());
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    row.push_back(fmt::format("{:+.{}f}±{:.{}f}", delta(k), k < 3 ? 2 : 1, sigma(k), k < 3 ? 2 : 1));
+  }
+}
+
+Row row_of(const FleetRow& of) {
+  if (!of.diagnosis) {
+    return {of.dataset, "-", "failed: " + of.failure};
+  }
+  const Diagnosis& d = *of.diagnosis;
+  Row row = {of.dataset, date_of(d), to_string(verdict_of(d))};
+  if (d.health) {
+    add_sizes(row, d.health->present);
+  }
+  return row;
+}
+
+Row change_of(const FleetRow& of) {
+  const SinceThen& since = *of.diagnosis->since;
+  Row row = {of.dataset, "since " + since.recording, to_string(since.change.verdict)};
+  add_sizes(row, since.change);
+  return row;
+}
+
+/// Columns as wide as what is in them, in characters.
+std::string table(const std::vector<Row>& rows) {
+  const auto width = [](const std::string& text) {
+    return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+      return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // not inside a character
+    }));
+  };
+  std::vector<std::size_t> widths;
+  for (const Row& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      const bool last = k + 1 == row.size();
+      widths[k] = std::max(widths[k], last && row.size() < 4 ? 0 : width(row[k]));
+    }
+  }
+  std::string out;
+  for (const Row& row : rows) {
+    std::string line;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      line += row[k];
+      line.append(widths[k] > width(row[k]) ? widths[k] - width(row[k]) + 2 : 2, ' ');
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    out += line + "\n";
+  }
+  return out;
+}
+
+}  // namespace
+
+void compare_with_first(std::vector<FleetRow>& rows) {
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    if (!rows[k].diagnosis || !rows[k].diagnosis->state) {
+      continue;
+    }
+    const auto first =
+        std::find_if(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(k), [&](const FleetRow& r) {
+          return r.diagnosis && r.diagnosis->state &&
+                 r.diagnosis->state->cameras == rows[k].diagnosis->state->cameras;
+        });
+    if (first != rows.begin() + static_cast<std::ptrdiff_t>(k)) {
+      rows[k].diagnosis->since = since_then(first->diagnosis->state, *rows[k].diagnosis);
+      rows[k].diagnosis->since->recording = first->dataset;
+    }
+  }
+}
+
+int fleet_exit_code(const std::vector<FleetRow>& rows) {
+  HealthVerdict all = HealthVerdict::kOk;
+  for (const FleetRow& row : rows) {
+    if (!row.diagnosis) {
+      return kExitFailed;
+    }
+    all = worst(all, verdict_of(*row.diagnosis));
+  }
+  return exit_code(all);
+}
+
+std::string fleet_text(const std::vector<FleetRow>& rows) {
+  const Row head = {"recording", "date",     "verdict", "px (95 %)", "depth % (95 %)", "ax [deg]",
+                    "ay [deg]",  "az [deg]", "tx [mm]", "ty [mm]",   "tz [mm]"};
+  std::vector<Row> now = {head}, moved = {head};
+  moved.front()[1] = "";
+  for (const FleetRow& row : rows) {
+    now.push_back(row_of(row));
+    if (row.diagnosis && row.diagnosis->since) {
+      moved.push_back(change_of(row));
+    }
+  }
+  std::string out = "True minus assumed, in the present state\n" + table(now);
+  if (moved.size() > 1) {
+    out += "\nHow each moved since the first with the same cameras\n" + table(moved);
+  }
+  return out;
+}
+
+std::string fleet_json(const std::vector<FleetRow>& rows) {
+  Json out = Json::array();
+  for (const FleetRow& row : rows) {
+    out.push_back(row.diagnosis ? Json::parse(to_json(*row.diagnosis))
+                                : Json{{"dataset", row.dataset}, {"failure", row.failure}});
+  }
+  return out.dump(2) + "\n";
+}
+
+}  // namespace limber::app

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis.hpp"
+
+/// `limber health --fleet`: many recordings, a row each.
+namespace limber::app {
+
+struct FleetRow {
+  std::string dataset;                 ///< as it was given
+  std::optional<Diagnosis> diagnosis;  ///< with `since` against the first recording of the same cameras
+  std::string failure;                 ///< why there is no diagnosis
+};
+
+/// Compares each row with the first one before it that has the same cameras.
+void compare_with_first(std::vector<FleetRow>& rows);
+
+/// 1 if a recording could not be judged at all, else that of the worst verdict.
+[[nodiscard]] int fleet_exit_code(const std::vector<FleetRow>& rows);
+
+[[nodiscard]] std::string fleet_text(const std::vector<FleetRow>& rows);
+/// An array with what `limber health --json` says of each, or `dataset` and `failure`.
+[[nodiscard]] std::string fleet_json(const std::vector<FleetRow>& rows);
+
+}  // namespace limber::app

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "limber/health/calibration_change.hpp"
+#include "limber/sensors/calibration.hpp"
+
+/// @file
+/// health_state.json: what `limber health` keeps for `--since`. Format: docs/formats.md.
+namespace limber {
+
+inline constexpr std::string_view kHealthStateName = "health_state.json";
+
+/// A rig's state with the recording and the cameras that it is of.
+struct HealthState {
+  std::string recording;
+  std::array<std::string, 2> cameras;  ///< in words, see camera_in_words
+  RigRecord rig;
+};
+
+/// Size, intrinsics and distortion, so that equal cameras have equal words.
+[[nodiscard]] std::string camera_in_words(const Camera& camera);
+
+[[nodiscard]] std::string to_json(const HealthState& state);
+
+/// @param name  for messages
+/// @throws DataError if it is none, with what was expected
+[[nodiscard]] HealthState parse_health_state(const std::string& text, const std::string& name);
+
+/// @throws DataError if the file cannot be written
+void write_health_state(const std::filesystem::path& path, const HealthState& state);
+
+/// @param path  the file, or a folder with one
+/// @throws as parse_health_state, and if it cannot be read
+[[nodiscard]] HealthState read_health_state(const std::filesystem::path& path);
+
+}  // namespace limber
