@@ -12,8 +12,14 @@
 namespace limber {
 namespace {
 
-using namespace limber::testing;
+namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using testing::ProgramResult;
+using testing::read_text;
+using testing::run_limber;
+using testing::source_folder;
+using testing::TemporaryFolder;
+using testing::write_text;
 
 std::string bag(const std::string& name) {
   return (source_folder() / "tests" / "bags" / "fixtures" / name).string();
