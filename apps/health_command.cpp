@@ -180,7 +180,7 @@ void add_health_command(CLI::App& app) {
       "transforms, a wrong\n"
       "resolution and clocks that disagree.\n"
       "Exit codes: 0 ok, 3 decalibrated, 4 cannot tell, 5 degraded; 1 failed, 2 wrong usage.\n"
-      "Examples:\n  limber health data/v101 --false-alarms 0.1 --out runs/v101-health\n"
+      "Example:\n  limber health data/v101 --false-alarms 0.1 --out runs/v101-health\n"
       "  limber health data/v102 --since runs/v101-health\n"
       "  limber health data/monday data/tuesday data/wednesday --fleet");
   command->callback([arguments] { health(*arguments); });

@@ -101,6 +101,8 @@ def test_readme(folder, _):
 
 def test_help(folder, available):
     run("limber simulate scenarios/paper_iv.yaml --out data/v101", folder)
+    for day in ("v102", "monday", "tuesday", "wednesday"):
+        shutil.copytree(folder / "data/v101", folder / "data" / day)
     for k in (1, 2):
         run(f"limber study scenarios/paper_i.yaml --methods ekf --runs 2 --shard {k}/2 --out part{k}.sqlite", folder)
     for name in HELPED:

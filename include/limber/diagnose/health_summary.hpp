@@ -39,6 +39,8 @@ struct HealthSummary {
 
 /// @brief The same of how the rig moved from one recording to the next, see change_between.
 [[nodiscard]] std::string change_in_words(const CalibrationState& change, const Tolerance& tolerance);
+
+/// As `since` of `limber health --json`, degrees and mm: docs/formats.md.
 [[nodiscard]] std::string change_json(const CalibrationState& change, const Tolerance& tolerance);
 
 /// From radians and metres to degrees and millimetres.

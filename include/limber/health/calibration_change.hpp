@@ -19,6 +19,7 @@ struct RigRecord {
   BetaEstimate estimate;  ///< against `theta`, in plausible errors of it
 };
 
+/// What is to be kept of a state that was judged against `theta`.
 [[nodiscard]] RigRecord rig_record(const CalibrationState& state, const RigParameters& theta, bool metric);
 
 /// @brief How the rig moved from one recording to the next: true theta now minus true theta before, judged as

@@ -13,7 +13,7 @@
 /// health_state.json: what `limber health` keeps for `--since`. Format: docs/formats.md.
 namespace limber {
 
-inline constexpr std::string_view kHealthStateName = "health_state.json";
+inline constexpr std::string_view kHealthStateName = "health_state.json";  ///< in the folder of a run
 
 /// A rig's state with the recording and the cameras that it is of.
 struct HealthState {
@@ -25,6 +25,7 @@ struct HealthState {
 /// Size, intrinsics and distortion, so that equal cameras have equal words.
 [[nodiscard]] std::string camera_in_words(const Camera& camera);
 
+/// The text of health_state.json.
 [[nodiscard]] std::string to_json(const HealthState& state);
 
 /// @param name  for messages
