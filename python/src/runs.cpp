@@ -344,10 +344,11 @@ void bind_running(py::module_& module) {
         std::optional<HealthState> earlier;
         if (!before.empty()) {
           earlier = parse_health_state(before, "since");
-          app::require_same_cameras(*earlier, corrected(recording.calibration, options.assume_error), "since");
+          app::require_same_cameras(*earlier, corrected(recording.calibration, options.assume_error),
+                                    "since");
         }
-        app::Diagnosis diagnosis = app::diagnose_recording(
-            recording, options, app::frame_source(recording), [](std::size_t) { check_signals(); });
+        app::Diagnosis diagnosis = app::diagnose_recording(recording, options, app::frame_source(recording),
+                                                           [](std::size_t) { check_signals(); });
         diagnosis.since = app::since_then(earlier, diagnosis);
         return std::tuple(to_json(diagnosis), to_text(diagnosis),
                           diagnosis.state ? to_json(*diagnosis.state) : std::string());
