@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <ctime>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "commands.hpp"

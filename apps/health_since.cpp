@@ -7,10 +7,6 @@
 
 namespace limber::app {
 
-std::filesystem::path health_state_file(const std::filesystem::path& since) {
-  return std::filesystem::is_directory(since) ? since / kHealthStateName : since;
-}
-
 void require_same_cameras(const HealthState& state, const StereoCalibration& assumed,
                           const std::string& file) {
   for (std::size_t k = 0; k < 2; ++k) {

@@ -11,9 +11,6 @@
 /// `--since`: an earlier recording of the same rig.
 namespace limber::app {
 
-/// The file itself, also where its folder is given.
-[[nodiscard]] std::filesystem::path health_state_file(const std::filesystem::path& since);
-
 /// @brief What an earlier recording said of its rig.
 /// @throws DataError as read_health_state, and if it is of other cameras than these
 [[nodiscard]] HealthState earlier_state(const std::filesystem::path& since, const StereoCalibration& assumed);

@@ -150,8 +150,11 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
     const double gained = normal.cost - there.cost;
     state = std::move(next);
     normal = std::move(there);
-    if (gained < kPays && (damping <= kUndamped || promised_decrease(normal) < kPays)) {
-      break;
+    if (gained < kPays) {
+      normal.left = promised_decrease(normal);
+      if (damping <= kUndamped || normal.left < kPays) {
+        return normal;
+      }
     }
     damping = std::max(damping * 0.1, kDampingLeast);
   }

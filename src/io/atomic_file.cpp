@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <cstring>
 #include <random>
-#include <ranges>
 #include <string>
 #include <system_error>
 #include <utility>

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <variant>
-#include <vector>
 
 #include "io/json_text.hpp"
 #include "io/text_file.hpp"
@@ -169,8 +168,12 @@ void write_health_state(const std::filesystem::path& path, const HealthState& st
   write_file_atomically(path, to_json(state));
 }
 
+std::filesystem::path health_state_file(const std::filesystem::path& path) {
+  return std::filesystem::is_directory(path) ? path / kHealthStateName : path;
+}
+
 HealthState read_health_state(const std::filesystem::path& path) {
-  const std::filesystem::path file = std::filesystem::is_directory(path) ? path / kHealthStateName : path;
+  const std::filesystem::path file = health_state_file(path);
   return parse_health_state(detail::load_text(file), file.string());
 }
 

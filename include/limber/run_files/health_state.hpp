@@ -35,6 +35,9 @@ struct HealthState {
 /// @throws DataError if the file cannot be written
 void write_health_state(const std::filesystem::path& path, const HealthState& state);
 
+/// The file itself, also where its folder is given.
+[[nodiscard]] std::filesystem::path health_state_file(const std::filesystem::path& path);
+
 /// @param path  the file, or a folder with one
 /// @throws as parse_health_state, and if it cannot be read
 [[nodiscard]] HealthState read_health_state(const std::filesystem::path& path);
