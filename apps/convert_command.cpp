@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "limber/bags/bag_topics.hpp"
-#include "limber/bags/write_mcap.hpp"
+#include "limber/bags/write_bag.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/nearest_word.hpp"
 #include "limber/datasets/track_log.hpp"
@@ -20,6 +21,7 @@
 #include "messages.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
+#include "replaceable.hpp"
 #include "trajectory_input.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
@@ -35,7 +37,7 @@ namespace fs = std::filesystem;
 struct ConvertArguments {
   RecordingArguments recording;
   fs::path out;
-  std::string pixels = "keep";
+  std::string pixels = "keep", compression;
   bool force = false;
 };
 
@@ -46,14 +48,35 @@ bool is_trajectory(const fs::path& out) {
   return ending == ".tum" || ending == ".txt" || ending == ".csv" || ending == ".kitti";
 }
 
+/// Nothing: --out names no file of messages.
+std::optional<BagOutput> bag_output_of(const ConvertArguments& arguments) {
+  const std::string ending = ending_of(arguments.out);
+  if (ending != ".mcap" && ending != ".bag") {
+    if (!arguments.compression.empty()) {
+      throw CLI::ValidationError("--compression", "only FILE.mcap and FILE.bag have one");
+    }
+    return std::nullopt;
+  }
+  BagOutput output{arguments.out, ending == ".bag" ? BagFormat::kRos1 : BagFormat::kMcap,
+                   arguments.compression};
+  const auto known = compressions_of(output.format);
+  if (!output.compression.empty() &&
+      std::find(known.begin(), known.end(), output.compression) == known.end()) {
+    throw CLI::ValidationError("--compression",
+                               fmt::format("of a {} file is {}", ending, fmt::join(known, ", ")));
+  }
+  return output;
+}
+
 void require_free(const ConvertArguments& arguments) {
   const fs::path& out = arguments.out;
+  const RecordingArguments& in = arguments.recording;
   std::error_code ignored;
-  if (fs::equivalent(out, arguments.recording.dataset, ignored)) {
+  if (fs::equivalent(out, in.dataset, ignored)) {
     throw DataError(out.string(), 0, "a name for the result that is not also the input", "what is converted");
   }
-  if (fs::is_regular_file(out) && !arguments.force) {
-    throw DataError(out.string(), 0, "no file of this name", "one; --force replaces it");
+  if (!fs::is_directory(out)) {  // write_euroc and write_track_log know their own folders
+    require_replaceable(out, kNoMark, arguments.force, {in.dataset, in.calibration, in.imu});
   }
 }
 
@@ -103,26 +126,26 @@ ImageChange change_of(const std::string& pixels) {
 }
 
 /// What a format cannot say.
-void note_losses(const Recording& recording, bool mcap) {
-  if (mcap) {
-    print_note("an MCAP file holds no calibration: keep it, --calib gives it to limber run");
+void note_losses(const Recording& recording, bool bag) {
+  if (bag) {
+    print_note("files of messages hold no calibration: keep it, --calib gives it to limber run");
   }
   const auto& offsets = recording.calibration.time_offset_s;
-  if (!mcap && (offsets[0] != 0.0 || offsets[1] != 0.0)) {
+  if (!bag && (offsets[0] != 0.0 || offsets[1] != 0.0)) {
     print_warning(fmt::format("an EuRoC folder cannot say that the images are late by {:.6f} s and {:.6f} s",
                               offsets[0], offsets[1]));
   }
 }
 
 void convert_recording(const ConvertArguments& arguments) {
+  const std::optional<BagOutput> bag = bag_output_of(arguments);
   const Interrupt interrupt;
   const Recording recording = open_recording(arguments.recording);
   for (const std::string& note : recording.notes) {
     print_note(note);
   }
-  const bool mcap = ending_of(arguments.out) == ".mcap";
   if (recording.images.empty()) {
-    if (mcap) {
+    if (bag) {
       throw std::runtime_error(recording.name +
                                " holds matched points, for which there is no message type: "
                                "give a folder as --out");
@@ -132,15 +155,15 @@ void convert_recording(const ConvertArguments& arguments) {
   }
   Progress progress("convert", recording.images.size());
   const auto done = [&](std::size_t n) { progress.done(n); };
-  if (mcap) {
-    write_mcap(recording, arguments.out, change_of(arguments.pixels), done, Interrupt::asked);
+  if (bag) {
+    write_bag(recording, *bag, change_of(arguments.pixels), done, Interrupt::asked);
   } else {
     if (arguments.pixels == "raw") {
       throw CLI::ValidationError("--pixels", "an EuRoC folder has image files, no raw pixels");
     }
     write_euroc(recording, arguments.out, as_png, arguments.force, done, Interrupt::asked);
   }
-  note_losses(recording, mcap);
+  note_losses(recording, bag.has_value());
 }
 
 /// The true poses in a bag.
@@ -206,21 +229,28 @@ void add_convert_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("convert", "Turn recordings and trajectories into other formats");
   add_input_options(*command, arguments->recording);
   command
-      ->add_option("--out", arguments->out,
-                   "FOLDER: EuRoC; FILE.mcap; FILE.tum, .txt (TUM), .csv (limber), .kitti: poses alone")
+      ->add_option(
+          "--out", arguments->out,
+          "FOLDER: EuRoC; FILE.mcap (ROS 2 messages), FILE.bag (ROS 1); FILE.tum, .txt (TUM), .csv (limber), "
+          ".kitti: poses alone")
       ->required()
       ->check(not_empty());
   command
       ->add_option("--pixels", arguments->pixels,
-                   "Images of an MCAP file: keep, raw (unpacked) or png (packed)")
+                   "Images of FILE.mcap and FILE.bag: keep, raw (unpacked) or png (packed)")
       ->check(CLI::IsMember({"keep", "raw", "png"}))
       ->capture_default_str();
+  command
+      ->add_option("--compression", arguments->compression,
+                   "Of FILE.mcap: zstd (default), lz4 or none; of FILE.bag: lz4 (default), bz2 or none")
+      ->check(CLI::IsMember({"zstd", "lz4", "bz2", "none"}));
   command->add_flag("--force", arguments->force, "Replace an older result");
   command->footer(
       "\nIMU, stamps and images keep every bit; Bayer and YUV images become grey in an EuRoC folder.\n"
       "Ctrl-C leaves nothing behind.\n"
       "Example:\n  limber convert flight.bag --calib camchain.yaml --imu imu.yaml --out data/flight\n"
-      "  limber convert data/flight --out flight.mcap\n  limber convert runs/v101/trajectory.csv --out "
+      "  limber convert data/flight --out flight.mcap\n  limber convert data/flight --out flight.bag\n  "
+      "limber convert runs/v101/trajectory.csv --out "
       "v101.tum");
   command->callback([arguments] { convert(*arguments); });
 }

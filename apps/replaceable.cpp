@@ -54,7 +54,7 @@ void require_replaceable(const fs::path& file, std::string_view mark, bool force
   if (!fs::exists(file)) {
     return;
   }
-  const bool own = fs::file_size(file) == 0 || bears(file, mark);
+  const bool own = fs::file_size(file) == 0 || (mark != kNoMark && bears(file, mark));
   for (const fs::path& input : inputs) {
     std::error_code ignored;
     if (fs::equivalent(file, input, ignored) ||

@@ -14,6 +14,7 @@ inline void add_force_option(CLI::App& command, bool& force) {
   command.add_flag("--force", force, "Replace files of the results' names that limber did not write, too");
 }
 
+inline constexpr std::string_view kNoMark;  ///< of kinds that others write just as well
 inline constexpr std::string_view kPageMark = "<meta name=\"generator\" content=\"limber\">";
 inline constexpr std::string_view kEvaluationMark = "\"matched_by\"";
 inline constexpr std::string_view kRunMark = "\"realtime_factor\"";  ///< in summary.json

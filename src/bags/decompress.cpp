@@ -123,16 +123,6 @@ std::vector<std::uint8_t> decompress(std::string_view method, Bytes content, std
       fmt::format("the compression '{}', which is neither bz2 nor lz4 nor zstd", method.substr(0, 20)));
 }
 
-std::vector<std::uint8_t> compress_zstd(Bytes content) {
-  std::vector<std::uint8_t> out(ZSTD_compressBound(content.size()));
-  const std::size_t size = ZSTD_compress(out.data(), out.size(), content.data(), content.size(), 1);
-  if (ZSTD_isError(size) != 0) {
-    throw std::runtime_error(std::string("zstd: ") + ZSTD_getErrorName(size));
-  }
-  out.resize(size);
-  return out;
-}
-
 std::uint32_t crc32_of(Bytes content, std::uint32_t start) {
   return static_cast<std::uint32_t>(crc32_z(start, content.data(), content.size()));
 }

@@ -14,9 +14,6 @@ namespace limber::detail {
 [[nodiscard]] std::vector<std::uint8_t> decompress(std::string_view method, Bytes content,
                                                    std::uint64_t size);
 
-/// One zstd frame. @throws std::runtime_error if zstd refuses
-[[nodiscard]] std::vector<std::uint8_t> compress_zstd(Bytes content);
-
 /// CRC-32 as zlib has it.
 [[nodiscard]] std::uint32_t crc32_of(Bytes content, std::uint32_t start = 0);
 

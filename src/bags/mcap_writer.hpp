@@ -5,25 +5,25 @@
 #include <filesystem>
 #include <map>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "byte_source.hpp"
 #include "limber/io/atomic_file.hpp"
+#include "message_sink.hpp"
 
 namespace limber::detail {
 
-/// @brief An MCAP file in the making: ROS 2 messages in zstd chunks, with index.
+/// @brief An MCAP file in the making: ROS 2 messages in chunks, with index.
 /// @throws DataError from every member if the file cannot be written
-class McapWriter {
+class McapWriter final : public MessageSink {
  public:
-  explicit McapWriter(const std::filesystem::path& path);
+  /// @param compression  none, lz4 or zstd
+  McapWriter(const std::filesystem::path& path, std::string compression);
 
-  /// @return the channel of a topic, for message()
-  [[nodiscard]] std::uint16_t channel(const std::string& topic, const std::string& type,
-                                      std::string_view definition);
-  void message(std::uint16_t channel, std::int64_t t_ns, Bytes content);
-  void close();  ///< call once, last: the file gets its name
+  [[nodiscard]] Serialization serialization() const override { return Serialization::kCdr; }
+  [[nodiscard]] std::uint16_t channel(const std::string& topic, const MessageType& type,
+                                      bool is_latched = false) override;
+  void message(std::uint16_t channel, std::int64_t t_ns, Bytes content) override;
+  void close() override;
 
  private:
   struct Chunk {
@@ -37,6 +37,7 @@ class McapWriter {
   void write_summary();
 
   AtomicFile file_;
+  std::string compression_;
   std::uint64_t at_ = 0;                                 ///< bytes written
   std::string chunk_;                                    ///< records, not compressed yet
   std::uint64_t first_ns_ = 0, last_ns_ = 0;             ///< of the chunk

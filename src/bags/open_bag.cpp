@@ -11,6 +11,7 @@
 #include "limber/core/errors.hpp"
 #include "mcap_records.hpp"
 #include "openers.hpp"
+#include "ros1_records.hpp"
 
 namespace limber {
 namespace detail {
@@ -35,9 +36,8 @@ struct Format {
   std::string_view magic;
   std::unique_ptr<BagFile> (*open)(const fs::path&);
 };
-constexpr std::array<Format, 3> kFormats = {{{"#ROSBAG V2.0\n"sv, open_ros1_bag},
-                                             {mcap::kMagic, open_mcap},
-                                             {"SQLite format 3\0"sv, open_sqlite_bag}}};
+constexpr std::array<Format, 3> kFormats = {
+    {{ros1::kMagic, open_ros1_bag}, {mcap::kMagic, open_mcap}, {"SQLite format 3\0"sv, open_sqlite_bag}}};
 
 std::string beginning_of(const fs::path& path) {
   std::error_code error;

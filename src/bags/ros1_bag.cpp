@@ -6,21 +6,13 @@
 
 #include "chunked_bag.hpp"
 #include "openers.hpp"
+#include "ros1_records.hpp"
 
 namespace limber::detail {
 namespace {
 
-constexpr std::uint64_t kMagicSize = 13;                                         // "#ROSBAG V2.0\n"
+constexpr std::uint64_t kMagicSize = ros1::kMagic.size();
 constexpr std::uint64_t kLargestHeader = 1 << 20, kLargestDefinition = 1 << 24;  // [bytes]
-
-enum Op : std::uint8_t {
-  kMessage = 2,
-  kBagHeader = 3,
-  kIndex = 4,
-  kChunk = 5,
-  kChunkInfo = 6,
-  kConnection = 7
-};
 
 /// "name=value" fields, each with its length.
 class Fields {
@@ -119,7 +111,7 @@ void Ros1Bag::add_connection(ByteSource& bytes, const Record& record) {
 
 void Ros1Bag::take(const Place& place, const Record& record, std::uint64_t at) {
   switch (record.fields.integer<std::uint8_t>("op")) {
-    case kMessage: {
+    case ros1::kMessage: {
       const auto time = record.fields.integer<std::uint64_t>("time");  // seconds, then nanoseconds
       visit(place, record.fields.integer<std::uint32_t>("conn"),
             static_cast<std::int64_t>(time & 0xffffffffU) * 1'000'000'000 +
@@ -127,10 +119,10 @@ void Ros1Bag::take(const Place& place, const Record& record, std::uint64_t at) {
             record.data_at, record.data_size);
       break;
     }
-    case kConnection:
+    case ros1::kConnection:
       add_connection(place.bytes, record);
       break;
-    case kChunk:
+    case ros1::kChunk:
       if (&place.bytes != &file_ || place.begin != kMagicSize) {
         throw Damage("a chunk within a chunk");
       }
@@ -158,7 +150,7 @@ void Ros1Bag::read_index() {
   auto at = record_at(file_, kMagicSize).fields.integer<std::uint64_t>("index_pos");  // 0: never closed
   while (at > kMagicSize && at < file_.size()) {
     const Record record = record_at(file_, at);
-    if (record.fields.integer<std::uint8_t>("op") == kConnection) {
+    if (record.fields.integer<std::uint8_t>("op") == ros1::kConnection) {
       add_connection(file_, record);
     }
     at = record.data_at + record.data_size;

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -120,18 +121,32 @@ void AtomicFile::write(std::string_view content) {
   }
 }
 
-void AtomicFile::flush() {
-  std::string_view rest = waiting_;
-  while (!rest.empty()) {
-    const ssize_t written = ::write(temporary_->descriptor(), rest.data(), rest.size());
+void AtomicFile::overwrite(std::uint64_t at, std::string_view content) {
+  flush();
+  if (at > written_ || content.size() > written_ - at) {
+    throw std::invalid_argument("AtomicFile::overwrite: bytes that are not written yet");
+  }
+  put(at, content);
+}
+
+void AtomicFile::put(std::uint64_t at, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written =
+        pwrite(temporary_->descriptor(), content.data(), content.size(), static_cast<off_t>(at));
     if (written < 0 && errno == EINTR) {
       continue;
     }
     if (written <= 0) {
       throw DataError(path_.string(), 0, "room to write the file", std::strerror(errno));
     }
-    rest.remove_prefix(static_cast<std::size_t>(written));
+    content.remove_prefix(static_cast<std::size_t>(written));
+    at += static_cast<std::uint64_t>(written);
   }
+}
+
+void AtomicFile::flush() {
+  put(written_, waiting_);
+  written_ += waiting_.size();
   waiting_.clear();
 }
 

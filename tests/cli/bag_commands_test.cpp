@@ -102,6 +102,27 @@ TEST_F(BagCommands, ABagThroughFolderAndMcapIsTheSameFolderAgain) {
   }
 }
 
+TEST_F(BagCommands, AnMcapFileThroughABagIsTheSameMcapFileAgain) {
+  const std::vector<std::string> with = {"--calib", camchain};
+  ASSERT_EQ(convert(bag("zstd.mcap"), path("one.mcap"), with).exit_code, 0);
+  ASSERT_EQ(convert(path("one.mcap"), path("x.bag"), with).exit_code, 0);
+  ASSERT_EQ(convert(path("x.bag"), path("two.mcap"), with).exit_code, 0);
+  EXPECT_EQ(read_text(path("one.mcap")), read_text(path("two.mcap")));
+}
+
+TEST_F(BagCommands, ConvertKnowsWhatEachFormatCanBeCompressedWith) {
+  const auto refused = [&](const char* out, const char* compression) {
+    const ProgramResult result =
+        convert(bag("zstd.mcap"), path(out), {"--calib", camchain, "--compression", compression});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_FALSE(fs::exists(path(out)));
+    return result.err;
+  };
+  EXPECT_THAT(refused("x.bag", "zstd"), HasSubstr("of a .bag file is lz4, bz2, none"));
+  EXPECT_THAT(refused("x.mcap", "bz2"), HasSubstr("of a .mcap file is zstd, lz4, none"));
+  EXPECT_THAT(refused("folder", "lz4"), HasSubstr("only FILE.mcap and FILE.bag have one"));
+}
+
 TEST_F(BagCommands, ConvertReplacesOnlyWithForceAndNeverItsInput) {
   const std::vector<std::string> with = {"--calib", camchain, "--imu", imu};
   ASSERT_EQ(convert(bag("lz4.mcap"), path("one"), with).exit_code, 0);
@@ -113,6 +134,9 @@ TEST_F(BagCommands, ConvertReplacesOnlyWithForceAndNeverItsInput) {
   EXPECT_EQ(convert(path("one"), path("mine.mcap")).exit_code, 1);
   EXPECT_EQ(read_text(path("mine.mcap")), "mine");
   EXPECT_EQ(convert(path("one"), path("mine.mcap"), {"--force", "--pixels", "raw"}).exit_code, 0);
+  const std::string list = (folder.path() / "one/mav0/imu0/data.csv").string(), samples = read_text(list);
+  EXPECT_EQ(convert(path("one"), list, {"--force"}).exit_code, 1) << "a part of the input";
+  EXPECT_EQ(read_text(list), samples);
   const auto before = read_text(path("mine.mcap"));
   const ProgramResult self = convert(path("mine.mcap"), path("mine.mcap"), {"--force", "--calib", camchain});
   EXPECT_EQ(self.exit_code, 1);

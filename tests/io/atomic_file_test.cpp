@@ -79,6 +79,19 @@ TEST(AtomicFile, RefusesWhatIsNoRegularFile) {
   EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
+TEST(AtomicFile, OverwritesOnlyWhatIsWritten) {
+  const TemporaryFolder folder;
+  const fs::path name = folder.path() / "out";
+  AtomicFile file(name);
+  file.write("head....body");
+  file.overwrite(4, "1234");
+  file.write(" and tail");
+  EXPECT_THROW(file.overwrite(18, "1234"), std::invalid_argument);
+  file.overwrite(17, "TAIL");
+  file.commit();
+  EXPECT_EQ(read_text(name), "head1234body and TAIL");
+}
+
 TEST(StagedFolder, PutsTheOlderFolderBackOrAwayAsAWhole) {
   const TemporaryFolder folder;
   const fs::path name = folder.path() / "mav0";

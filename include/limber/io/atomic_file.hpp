@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -43,14 +44,19 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::string_view content);  ///< appends; bytes as they are
-  void commit();                         ///< call once, last
+  /// Puts other bytes in the place of written ones, from byte `at` on.
+  /// @throws std::invalid_argument beyond what is written
+  void overwrite(std::uint64_t at, std::string_view content);
+  void commit();  ///< call once, last
 
  private:
   void flush();
+  void put(std::uint64_t at, std::string_view content);
 
   std::filesystem::path path_;
   std::optional<Temporary> temporary_;
-  std::string waiting_;  ///< not handed to the system yet
+  std::string waiting_;        ///< not handed to the system yet
+  std::uint64_t written_ = 0;  ///< [bytes] handed to it
 };
 
 /// Writes `content` to `path` in one go, see AtomicFile. The folder must exist.

@@ -3,6 +3,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <span>
+#include <string>
+#include <string_view>
 
 #include "limber/datasets/recording.hpp"
 
@@ -11,7 +14,23 @@ namespace limber {
 /// What becomes of an image on its way; empty: it stays as it is stored.
 using ImageChange = std::function<EncodedImage(EncodedImage, const std::string& place)>;
 
-/// @brief Writes a recording with images as an MCAP file: ROS 2 messages (CDR), indexed chunks of zstd.
+/// Files of messages that limber writes.
+enum class BagFormat {
+  kMcap,  ///< MCAP with ROS 2 messages (CDR)
+  kRos1   ///< ROS 1 bag, format 2.0
+};
+
+/// How the chunks of a format can be compressed, the default first.
+[[nodiscard]] std::span<const std::string_view> compressions_of(BagFormat format);
+
+/// A file of messages to write.
+struct BagOutput {
+  std::filesystem::path path;
+  BagFormat format = BagFormat::kMcap;
+  std::string compression;  ///< one of compressions_of(format); empty: the default
+};
+
+/// @brief Writes a recording with images as messages in indexed chunks.
 ///
 /// | topic | type |
 /// | --- | --- |
@@ -25,9 +44,9 @@ using ImageChange = std::function<EncodedImage(EncodedImage, const std::string& 
 /// @param progress  told the pairs done; may be empty
 /// @param stop      asked before every pair: true ends the work by std::runtime_error; may be empty
 /// @throws DataError if the file cannot be written
-/// @throws std::invalid_argument if the recording has no images, or times before 1970 or after 2038
-void write_mcap(const Recording& recording, const std::filesystem::path& path, const ImageChange& change = {},
-                const std::function<void(std::size_t)>& progress = {},
-                const std::function<bool()>& stop = {});
+/// @throws std::invalid_argument if the recording has no images, times before 1970 or after 2038 (2106 in
+///         ROS 1), or for a compression that the format has not
+void write_bag(const Recording& recording, const BagOutput& output, const ImageChange& change = {},
+               const std::function<void(std::size_t)>& progress = {}, const std::function<bool()>& stop = {});
 
 }  // namespace limber

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What goes into an MCAP file or an EuRoC folder comes out bit by bit.
-#include "limber/bags/write_mcap.hpp"
+// What goes into an MCAP file, a ROS 1 bag or an EuRoC folder comes out bit by bit.
+#include "limber/bags/write_bag.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -59,25 +59,53 @@ void expect_same(const Recording& a, const Recording& b) {
   }
 }
 
-TEST(McapRoundTrip, KeepsImuOdometryStampsAndImagesBitByBit) {
-  const TemporaryFolder folder;
-  const fs::path file = folder.path() / "x.mcap";
-  const Recording before = of_a_bag(fixture("ros1_bz2.bag"));
-  write_mcap(before, file);
-  EXPECT_EQ(files_in(folder.path()), std::vector<std::string>{"x.mcap"});
-  EXPECT_TRUE(scan_bag(*open_bag(file)).damages.empty());
-  const Recording after = of_a_bag(file,
-                                   "left=/cam0/image_raw,right=/cam1/image_raw/compressed,imu=/imu0,"
-                                   "odometry=/odometry,truth=/groundtruth");
-  expect_same(before, after);
-  for (std::size_t n = 0; n < before.images.size(); ++n) {
-    for (const std::size_t camera : {0u, 1u}) {
-      const EncodedImage a = before.image_store->load(camera, n), b = after.image_store->load(camera, n);
-      EXPECT_EQ(a.data, b.data);
-      EXPECT_EQ(a.encoding, b.encoding);
-      EXPECT_EQ(a.step, b.step);
+/// Every format and compression.
+std::vector<BagOutput> outputs(const fs::path& folder) {
+  std::vector<BagOutput> out;
+  for (const auto& [format, ending] : {std::pair{BagFormat::kMcap, ".mcap"}, {BagFormat::kRos1, ".bag"}}) {
+    for (const std::string_view compression : compressions_of(format)) {
+      out.push_back({folder / (std::string(compression) + ending), format, std::string(compression)});
     }
   }
+  return out;
+}
+
+TEST(BagRoundTrip, KeepsImuOdometryStampsAndImagesBitByBit) {
+  const TemporaryFolder folder;
+  const Recording before = of_a_bag(fixture("ros1_bz2.bag"));
+  for (const BagOutput& output : outputs(folder.path())) {
+    SCOPED_TRACE(output.path);
+    write_bag(before, output);
+    EXPECT_TRUE(scan_bag(*open_bag(output.path)).damages.empty());
+    const Recording after = of_a_bag(output.path,
+                                     "left=/cam0/image_raw,right=/cam1/image_raw/compressed,imu=/imu0,"
+                                     "odometry=/odometry,truth=/groundtruth");
+    expect_same(before, after);
+    for (std::size_t n = 0; n < before.images.size(); ++n) {
+      for (const std::size_t camera : {0u, 1u}) {
+        const EncodedImage a = before.image_store->load(camera, n), b = after.image_store->load(camera, n);
+        EXPECT_EQ(a.data, b.data);
+        EXPECT_EQ(a.encoding, b.encoding);
+        EXPECT_EQ(a.step, b.step);
+      }
+    }
+  }
+  EXPECT_EQ(files_in(folder.path()).size(), 6u);
+}
+
+TEST(WriteBag, CompressesAsItWasAsked) {
+  const TemporaryFolder folder;
+  const Recording recording = of_a_bag(fixture("ros1_none.bag"));
+  for (const BagOutput& output : outputs(folder.path())) {
+    write_bag(recording, output);
+  }
+  const auto size = [&](const char* name) { return fs::file_size(folder.path() / name); };
+  EXPECT_LT(size("lz4.bag"), size("none.bag"));
+  EXPECT_LT(size("bz2.bag"), size("lz4.bag"));
+  EXPECT_LT(size("zstd.mcap"), size("lz4.mcap"));
+  EXPECT_LT(size("lz4.mcap"), size("none.mcap"));
+  const BagOutput unknown{folder.path() / "x.bag", BagFormat::kRos1, "zstd"};
+  EXPECT_THROW(write_bag(recording, unknown), std::invalid_argument);
 }
 
 /// A PNG is made by nobody here: the pixels themselves, in a file that calls itself one.
@@ -124,7 +152,10 @@ TEST(StoppedWriting, LeavesNothingBehind) {
   const Recording recording = of_a_bag(fixture("zstd.mcap"));
   std::size_t asked = 0;
   const auto stop = [&asked] { return ++asked == 3; };
-  EXPECT_THROW(write_mcap(recording, folder.path() / "x.mcap", {}, {}, stop), std::runtime_error);
+  for (const BagOutput& output : outputs(folder.path())) {
+    asked = 0;
+    EXPECT_THROW(write_bag(recording, output, {}, {}, stop), std::runtime_error);
+  }
   asked = 0;
   EXPECT_THROW(write_euroc(recording, folder.path() / "x", not_really_png, false, {}, stop),
                std::runtime_error);
