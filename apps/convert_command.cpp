@@ -128,7 +128,7 @@ ImageChange change_of(const std::string& pixels) {
 /// What a format cannot say.
 void note_losses(const Recording& recording, bool bag) {
   if (bag) {
-    print_note("files of messages hold no calibration: keep it, --calib gives it to limber run");
+    print_note("a file of messages holds no calibration: keep it, --calib gives it to limber run");
   }
   const auto& offsets = recording.calibration.time_offset_s;
   if (!bag && (offsets[0] != 0.0 || offsets[1] != 0.0)) {

@@ -14,8 +14,9 @@ std::string to_bz2(const std::string& content) {
   constexpr int kBlock = 9, kQuiet = 0, kUsualEffort = 0;
   std::string out(content.size() + content.size() / 100 + 600, '\0');  // as bzlib's manual asks
   auto size = static_cast<unsigned>(out.size());
-  const int code = BZ2_bzBuffToBuffCompress(out.data(), &size, const_cast<char*>(content.data()),
-                                            static_cast<unsigned>(content.size()), kBlock, kQuiet, kUsualEffort);
+  const int code =
+      BZ2_bzBuffToBuffCompress(out.data(), &size, const_cast<char*>(content.data()),
+                               static_cast<unsigned>(content.size()), kBlock, kQuiet, kUsualEffort);
   if (code != BZ_OK) {
     throw std::runtime_error("bz2: error " + std::to_string(code));
   }
@@ -51,7 +52,10 @@ std::string to_zstd(const std::string& content) {
 }  // namespace
 
 std::string compress(std::string_view method, const std::string& content) {
-  return method == "bz2" ? to_bz2(content) : method == "lz4" ? to_lz4(content) : method == "zstd" ? to_zstd(content) : content;
+  return method == "bz2"    ? to_bz2(content)
+         : method == "lz4"  ? to_lz4(content)
+         : method == "zstd" ? to_zstd(content)
+                            : content;
 }
 
 }  // namespace limber::detail

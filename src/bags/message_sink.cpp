@@ -11,7 +11,8 @@
 namespace limber {
 
 std::span<const std::string_view> compressions_of(BagFormat format) {
-  static constexpr std::array<std::string_view, 3> kMcap = {"zstd", "lz4", "none"}, kRos1 = {"lz4", "bz2", "none"};
+  static constexpr std::array<std::string_view, 3> kMcap = {"zstd", "lz4", "none"},
+                                                   kRos1 = {"lz4", "bz2", "none"};
   return format == BagFormat::kMcap ? kMcap : kRos1;
 }
 

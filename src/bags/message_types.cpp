@@ -52,9 +52,10 @@ const Definition* find_definition(std::string_view name, Serialization serializa
   return found == kDefinitions.end() ? nullptr : found;
 }
 
-/// Types that a definition is made of, and what these are made of, each once, in the order of their appearance.
+/// Types that a definition is made of, and what these are made of, each once, in the order of their
+/// appearance.
 void collect_parts(const Definition& definition, Serialization serialization,
-             std::vector<const Definition*>& parts) {
+                   std::vector<const Definition*>& parts) {
   for (const std::string_view field : split(definition.fields, '\n')) {
     const std::string_view type = field.substr(0, field.find_first_of(" ["));
     const Definition* const part = find_definition(type, serialization);

@@ -11,7 +11,7 @@ namespace limber::detail {
 namespace {
 
 constexpr std::size_t kRos1ChunkSize = 768 * 1024;  // [bytes] rosbag's own
-constexpr std::size_t kBagHeaderSize = 4096;    // [bytes] header and padding of the first record
+constexpr std::size_t kBagHeaderSize = 4096;        // [bytes] header and padding of the first record
 
 /// "name=value" fields, each behind its length; the value as its bytes.
 class HeaderWriter {

@@ -27,8 +27,8 @@ class Ros1Writer final : public MessageSink {
 
  private:
   struct Chunk {
-    std::uint64_t at = 0;                          ///< byte of the record
-    std::int64_t first_ns = 0, last_ns = 0;        ///< of its messages
+    std::uint64_t at = 0;                           ///< byte of the record
+    std::int64_t first_ns = 0, last_ns = 0;         ///< of its messages
     std::map<std::uint16_t, std::uint32_t> counts;  ///< messages of each connection
   };
   using Entry = std::pair<std::uint64_t, std::uint32_t>;  ///< time as it is written, byte in the chunk
