@@ -249,7 +249,7 @@ void add_convert_command(CLI::App& app) {
       "\nIMU, stamps and images keep every bit; Bayer and YUV images become grey in an EuRoC folder.\n"
       "Ctrl-C leaves nothing behind.\n"
       "Example:\n  limber convert flight.bag --calib camchain.yaml --imu imu.yaml --out data/flight\n"
-      "  limber convert data/flight --out flight.mcap\n  limber convert data/flight --out flight.bag\n  "
+      "  limber convert data/flight --out flight.mcap\n  limber convert data/flight --out copy.bag\n  "
       "limber convert runs/v101/trajectory.csv --out "
       "v101.tum");
   command->callback([arguments] { convert(*arguments); });

@@ -34,9 +34,10 @@ void require_regular(const fs::path& file) {
   }
 }
 
-[[noreturn]] void refuse(const fs::path& file) {
-  throw DataError(file.string(), 0, "no file of this name, or one that limber wrote",
-                  "another one; --force replaces it");
+[[noreturn]] void refuse(const fs::path& file, bool has_mark = true) {
+  throw DataError(file.string(), 0,
+                  has_mark ? "no file of this name, or one that limber wrote" : "no file of this name",
+                  has_mark ? "another one; --force replaces it" : "one; --force replaces it");
 }
 
 /// A file of this name, if it exists, lies within the folder, seen through links.
@@ -64,7 +65,7 @@ void require_replaceable(const fs::path& file, std::string_view mark, bool force
     }
   }
   if (!own && !force) {
-    refuse(file);
+    refuse(file, mark != kNoMark);
   }
 }
 
