@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What can be said of a calibration without a filter: depth, mistakes, clocks.
+// What can be said of a calibration without a filter: depth and mistakes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 
 #include "limber/diagnose/calibration_mistakes.hpp"
 #include "limber/diagnose/depth_effect.hpp"
-#include "limber/diagnose/time_offset.hpp"
 #include "run/short_recording.hpp"
 
 namespace limber {
@@ -109,55 +108,6 @@ TEST(CalibrationMistakes, NameAWrongResolution) {
   twice.cam1.height *= 2;
   EXPECT_THAT(calibration_mistakes(twice, recording.frames),
               ::testing::Contains(HasSubstr("no point of cam1 lies beyond")));
-}
-
-/// Right pixels as they will be `tau` seconds later, along the line to the next frame.
-std::vector<StereoFrame> with_late_cam1(const Recording& recording, double tau) {
-  std::vector<StereoFrame> out = recording.frames;
-  for (std::size_t n = 0; n + 1 < out.size(); ++n) {
-    const double share = tau / (1e-9 * static_cast<double>(out[n + 1].t_ns - out[n].t_ns));
-    for (StereoObservation& o : out[n].observations) {
-      for (const StereoObservation& next : recording.frames[n + 1].observations) {
-        if (next.track_id == o.track_id && next.in_cam1 && o.in_cam1) {
-          o.uv_cam1 += share * (next.uv_cam1 - o.uv_cam1);
-        }
-      }
-    }
-  }
-  return out;
-}
-
-TEST(TimeOffset, OfCam1IsFoundBesideAWrongCalibration) {
-  Scenario scenario = testing::short_scenario();  // decalibrated
-  scenario.duration = 8.0;
-  const Recording recording = simulate(scenario, 1);
-  const TimeOffset none = cam1_time_offset(recording.calibration, recording.frames).value();
-  EXPECT_LT(std::abs(none.seconds), 4.0 * none.sigma);
-  const TimeOffset late = cam1_time_offset(recording.calibration, with_late_cam1(recording, 0.01)).value();
-  EXPECT_NEAR(late.seconds, 0.01, 4.0 * late.sigma);
-  EXPECT_LT(late.sigma, 0.003);
-}
-
-TEST(TimeOffset, OfTheCamerasIsFoundAgainstTheGyro) {
-  Scenario scenario = testing::short_scenario();
-  scenario.duration = 8.0;
-  scenario.decalibration.clear();
-  Recording recording = simulate(scenario, 1);
-  recording.calibration.body = BodyFrame::kImu;  // the simulated body is cam0
-  const TimeOffset none = camera_time_offset(recording.calibration, recording.frames, recording.imu).value();
-  EXPECT_LT(std::abs(none.seconds), 4.0 * none.sigma);
-  for (ImuSample& sample : recording.imu) {
-    sample.t_ns +=
-        20'000'000;  // so the cameras seem early by nothing, the IMU late: motion is at stamp + 20 ms
-  }
-  const TimeOffset late = camera_time_offset(recording.calibration, recording.frames, recording.imu).value();
-  EXPECT_NEAR(late.seconds - none.seconds, 0.02, 4.0 * late.sigma);
-}
-
-TEST(TimeOffset, IsUnknownWithoutMotionOrPoints) {
-  const Recording recording = sound_recording();
-  EXPECT_FALSE(cam1_time_offset(recording.calibration, std::vector<StereoFrame>(2)));
-  EXPECT_FALSE(camera_time_offset(recording.calibration, recording.frames, {}));
 }
 
 }  // namespace

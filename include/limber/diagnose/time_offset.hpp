@@ -27,9 +27,11 @@ struct TimeOffset {
 [[nodiscard]] std::optional<TimeOffset> cam1_time_offset(const StereoCalibration& calibration,
                                                          std::span<const StereoFrame> frames);
 
-/// @brief Of the cameras against the IMU: rotation from one frame to the next by stereo points, against the
-/// gyro's mean rate over the same time, moved by tau; with a constant gyro bias.
-/// @return nothing unless the body is the IMU and 50 pairs of frames tell
+/// @brief Of the cameras against the IMU: how the left camera alone turned in a fifth of a second (two views,
+/// depths eliminated: errors of depth would look like turns), against the gyro over the same time, moved by
+/// tau; with a constant gyro bias. The gyro's slope before and behind is the instrument of its slope between.
+/// sigma is the jackknife's over seconds of the recording.
+/// @return nothing unless the body is the IMU and 50 pairs of frames in ten seconds tell
 [[nodiscard]] std::optional<TimeOffset> camera_time_offset(const StereoCalibration& calibration,
                                                            std::span<const StereoFrame> frames,
                                                            std::span<const ImuSample> imu);

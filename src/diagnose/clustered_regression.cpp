@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "diagnose/clustered_regression.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "limber/core/median.hpp"
+
+namespace limber::detail {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kHuber = 2.0;  // robust standard deviations
+constexpr double kMadToSigma = 1.4826;
+constexpr int kReweightings = 5;
+
+/// Sums of Z Aᵀ and Z times the residual.
+struct Sums {
+  MatrixXd A;
+  VectorXd b;
+  explicit Sums(Eigen::Index n) : A(MatrixXd::Zero(n, n)), b(VectorXd::Zero(n)) {}
+};
+
+struct WeightedSums {
+  Sums all;
+  std::map<std::int64_t, Sums> of_cluster;
+};
+
+double robust_sigma(std::vector<double> residuals) {
+  for (double& r : residuals) {
+    r = std::abs(r);
+  }
+  return kMadToSigma * upper_median(std::move(residuals));
+}
+
+/// The equations of a change of x, with the weights that x gives.
+WeightedSums weighted_sums(const ClusteredRows& rows, const VectorXd& x) {
+  std::vector<double> residuals;
+  residuals.reserve(rows.y.size());
+  for (std::size_t k = 0; k < rows.y.size(); ++k) {
+    residuals.push_back(rows.y[k] - rows.A[k].dot(x));
+  }
+  const double limit = kHuber * robust_sigma(residuals);
+  WeightedSums out{Sums(x.size()), {}};
+  for (std::size_t k = 0; k < rows.y.size(); ++k) {
+    const double size = std::abs(residuals[k]);
+    const double weight = size <= limit || size == 0.0 ? 1.0 : limit / size;
+    Sums& sums = out.of_cluster.try_emplace(rows.cluster[k], x.size()).first->second;
+    sums.A += weight * rows.Z[k] * rows.A[k].transpose();
+    sums.b += weight * residuals[k] * rows.Z[k];
+  }
+  for (const auto& [cluster, sums] : out.of_cluster) {
+    out.all.A += sums.A;
+    out.all.b += sums.b;
+  }
+  return out;
+}
+
+std::optional<VectorXd> step(const MatrixXd& A, const VectorXd& b) {
+  const Eigen::FullPivLU<MatrixXd> factor(A);
+  return factor.isInvertible() ? std::optional<VectorXd>(factor.solve(b)) : std::nullopt;
+}
+
+/// Standard deviation of the last of x, by leaving out each cluster in turn.
+std::optional<double> jackknife(const WeightedSums& sums) {
+  std::vector<double> last;
+  double mean = 0.0;
+  for (const auto& [cluster, part] : sums.of_cluster) {
+    const auto without = step(sums.all.A - part.A, sums.all.b - part.b);
+    if (!without) {
+      return std::nullopt;
+    }
+    last.push_back((*without)(without->size() - 1));
+    mean += last.back() / static_cast<double>(sums.of_cluster.size());
+  }
+  double squares = 0.0;
+  for (const double value : last) {
+    squares += (value - mean) * (value - mean);
+  }
+  const auto n = static_cast<double>(last.size());
+  return std::sqrt(squares * (n - 1.0) / n);
+}
+
+}  // namespace
+
+std::optional<ClusteredSolution> solve(const ClusteredRows& rows) {
+  VectorXd x = VectorXd::Zero(rows.A.front().size());
+  for (int i = 0; i < kReweightings; ++i) {
+    const WeightedSums sums = weighted_sums(rows, x);
+    const auto change = step(sums.all.A, sums.all.b);
+    if (!change) {
+      return std::nullopt;
+    }
+    x += *change;
+  }
+  const auto sigma = jackknife(weighted_sums(rows, x));
+  return sigma ? std::optional(ClusteredSolution{x, *sigma}) : std::nullopt;
+}
+
+}  // namespace limber::detail

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace limber::detail {
+
+/// Rows of y = A x + noise; rows of one cluster share their noise. Z are the instruments: the same as A, but
+/// where A is measured with noise, something that goes with it and has noise of its own. Without them noise
+/// in A would make x too small.
+struct ClusteredRows {
+  std::vector<Eigen::VectorXd> A, Z;
+  std::vector<double> y;
+  std::vector<std::int64_t> cluster;
+};
+
+struct ClusteredSolution {
+  Eigen::VectorXd x;
+  double sigma_of_last = 0.0;  ///< standard deviation of the last of x
+};
+
+/// @brief Instrumental variables with Huber weights. The standard deviation is the jackknife's: how the
+/// solution changes as each cluster in turn is left out. It sees the clusters that alone decide, which a
+/// sandwich covariance does not.
+/// @param rows  not empty
+/// @return nothing where x is not determined, or rests on one cluster
+[[nodiscard]] std::optional<ClusteredSolution> solve(const ClusteredRows& rows);
+
+}  // namespace limber::detail

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+#include "diagnose/left_turn.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
+#include <unordered_map>
+#include <vector>
+
+#include "diagnose/epipolar_error.hpp"
+#include "limber/core/so3.hpp"
+#include "limber/measure/triangulate.hpp"
+
+namespace limber::detail {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr std::size_t kFewestPoints = 10;
+constexpr int kIterations = 15;
+constexpr double kConverged = 1e-7;
+constexpr double kPixel = 0.5;       // standard deviation of a pixel [px]
+constexpr double kDisparity = 50.0;  // of what stereo says of a point's depth [px]: an error of the rig must fit in
+constexpr double kHuber = 2.0;       // standard deviations
+
+/// One point in both frames, z = 1.
+struct Pair {
+  Vector3d from;
+  Vector2d to;
+  double by_stereo = 0.0, inverse_depth = 0.0;  ///< along `from` [1/m]
+};
+
+std::vector<Pair> pairs_of(const StereoCalibration& calibration, const StereoFrame& from,
+                           const StereoFrame& to) {
+  const Pose T_cam1_cam0 = pose_from_rig(calibration.theta);
+  std::unordered_map<std::int64_t, StereoBearings> first;
+  for (const StereoObservation& o : from.observations) {
+    if (const auto pair = bearings(calibration, o)) {
+      first[o.track_id] = *pair;
+    }
+  }
+  std::vector<Pair> out;
+  for (const StereoObservation& o : to.observations) {
+    const auto it = first.find(o.track_id);
+    if (it == first.end() || !o.in_cam0) {
+      continue;
+    }
+    const auto d = unproject(calibration.cam0, o.uv_cam0);
+    const auto& [cam0, cam1] = it->second;
+    const auto rho = inverse_depth_along(cam0, cam1.normalized(), T_cam1_cam0);
+    if (d && d->z() > 0.0 && rho) {
+      out.push_back({cam0, (*d / d->z()).head<2>(), *rho, *rho});
+    }
+  }
+  return out;
+}
+
+/// X_to = R X_from + t, in cam0.
+struct Motion {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Vector3d t = Vector3d::Zero();
+};
+
+/// One point's part in a Gauss-Newton step of (R, t, its depth).
+struct Linearized {
+  Eigen::Matrix<double, 2, 6> J;
+  Vector2d J_depth, residual;
+};
+
+std::optional<Linearized> linearize(const Motion& motion, const Pair& p) {
+  const Vector3d X = motion.R * p.from + p.inverse_depth * motion.t;
+  if (!(X.z() > 0.0)) {
+    return std::nullopt;
+  }
+  Eigen::Matrix<double, 2, 3> D;
+  D << 1.0 / X.z(), 0.0, -X.x() / (X.z() * X.z()), 0.0, 1.0 / X.z(), -X.y() / (X.z() * X.z());
+  Linearized out;
+  out.J << -D * motion.R * skew(p.from), p.inverse_depth * D;
+  out.J_depth = D * motion.t;
+  out.residual = p.to - X.head<2>() / X.z();
+  return out;
+}
+
+/// What is known beforehand, as standard deviations.
+struct Known {
+  double pixel, inverse_depth;
+};
+
+/// Moves the motion and the depths by a Gauss-Newton step; its length, or nothing where it fails.
+std::optional<double> improve(Motion& motion, std::vector<Pair>& pairs, const Known& known) {
+  Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
+  const double noise = 2.0 * known.pixel * known.pixel;
+  const double prior = known.inverse_depth * known.inverse_depth;
+  for (const Pair& p : pairs) {
+    const auto part = linearize(motion, p);
+    if (!part) {
+      continue;
+    }
+    // The depth is eliminated: what it may be wrong by is noise along the epipolar line.
+    const Vector2d residual = part->residual + part->J_depth * (p.inverse_depth - p.by_stereo);
+    const Eigen::Matrix2d variance =
+        noise * Eigen::Matrix2d::Identity() + prior * part->J_depth * part->J_depth.transpose();
+    const Eigen::Matrix2d information = variance.inverse();
+    const double size = std::sqrt(residual.dot(information * residual));
+    const double weight = size <= kHuber ? 1.0 : kHuber / size;
+    A += weight * part->J.transpose() * information * part->J;
+    b += weight * part->J.transpose() * information * residual;
+  }
+  const Eigen::Matrix<double, 6, 1> step = A.ldlt().solve(b);
+  if (!step.allFinite()) {
+    return std::nullopt;
+  }
+  for (Pair& p : pairs) {
+    if (const auto part = linearize(motion, p)) {
+      const double along = part->J_depth.dot(part->residual - part->J * step);
+      p.inverse_depth += (along / noise + (p.by_stereo - p.inverse_depth) / prior) /
+                         (part->J_depth.squaredNorm() / noise + 1.0 / prior);
+    }
+  }
+  motion.R = so3_normalized(motion.R * so3_exp(step.head<3>()));
+  motion.t += step.tail<3>();
+  return step.norm();
+}
+
+}  // namespace
+
+std::optional<Vector3d> left_turn(const StereoCalibration& calibration, const StereoFrame& from,
+                                  const StereoFrame& to) {
+  std::vector<Pair> pairs = pairs_of(calibration, from, to);
+  if (pairs.size() < kFewestPoints) {
+    return std::nullopt;
+  }
+  const double focal = calibration.cam0.fu;
+  const Known known{kPixel / focal, kDisparity / (focal * calibration.theta.tail<3>().norm())};
+  Motion motion;
+  for (int i = 0; i < kIterations; ++i) {
+    const auto step = improve(motion, pairs, known);
+    if (!step) {
+      return std::nullopt;
+    }
+    if (*step < kConverged) {
+      break;
+    }
+  }
+  return Vector3d(calibration.T_body_cam0.R * so3_log(motion.R.transpose()));
+}
+
+}  // namespace limber::detail
