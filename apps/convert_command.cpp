@@ -13,11 +13,13 @@
 #include "interrupt.hpp"
 #include "limber/bags/bag_topics.hpp"
 #include "limber/bags/write_bag.hpp"
+#include "limber/bags/write_results.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/nearest_word.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/datasets/trajectory_files.hpp"
 #include "limber/datasets/write_euroc.hpp"
+#include "limber/run_files/run_results.hpp"
 #include "messages.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
@@ -137,8 +139,7 @@ void note_losses(const Recording& recording, bool bag) {
   }
 }
 
-void convert_recording(const ConvertArguments& arguments) {
-  const std::optional<BagOutput> bag = bag_output_of(arguments);
+void convert_recording(const ConvertArguments& arguments, const std::optional<BagOutput>& bag) {
   const Interrupt interrupt;
   const Recording recording = open_recording(arguments.recording);
   for (const std::string& note : recording.notes) {
@@ -190,6 +191,17 @@ std::vector<StampedPose> poses_of_bag(const ConvertArguments& arguments) {
                   topics.truth.empty() ? "none that is named like one" : "no poses on " + topics.truth);
 }
 
+std::vector<TrajectoryRow> rows_of(const TrajectoryInput& input) {
+  std::vector<TrajectoryRow> rows;
+  for (const StampedPose& pose : input.poses) {
+    rows.push_back({pose.t_ns, pose.T_world_body, {}, {}, {}, {}});
+    if (!input.covariances.empty() && input.covariances[rows.size() - 1].allFinite()) {
+      rows.back().covariance = input.covariances[rows.size() - 1];
+    }
+  }
+  return rows;
+}
+
 void convert_trajectory(const ConvertArguments& arguments) {
   const bool bag = is_bag(arguments.recording.dataset);
   const TrajectoryInput input =
@@ -203,22 +215,39 @@ void convert_trajectory(const ConvertArguments& arguments) {
   if (ending == ".kitti") {
     write_kitti_poses(arguments.out, input.poses);
   } else if (ending == ".csv") {
-    std::vector<TrajectoryRow> rows;
-    for (const StampedPose& pose : input.poses) {
-      rows.push_back({pose.t_ns, pose.T_world_body, {}, {}, {}, {}});
-      if (!input.covariances.empty() && input.covariances[rows.size() - 1].allFinite()) {
-        rows.back().covariance = input.covariances[rows.size() - 1];
-      }
-    }
-    write_trajectory_csv(arguments.out, rows);
+    write_trajectory_csv(arguments.out, rows_of(input));
   } else {
     write_tum(arguments.out, input.poses);
   }
 }
 
+/// Nothing: what is converted is no run and no trajectory file.
+std::optional<RunResults> results_of(const fs::path& path) {
+  if (is_run_folder(path)) {
+    return read_run_results(path);
+  }
+  if (!fs::is_regular_file(path) || !is_trajectory(path)) {
+    return std::nullopt;
+  }
+  const TrajectoryInput input = load_trajectory(path);
+  if (!input.has_time) {
+    throw std::runtime_error(path.string() + " has no times, which messages need");
+  }
+  return RunResults{rows_of(input), {}, {}, {}};
+}
+
 void convert(const ConvertArguments& arguments) {
   require_free(arguments);
-  is_trajectory(arguments.out) ? convert_trajectory(arguments) : convert_recording(arguments);
+  const std::optional<BagOutput> bag = bag_output_of(arguments);
+  const std::optional<RunResults> results = bag ? results_of(arguments.recording.dataset) : std::nullopt;
+  if (results) {
+    const Uninterrupted until_written;
+    write_results(*results, *bag);
+  } else if (is_trajectory(arguments.out)) {
+    convert_trajectory(arguments);
+  } else {
+    convert_recording(arguments, bag);
+  }
   fmt::print("{}\n", arguments.out.string());
 }
 
@@ -226,7 +255,8 @@ void convert(const ConvertArguments& arguments) {
 
 void add_convert_command(CLI::App& app) {
   auto arguments = std::make_shared<ConvertArguments>();
-  CLI::App* command = app.add_subcommand("convert", "Turn recordings and trajectories into other formats");
+  CLI::App* command =
+      app.add_subcommand("convert", "Turn recordings, trajectories and results into other formats");
   add_input_options(*command, arguments->recording);
   command
       ->add_option(
@@ -247,11 +277,14 @@ void add_convert_command(CLI::App& app) {
   command->add_flag("--force", arguments->force, "Replace an older result");
   command->footer(
       "\nIMU, stamps and images keep every bit; Bayer and YUV images become grey in an EuRoC folder.\n"
+      "Of a run's folder a file of messages gets odometry, tf, path, map and diagnostics, of a trajectory "
+      "the "
+      "first three.\n"
       "Ctrl-C leaves nothing behind.\n"
       "Example:\n  limber convert flight.bag --calib camchain.yaml --imu imu.yaml --out data/flight\n"
       "  limber convert data/flight --out flight.mcap\n  limber convert data/flight --out copy.bag\n  "
       "limber convert runs/v101/trajectory.csv --out "
-      "v101.tum");
+      "v101.tum\n  limber convert runs/v101 --out v101.mcap");
   command->callback([arguments] { convert(*arguments); });
 }
 

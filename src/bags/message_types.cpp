@@ -20,15 +20,35 @@ constexpr Definition kRos1Header{"std_msgs/Header", "uint32 seq\ntime stamp\nstr
 constexpr Definition kRos2Header{"std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id\n"};
 
 constexpr std::array kDefinitions = {
+    Definition{"diagnostic_msgs/DiagnosticArray",
+               "std_msgs/Header header\ndiagnostic_msgs/DiagnosticStatus[] status\n"},
+    Definition{"diagnostic_msgs/DiagnosticStatus",
+               "byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\nstring name\nstring message\n"
+               "string hardware_id\ndiagnostic_msgs/KeyValue[] values\n"},
+    Definition{"diagnostic_msgs/KeyValue", "string key\nstring value\n"},
     Definition{"geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n"},
     Definition{"geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n"},
     Definition{"geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"},
     Definition{"geometry_msgs/Pose",
                "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n"},
+    Definition{"geometry_msgs/PoseStamped", "std_msgs/Header header\ngeometry_msgs/Pose pose\n"},
     Definition{"geometry_msgs/PoseWithCovariance", "geometry_msgs/Pose pose\nfloat64[36] covariance\n"},
+    Definition{"geometry_msgs/Transform",
+               "geometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n"},
+    Definition{"geometry_msgs/TransformStamped",
+               "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/Transform transform\n"},
     Definition{"geometry_msgs/Twist", "geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular\n"},
     Definition{"geometry_msgs/TwistWithCovariance", "geometry_msgs/Twist twist\nfloat64[36] covariance\n"},
     Definition{"geometry_msgs/TwistStamped", "std_msgs/Header header\ngeometry_msgs/Twist twist\n"},
+    Definition{"geometry_msgs/Vector3Stamped", "std_msgs/Header header\ngeometry_msgs/Vector3 vector\n"},
+    Definition{"nav_msgs/Path", "std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n"},
+    Definition{"tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms\n"},
+    Definition{"sensor_msgs/PointField",
+               "uint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 UINT16=4\nuint8 INT32=5\nuint8 UINT32=6\n"
+               "uint8 FLOAT32=7\nuint8 FLOAT64=8\nstring name\nuint32 offset\nuint8 datatype\nuint32 count\n"},
+    Definition{"sensor_msgs/PointCloud2",
+               "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\n"
+               "bool is_bigendian\nuint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n"},
     Definition{"nav_msgs/Odometry",
                "std_msgs/Header header\nstring child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n"
                "geometry_msgs/TwistWithCovariance twist\n"},

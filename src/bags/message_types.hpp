@@ -21,6 +21,14 @@ inline constexpr MessageType kCompressedImage{"sensor_msgs/CompressedImage",
 inline constexpr MessageType kImu{"sensor_msgs/Imu", "6a62c6daae103f4ff57a132d6f95cec2"};
 inline constexpr MessageType kTwistStamped{"geometry_msgs/TwistStamped", "98d34b0043a2093cf9d9345ab6eef12e"};
 inline constexpr MessageType kOdometry{"nav_msgs/Odometry", "cd5e73d190d741a2f92e81eda573aca7"};
+inline constexpr MessageType kPoseStamped{"geometry_msgs/PoseStamped", "d3812c3cbc69362b77dc0b19b345f8f5"};
+inline constexpr MessageType kVector3Stamped{"geometry_msgs/Vector3Stamped",
+                                             "7b324c7325e683bf02a9b14b01090ec7"};
+inline constexpr MessageType kPath{"nav_msgs/Path", "6227e2b7e9cce15051f669a5e197bbf7"};
+inline constexpr MessageType kPointCloud2{"sensor_msgs/PointCloud2", "1158d486dd51d683ce2f1be655c3c181"};
+inline constexpr MessageType kTfMessage{"tf2_msgs/TFMessage", "94810edda583a504dfda3829e70d7eec"};
+inline constexpr MessageType kDiagnosticArray{"diagnostic_msgs/DiagnosticArray",
+                                              "60810da900de1dd6ddd437c3503511da"};
 }  // namespace types
 
 /// @brief The text of a message definition with all that it is made of, without comments.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "limber/run_files/frames_file.hpp"
 
+#include <array>
+#include <string>
+
 #include "io/text_file.hpp"
 
 namespace limber {
@@ -14,7 +17,45 @@ std::size_t count(const detail::TableReader& table, std::size_t column) {
   return static_cast<std::size_t>(value);
 }
 
+/// The one of `values` whose text stands in a column.
+template <typename Enumerator, std::size_t n>
+Enumerator one_of(const std::array<Enumerator, n>& values, const detail::TableReader& table,
+                  std::size_t column) {
+  std::string expected;
+  for (const Enumerator value : values) {
+    if (table.field(column) == to_string(value)) {
+      return value;
+    }
+    expected += (expected.empty() ? "" : ", ") + to_string(value);
+  }
+  table.fail("one of " + expected, std::string(table.field(column)));
+}
+
+constexpr std::array kUpdates = {UpdateStatus::kUpdated, UpdateStatus::kEmpty,
+                                 UpdateStatus::kSingularInnovation};
+constexpr std::array kInputs = {InputStatus::kNotNeeded, InputStatus::kSound,        InputStatus::kFaulty,
+                                InputStatus::kGap,       InputStatus::kContradicted, InputStatus::kNone};
+
 }  // namespace
+
+FrameRow frame_row(const FrameReport& report) {
+  FrameRow row;
+  row.t_ns = report.t_ns;
+  row.observed = report.observed;
+  row.used = report.used;
+  row.initialized = report.initialized;
+  row.removed = report.removed;
+  row.refused = report.refused.size();
+  row.gate_overruled = report.gate_overruled;
+  row.nis = report.nis;
+  row.dof = static_cast<std::size_t>(report.dof);
+  row.rank = static_cast<std::size_t>(report.rank);
+  row.status = report.status;
+  row.inputs = report.inputs.status;
+  row.gap_s = report.inputs.gap_s;
+  row.reset = report.reset;
+  return row;
+}
 
 std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
   detail::TableReader table(
@@ -35,6 +76,10 @@ std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
     row.nis = table.number(7);
     row.dof = count(table, 8);
     row.rank = count(table, 9);
+    row.status = one_of(kUpdates, table, 10);
+    row.inputs = one_of(kInputs, table, 11);
+    row.gap_s = table.number(12);
+    row.reset = count(table, 14) != 0;
     row.filter_ms = table.number(15);
     row.source_ms = table.number(16);
     rows.push_back(row);

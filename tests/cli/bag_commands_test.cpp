@@ -6,6 +6,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "limber/datasets/track_log.hpp"
+#include "run/short_recording.hpp"
 #include "run_program.hpp"
 #include "source_folder.hpp"
 
@@ -154,6 +156,46 @@ TEST_F(BagCommands, PosesOfABagBecomeATrajectoryFile) {
   const ProgramResult no_times = convert(path("t.kitti"), path("t.txt"));
   EXPECT_EQ(no_times.exit_code, 1);
   EXPECT_THAT(no_times.err, HasSubstr("has no times"));
+}
+
+TEST_F(BagCommands, ATrajectoryBecomesMessagesAndATrajectoryAgain) {
+  ASSERT_EQ(convert(bag("ros2.db3"), path("t.tum")).exit_code, 0);
+  for (const char* name : {"t.bag", "t.mcap"}) {
+    ASSERT_EQ(convert(path("t.tum"), path(name)).exit_code, 0);
+    const ProgramResult back =
+        convert(path(name), path("back.tum"), {"--topics", "truth=/limber/odometry", "--force"});
+    ASSERT_EQ(back.exit_code, 0) << back.err;
+    EXPECT_EQ(read_text(path("back.tum")), read_text(path("t.tum")));
+  }
+  ASSERT_EQ(convert(path("t.tum"), path("t.kitti")).exit_code, 0);
+  const ProgramResult no_times = convert(path("t.kitti"), path("k.bag"));
+  EXPECT_EQ(no_times.exit_code, 1);
+  EXPECT_THAT(no_times.err, HasSubstr("has no times"));
+  EXPECT_FALSE(fs::exists(path("k.bag")));
+}
+
+TEST_F(BagCommands, ARunBecomesMessagesThatFoxgloveAndRvizShow) {
+  write_track_log(testing::short_recording(), folder.path() / "log");
+  const ProgramResult run = run_limber({"run", path("log"), "--init", "groundtruth", "--out", path("run")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const ProgramResult out = convert(path("run"), path("run.mcap"));
+  ASSERT_EQ(out.exit_code, 0) << out.err;
+  const auto json = nlohmann::json::parse(run_limber({"info", path("run.mcap"), "--json"}).out);
+  std::map<std::string, int> messages;
+  for (const auto& stream : json["streams"]) {
+    messages[stream["name"]] = stream["messages"];
+  }
+  EXPECT_EQ(messages["/tf"], 41);
+  EXPECT_EQ(messages["/limber/odometry"], 41);
+  EXPECT_EQ(messages["/groundtruth"], 41);
+  EXPECT_EQ(messages["/limber/path"] + messages["/groundtruth/path"] + messages["/limber/map"], 3);
+  EXPECT_GE(messages["/diagnostics"], 41);
+  const std::string before = read_text(path("run.mcap"));
+  fs::remove(folder.path() / "run/landmarks.ply");
+  const ProgramResult missing = convert(path("run"), path("run.mcap"), {"--force"});
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_THAT(missing.err, HasSubstr("landmarks.ply"));
+  EXPECT_EQ(read_text(path("run.mcap")), before);
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ try:
     import roslib.message
     import rosbag
 except ImportError as missing:
-    print(f"skipped: needs Debian's python3-rosbag, python3-sensor-msgs, python3-nav-msgs: {missing}")
+    print(f"skipped: needs Debian's python3-rosbag, python3-sensor-msgs, python3-nav-msgs, "
+          f"python3-tf2-msgs, python3-diagnostic-msgs: {missing}")
     sys.exit(0)
 
 LIMBER, FIXTURES = sys.argv[1], Path(sys.argv[2])
@@ -68,6 +69,32 @@ def check_recording(folder):
     assert len(sizes) == 3, "each compression has its own size"
 
 
+def check_results(folder):
+    """Results of a run of three seconds."""
+    scenario = folder / "scenario.yaml"
+    scenario.write_text("duration: 3\nworld: {points: 60}\n")
+    for command in (["simulate", scenario, "--out", folder / "log"],
+                    ["run", folder / "log", "--init", "groundtruth", "--out", folder / "run"]):
+        subprocess.run([LIMBER, *map(str, command)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    path = convert(folder / "run", folder / "run.bag")
+    seen = check_messages(path)
+    lines = (folder / "run/trajectory.tum").read_text().splitlines()
+    poses = [list(map(float, line.split())) for line in lines if not line.startswith("#")]
+    assert seen["/tf"] == seen["/limber/odometry"] == len(poses), seen
+    with rosbag.Bag(path) as bag:
+        for (_, odometry, _), (_, tf, _), pose in zip(bag.read_messages("/limber/odometry"), bag.read_messages("/tf"), poses):
+            p, q = odometry.pose.pose.position, odometry.pose.pose.orientation
+            assert abs(odometry.header.stamp.to_sec() - pose[0]) < 1e-6
+            assert all(abs(a - b) < 1e-9 for a, b in zip((p.x, p.y, p.z, q.x, q.y, q.z, q.w), pose[1:]))
+            assert tf.transforms[0].transform.translation.x == p.x and tf.transforms[0].child_frame_id == "body"
+            assert odometry.pose.covariance[0] > 0 and odometry.pose.covariance[35] > 0
+        levels = [status.level for _, array, _ in bag.read_messages("/diagnostics") for status in array.status]
+        assert set(levels) <= {0, 1, 2, 3} and len(levels) >= len(poses)
+        latched = {c.topic for c in bag._get_connections() if c.header.get("latching") in ("1", b"1")}
+        assert latched == {"/limber/path", "/groundtruth/path", "/limber/map"}, latched
+
+
 with tempfile.TemporaryDirectory() as name:
     check_recording(Path(name))
+    check_results(Path(name))
 print("passed")

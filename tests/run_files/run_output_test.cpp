@@ -231,6 +231,10 @@ TEST(ReadFramesCsv, GivesBackWhatWasWritten) {
     EXPECT_EQ(rows[k].refused, frame.refused.size());
     EXPECT_EQ(rows[k].nis, frame.nis);
     EXPECT_EQ(static_cast<Eigen::Index>(rows[k].dof), frame.dof);
+    EXPECT_EQ(rows[k].status, frame.status);
+    EXPECT_EQ(rows[k].inputs, frame.inputs.status);
+    EXPECT_NEAR(rows[k].gap_s, frame.inputs.gap_s, 1e-6);
+    EXPECT_EQ(rows[k].reset, frame.reset);
     EXPECT_NEAR(rows[k].filter_ms, run.record.frame_ms[k], 1e-3);
   }
 }
@@ -243,6 +247,10 @@ TEST(ReadFramesCsv, NamesTheLineThatIsWrong) {
   const DataError error = testing::data_error_of([&] { (void)read_frames_csv(file); });
   EXPECT_EQ(error.line(), 3u);
   EXPECT_THAT(error.what(), ::testing::HasSubstr("a count"));
+  testing::write_text(file, "#head\n0,1,1,0,0,0,0,1.5,4,0,updated,sund,0,0,0,0.1,0.1\n");
+  const DataError status = testing::data_error_of([&] { (void)read_frames_csv(file); });
+  EXPECT_EQ(status.line(), 2u);
+  EXPECT_THAT(status.what(), ::testing::HasSubstr("not needed, sound, faulty, gap, contradicted, none"));
 }
 
 TEST(WriteRunOutput, GivesEveryRowOfATableAsManyCellsAsItsHeader) {

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "limber/navigate/frame_report.hpp"
+
 namespace limber {
 
 /// One line of a run's frames.csv.
@@ -13,11 +15,18 @@ struct FrameRow {
   std::int64_t t_ns = 0;
   std::size_t observed = 0, used = 0, initialized = 0, removed = 0, refused = 0;  ///< points
   bool gate_overruled = false;
-  double nis = 0.0;                         ///< of the rows that entered [-]
-  std::size_t dof = 0;                      ///< of nis
-  std::size_t rank = 0;                     ///< constrained directions
+  double nis = 0.0;      ///< of the rows that entered [-]
+  std::size_t dof = 0;   ///< of nis
+  std::size_t rank = 0;  ///< constrained directions
+  UpdateStatus status = UpdateStatus::kEmpty;
+  InputStatus inputs = InputStatus::kNotNeeded;
+  double gap_s = 0.0;                       ///< longest gap of the inputs
+  bool reset = false;                       ///< the filter had broken down
   double filter_ms = 0.0, source_ms = 0.0;  ///< time spent [ms]
 };
+
+/// What frames.csv says of a frame, but for the times spent.
+[[nodiscard]] FrameRow frame_row(const FrameReport& report);
 
 /// @throws DataError if the file cannot be used
 [[nodiscard]] std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path);
