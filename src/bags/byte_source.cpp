@@ -80,10 +80,15 @@ Bytes FileBytes::view(std::uint64_t at, std::uint64_t count) {
 }
 
 std::vector<std::uint8_t> FileBytes::copy(std::uint64_t at, std::uint64_t count) const {
-  require_within(at, count, size_);
-  std::vector<std::uint8_t> out(count);
-  read(at, out);
+  std::vector<std::uint8_t> out;
+  copy(at, count, out);
   return out;
+}
+
+void FileBytes::copy(std::uint64_t at, std::uint64_t count, std::vector<std::uint8_t>& out) const {
+  require_within(at, count, size_);
+  out.resize(count);
+  read(at, out);
 }
 
 Bytes FieldReader::take(std::uint64_t count) {

@@ -55,6 +55,8 @@ class FileBytes final : public ByteSource {
   [[nodiscard]] Bytes view(std::uint64_t at, std::uint64_t count) override;
   /// The same, kept by the caller.
   [[nodiscard]] std::vector<std::uint8_t> copy(std::uint64_t at, std::uint64_t count) const;
+  /// The same into memory that is used again.
+  void copy(std::uint64_t at, std::uint64_t count, std::vector<std::uint8_t>& out) const;
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:

@@ -83,13 +83,12 @@ void ChunkedBag::visit(const Place& place, std::uint64_t channel, std::int64_t t
   (*visitor_)(message);
 }
 
-std::vector<std::uint8_t> ChunkedBag::content_of(const ChunkHead& head) const {
-  const auto packed = file_.copy(head.content_at, head.content_size);
-  auto content = decompress(head.compression, packed, head.size);
+void ChunkedBag::unpack(const ChunkHead& head, std::vector<std::uint8_t>& content) {
+  file_.copy(head.content_at, head.content_size, packed_);
+  decompress(head.compression, packed_, head.size, content);
   if (head.crc != 0 && crc32_of(content) != head.crc) {
     throw Damage("a chunk whose checksum is wrong");
   }
-  return content;
 }
 
 void ChunkedBag::walk_chunk(const ChunkHead& head) {
@@ -98,12 +97,27 @@ void ChunkedBag::walk_chunk(const ChunkHead& head) {
       walk_records({file_, head.content_at, head.content_at + head.content_size, nullptr});
       return;
     }
-    const auto content = content_of(head);
-    MemoryBytes bytes(content);
-    walk_records({bytes, 0, content.size(), &head});
+    unpack(head, walked_);
+    MemoryBytes bytes(walked_);
+    walk_records({bytes, 0, walked_.size(), &head});
   } catch (const Damage& damage) {
     damaged(head.at, fmt::format("a damaged chunk, {}; what follows in it is left out", damage.what()));
   }
+}
+
+const std::vector<std::uint8_t>& ChunkedBag::chunk_content(std::uint64_t at) {
+  const auto found =
+      std::find_if(recent_.begin(), recent_.end(), [&](const auto& chunk) { return chunk.first == at; });
+  if (found != recent_.end()) {
+    return found->second;
+  }
+  std::vector<std::uint8_t> content;
+  if (recent_.size() == kRecentChunks) {
+    content = std::move(recent_.front().second);
+    recent_.pop_front();
+  }
+  unpack(chunk_at(at), content);
+  return recent_.emplace_back(at, std::move(content)).second;
 }
 
 std::vector<std::uint8_t> ChunkedBag::read(const BagPlace& place) {
@@ -111,16 +125,7 @@ std::vector<std::uint8_t> ChunkedBag::read(const BagPlace& place) {
     if (!place.in_chunk) {
       return file_.copy(place.at, place.size);
     }
-    auto found = std::find_if(recent_.begin(), recent_.end(),
-                              [&](const auto& chunk) { return chunk.first == place.at; });
-    if (found == recent_.end()) {
-      if (recent_.size() == kRecentChunks) {
-        recent_.pop_front();
-      }
-      recent_.emplace_back(place.at, content_of(chunk_at(place.at)));
-      found = recent_.end() - 1;
-    }
-    const Bytes bytes = MemoryBytes(found->second).view(place.within, place.size);
+    const Bytes bytes = MemoryBytes(chunk_content(place.at)).view(place.within, place.size);
     return {bytes.begin(), bytes.end()};
   } catch (const Damage& damage) {
     throw DataError(file_.path().string(), 0, fmt::format("a message at byte {}", place.at), damage.what());

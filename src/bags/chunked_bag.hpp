@@ -64,7 +64,10 @@ class ChunkedBag : public BagFile {
   FileBytes file_;
 
  private:
-  [[nodiscard]] std::vector<std::uint8_t> content_of(const ChunkHead& head) const;
+  /// @param[out] content  its memory is used again. @throws Damage
+  void unpack(const ChunkHead& head, std::vector<std::uint8_t>& content);
+  /// The chunk whose record begins at byte `at`, decompressed, until the next but two is asked for.
+  [[nodiscard]] const std::vector<std::uint8_t>& chunk_content(std::uint64_t at);
 
   std::vector<BagTopic> topics_;
   std::vector<std::size_t> wanted_bytes_;          ///< of each topic
@@ -75,6 +78,8 @@ class ChunkedBag : public BagFile {
   const Wanted* wanted_ = nullptr;
   const Visitor* visitor_ = nullptr;
   std::deque<std::pair<std::uint64_t, std::vector<std::uint8_t>>> recent_;  ///< decompressed chunks
+  std::vector<std::uint8_t> packed_,
+      walked_;  ///< a chunk as it is stored, and the one that is walked through
 };
 
 }  // namespace limber::detail

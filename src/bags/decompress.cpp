@@ -13,7 +13,7 @@
 namespace limber::detail {
 namespace {
 
-constexpr std::uint64_t kFirstRoom = std::uint64_t{1} << 22;  // [bytes]
+constexpr std::uint64_t kFirstRoom = std::uint64_t{1} << 25;  // [bytes]
 
 /// What a decompressor did: bytes it took and gave, and whether it saw the end.
 struct Progress {
@@ -23,11 +23,11 @@ struct Progress {
 
 /// Calls `step(input, output)` until the end, in room that doubles as it fills.
 template <typename Step>
-std::vector<std::uint8_t> stream(Bytes content, std::uint64_t size, Step step) {
+void stream(Bytes content, std::uint64_t size, std::vector<std::uint8_t>& out, Step step) {
   if (size > kLargestPiece) {
     throw Damage(fmt::format("a chunk of {} bytes", size));
   }
-  std::vector<std::uint8_t> out(std::min(size, kFirstRoom) + 1);  // one too many: to see what runs over
+  out.resize(std::min(size, kFirstRoom) + 1);  // one too many: to see what runs over
   std::size_t filled = 0;
   while (true) {
     const Progress progress = step(content, std::span(out).subspan(filled));
@@ -49,16 +49,15 @@ std::vector<std::uint8_t> stream(Bytes content, std::uint64_t size, Step step) {
     throw Damage(fmt::format("a chunk of {} bytes instead of {}", filled, size));
   }
   out.resize(filled);
-  return out;
 }
 
-std::vector<std::uint8_t> from_bz2(Bytes content, std::uint64_t size) {
+void from_bz2(Bytes content, std::uint64_t size, std::vector<std::uint8_t>& chunk) {
   bz_stream state{};
   if (BZ2_bzDecompressInit(&state, 0, 0) != BZ_OK) {
     throw std::bad_alloc();
   }
   const std::unique_ptr<bz_stream, int (*)(bz_stream*)> owner(&state, BZ2_bzDecompressEnd);
-  return stream(content, size, [&](Bytes in, std::span<std::uint8_t> out) {
+  stream(content, size, chunk, [&](Bytes in, std::span<std::uint8_t> out) {
     state.next_in = reinterpret_cast<char*>(const_cast<std::uint8_t*>(in.data()));
     state.avail_in = static_cast<unsigned>(in.size());
     state.next_out = reinterpret_cast<char*>(out.data());
@@ -71,16 +70,18 @@ std::vector<std::uint8_t> from_bz2(Bytes content, std::uint64_t size) {
   });
 }
 
-std::vector<std::uint8_t> from_lz4(Bytes content, std::uint64_t size) {
+void from_lz4(Bytes content, std::uint64_t size, std::vector<std::uint8_t>& chunk) {
   LZ4F_dctx* context = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0) {
     throw std::bad_alloc();
   }
   const std::unique_ptr<LZ4F_dctx, LZ4F_errorCode_t (*)(LZ4F_dctx*)> owner(context,
                                                                            LZ4F_freeDecompressionContext);
-  return stream(content, size, [&](Bytes in, std::span<std::uint8_t> out) {
+  stream(content, size, chunk, [&](Bytes in, std::span<std::uint8_t> out) {
     std::size_t taken = in.size(), given = out.size();
-    const std::size_t code = LZ4F_decompress(context, out.data(), &given, in.data(), &taken, nullptr);
+    LZ4F_decompressOptions_t options{};
+    options.stableDst = size <= kFirstRoom ? 1 : 0;  // what was written stays in its place
+    const std::size_t code = LZ4F_decompress(context, out.data(), &given, in.data(), &taken, &options);
     if (LZ4F_isError(code) != 0) {
       throw Damage(std::string("broken lz4: ") + LZ4F_getErrorName(code));
     }
@@ -88,39 +89,47 @@ std::vector<std::uint8_t> from_lz4(Bytes content, std::uint64_t size) {
   });
 }
 
-std::vector<std::uint8_t> from_zstd(Bytes content, std::uint64_t size) {
+void require_zstd(std::size_t code) {
+  if (ZSTD_isError(code) != 0) {
+    throw Damage(std::string("broken zstd: ") + ZSTD_getErrorName(code));
+  }
+}
+
+void from_zstd(Bytes content, std::uint64_t size, std::vector<std::uint8_t>& chunk) {
   const std::unique_ptr<ZSTD_DCtx, std::size_t (*)(ZSTD_DCtx*)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
   if (!context) {
     throw std::bad_alloc();
   }
-  return stream(content, size, [&](Bytes in, std::span<std::uint8_t> out) {
+  stream(content, size, chunk, [&](Bytes in, std::span<std::uint8_t> out) {
+    if (out.size() > size) {  // room for all of it: no window between
+      const std::size_t given =
+          ZSTD_decompressDCtx(context.get(), out.data(), out.size(), in.data(), in.size());
+      require_zstd(given);
+      return Progress{in.size(), given, true};
+    }
     ZSTD_inBuffer input{in.data(), in.size(), 0};
     ZSTD_outBuffer output{out.data(), out.size(), 0};
     const std::size_t code = ZSTD_decompressStream(context.get(), &output, &input);
-    if (ZSTD_isError(code) != 0) {
-      throw Damage(std::string("broken zstd: ") + ZSTD_getErrorName(code));
-    }
+    require_zstd(code);
     return Progress{input.pos, output.pos, code == 0 && input.pos == input.size};
   });
 }
 
 }  // namespace
 
-std::vector<std::uint8_t> decompress(std::string_view method, Bytes content, std::uint64_t size) {
+void decompress(std::string_view method, Bytes content, std::uint64_t size, std::vector<std::uint8_t>& out) {
   if (size == 0) {
-    return {};
+    out.clear();
+  } else if (method == "bz2") {
+    from_bz2(content, size, out);
+  } else if (method == "lz4") {
+    from_lz4(content, size, out);
+  } else if (method == "zstd") {
+    from_zstd(content, size, out);
+  } else {
+    throw Damage(
+        fmt::format("the compression '{}', which is neither bz2 nor lz4 nor zstd", method.substr(0, 20)));
   }
-  if (method == "bz2") {
-    return from_bz2(content, size);
-  }
-  if (method == "lz4") {
-    return from_lz4(content, size);
-  }
-  if (method == "zstd") {
-    return from_zstd(content, size);
-  }
-  throw Damage(
-      fmt::format("the compression '{}', which is neither bz2 nor lz4 nor zstd", method.substr(0, 20)));
 }
 
 std::uint32_t crc32_of(Bytes content, std::uint32_t start) {

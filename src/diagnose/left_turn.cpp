@@ -20,9 +20,10 @@ using Eigen::Vector3d;
 constexpr std::size_t kFewestPoints = 10;
 constexpr int kIterations = 15;
 constexpr double kConverged = 1e-7;
-constexpr double kPixel = 0.5;       // standard deviation of a pixel [px]
-constexpr double kDisparity = 50.0;  // of what stereo says of a point's depth [px]: an error of the rig must fit in
-constexpr double kHuber = 2.0;       // standard deviations
+constexpr double kPixel = 0.5;  // standard deviation of a pixel [px]
+constexpr double kDisparity =
+    50.0;  // of what stereo says of a point's depth [px]: an error of the rig must fit in
+constexpr double kHuber = 2.0;  // standard deviations
 
 /// One point in both frames, z = 1.
 struct Pair {

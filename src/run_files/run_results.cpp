@@ -56,10 +56,10 @@ std::string remark_on(const FrameRow& row, bool is_lost) {
 
 Diagnostic calibration_diagnostic(const HealthRow& row) {
   Diagnostic out{row.t_ns, level_of(row.verdict), "limber: calibration", {}, {}};
-  out.message = fmt::format("{}: {:.2g} px off the epipolar lines ({:.2g} to {:.2g}), {:.2g} % of depth ({:.2g} to {:.2g})",
-                            to_string(row.verdict), row.epipolar_px.size, row.epipolar_px.low,
-                            row.epipolar_px.high, 100.0 * row.depth.size, 100.0 * row.depth.low,
-                            100.0 * row.depth.high);
+  out.message = fmt::format(
+      "{}: {:.2g} px off the epipolar lines ({:.2g} to {:.2g}), {:.2g} % of depth ({:.2g} to {:.2g})",
+      to_string(row.verdict), row.epipolar_px.size, row.epipolar_px.low, row.epipolar_px.high,
+      100.0 * row.depth.size, 100.0 * row.depth.low, 100.0 * row.depth.high);
   out.values.emplace_back("verdict", to_string(row.verdict));
   out.values.emplace_back("verdict of the window", to_string(row.window_verdict));
   out.values.emplace_back("since [ns]", std::to_string(row.since_ns));
@@ -81,7 +81,9 @@ Diagnostic navigation_diagnostic(const FrameRow& row, bool is_lost) {
   const std::string remark = remark_on(row, is_lost);
   const Level level = is_lost ? Level::kError : remark.empty() ? Level::kOk : Level::kWarning;
   Diagnostic out{row.t_ns, level, "limber: navigation", remark.empty() ? "ok" : remark, {}};
-  const auto add_count = [&](const char* name, std::size_t n) { out.values.emplace_back(name, std::to_string(n)); };
+  const auto add_count = [&](const char* name, std::size_t n) {
+    out.values.emplace_back(name, std::to_string(n));
+  };
   out.values.emplace_back("status", to_string(row.status));
   out.values.emplace_back("inputs", to_string(row.inputs));
   out.values.emplace_back("longest gap [s]", number(row.gap_s));

@@ -41,7 +41,8 @@ TEST(CalibrationDiagnostic, SaysSizesInTheUnitsOfHealthCsv) {
   row.axes[1] = HealthVerdict::kDecalibrated;
   const Diagnostic diagnostic = calibration_diagnostic(row);
   EXPECT_EQ(diagnostic.t_ns, 7);
-  EXPECT_THAT(diagnostic.message, HasSubstr("0.25 px off the epipolar lines (0.12 to 0.5), 2 % of depth (1 to 4)"));
+  EXPECT_THAT(diagnostic.message,
+              HasSubstr("0.25 px off the epipolar lines (0.12 to 0.5), 2 % of depth (1 to 4)"));
   EXPECT_THAT(diagnostic.values, Contains(Pair("epipolar [px] high", "0.5")));
   EXPECT_THAT(diagnostic.values, Contains(Pair("depth [%] low", "1")));
   EXPECT_THAT(diagnostic.values, Contains(Pair("ay [deg]", "0.5")));
