@@ -4,9 +4,8 @@
 #include <chrono>
 #include <stdexcept>
 #ifdef LIMBER_WITH_FRONTEND
-#include "limber/frontend/decode_image.hpp"
-#include "limber/frontend/image_reader.hpp"
 #include "limber/frontend/stereo_tracker.hpp"
+#include "pair_reader.hpp"
 #include "read_ahead.hpp"
 #endif
 
@@ -28,36 +27,22 @@ struct TrackedFrame {
 class ImageTracking {
  public:
   ImageTracking(const Recording& recording, const TrackerOptions& options)
-      : recording_(recording),
-        reader0_(recording.calibration.cam0),
-        reader1_(recording.calibration.cam1),
-        tracker_(recording.calibration, options) {}
+      : recording_(recording), reader_(recording), tracker_(recording.calibration, options) {}
 
   TrackedFrame operator()(std::size_t n) {
-    const ImagePair& pair = recording_.images[n];
-    const auto begin = std::chrono::steady_clock::now();
     TrackedFrame result;
-    if (const ImageStore* store = recording_.image_store.get()) {
-      const GreyPixels left = decode_grey(store->load(0, n), store->place(0, n));
-      const GreyPixels right = decode_grey(store->load(1, n), store->place(1, n));
-      result.decode_ms = ms_since(begin);
-      return track(pair.t_ns, left.view(), right.view(), result);
-    }
-    const OwnedImage left = reader0_.read(pair.cam0), right = reader1_.read(pair.cam1);
+    const auto begin = std::chrono::steady_clock::now();
+    const auto [left, right] = reader_.read(n);
     result.decode_ms = ms_since(begin);
-    return track(pair.t_ns, left.view(), right.view(), result);
-  }
-
- private:
-  TrackedFrame track(std::int64_t t_ns, const GreyImage& left, const GreyImage& right, TrackedFrame result) {
     const auto decoded = std::chrono::steady_clock::now();
-    result.frame = tracker_.process(t_ns, left, right);
+    result.frame = tracker_.process(recording_.images[n].t_ns, left.view(), right.view());
     result.track_ms = ms_since(decoded);
     return result;
   }
 
+ private:
   const Recording& recording_;
-  ImageReader reader0_, reader1_;
+  PairReader reader_;
   StereoTracker tracker_;
 };
 

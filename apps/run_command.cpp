@@ -13,6 +13,7 @@
 #include "frame_source.hpp"
 #include "interrupt.hpp"
 #include "limber/run_files/run_output.hpp"
+#include "live_view.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
 #include "parsed_by.hpp"
@@ -33,6 +34,7 @@ struct RunArguments : RecordingArguments {
   std::size_t max_landmarks = 300;
   std::uint64_t seed = 0, run = 0;
   bool force = false;
+  ViewArguments view;
 };
 
 RunOptions to_options(const RunArguments& arguments, const Recording& recording) {
@@ -60,22 +62,42 @@ std::string timing_text(const FrontendRecord* frontend) {
                      frontend->track_ms.back());
 }
 
+/// run_recording with what the command shows meanwhile.
+RunRecord run_and_show(const Recording& recording, const RunOptions& options, const ImageFrames& source,
+                       Progress& progress, LiveView* view) {
+  FrameObserver observe;
+  if (view != nullptr) {
+    observe = [view](const ObservedFrame& frame) { view->show(frame); };
+  }
+  try {
+    RunRecord record = run_recording(
+        recording, options, source.frames,
+        [&](std::size_t n) { progress.done(n, timing_text(source.record.get())); }, observe,
+        Interrupt::asked);
+    if (source.record) add_frontend(*source.record, record);
+    if (view != nullptr) record.elapsed_s -= view->held_s();
+    return record;
+  } catch (const std::exception& error) {
+    if (view != nullptr) view->finish(error.what());
+    throw;
+  }
+}
+
 void run(const RunArguments& arguments) {
   Recording recording;
   RunOptions options;
   RunRecord record;
+  std::unique_ptr<LiveView> view;
   {
     const Interrupt interrupt;
     recording = open_recording(arguments);
     options = to_options(arguments, recording);
     require_replaceable_run(arguments.out, arguments.force);
     require_writable_folder(arguments.out);
-    Progress progress(arguments.method, frame_count(recording));
     const ImageFrames source = image_frames(recording, arguments.frontend);
-    record = run_recording(
-        recording, options, source.frames,
-        [&](std::size_t n) { progress.done(n, timing_text(source.record.get())); }, {}, Interrupt::asked);
-    if (source.record) add_frontend(*source.record, record);
+    view = open_live_view(arguments.view, recording, options, source.record, Interrupt::asked);
+    Progress progress(arguments.method, frame_count(recording));
+    record = run_and_show(recording, options, source, progress, view.get());
   }
   if (record.frames.empty()) {
     throw std::runtime_error("stopped before the first frame: nothing is written");
@@ -90,6 +112,11 @@ void run(const RunArguments& arguments) {
   }
   print_run_summary(summary, arguments.out);
   make_report_beside(arguments.out);
+  if (view) {
+    view->finish(fmt::format("{} {} of {} frames; results in {}", record.stopped ? "Stopped after" : "Done:",
+                             record.frames.size(), record.frames_of_recording, arguments.out.string()));
+    if (!record.stopped) view->stay();
+  }
   if (record.stopped || summary.inputs.lost_since_ns) {
     throw CLI::RuntimeError(kExitFailed);  // the notes say why
   }
@@ -132,6 +159,7 @@ void add_run_command(CLI::App& app) {
       ->check(whole_number(1, 100'000))
       ->capture_default_str();
   add_force_option(*command, arguments->force);
+  add_view_options(*command, arguments->view);
   command->footer(
       "\nCtrl-C ends the run early: what was done by then is written, marked as partial, and the exit code "
       "is "

@@ -22,7 +22,7 @@ function(limber_package_of library out)
     set(package SQLite3)
   elseif(library MATCHES "^(BZip2|ZLIB)::")
     set(package ${CMAKE_MATCH_1})
-  elseif(library MATCHES "^(lz4|zstd)$")
+  elseif(library MATCHES "^(lz4|zstd|cpp-httplib)$")
     set(package "")  # plain libraries
   else()
     message(FATAL_ERROR "Name the package of '${library}' in cmake/LimberInstall.cmake: "

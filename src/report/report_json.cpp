@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
-#include "base64.hpp"
+#include "io/base64.hpp"
 #include "limber/report/thinning.hpp"
 #include "limber/report/write_report.hpp"
 

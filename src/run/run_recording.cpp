@@ -210,9 +210,10 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
                                        from_truth ? " or ground truth" : ""));
   }
   keep_window(window, navigator, record);
-  const auto done = [&](std::size_t row, const Navigator* now) {
+  const auto done = [&](std::size_t row, const StereoFrame* frame) {
     if (observe) {
-      observe({record.trajectory[row], record.frames[row], now});
+      observe({record.trajectory[row], record.frames[row], frame ? &navigator : nullptr, frame,
+               frame ? record.frame_ms.back() : 0.0});
     }
     if (progress) {
       progress(first + row + 1);
@@ -258,7 +259,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
                     fmt::format("the state is not finite, or further than {:g} m away", kLargestPosition),
                     remarks);
     }
-    done(record.frames.size() - 1, &navigator);
+    done(record.frames.size() - 1, &frame);
   }
   record.elapsed_s = 1e-3 * milliseconds(begin_run, Clock::now());
   take_map(navigator, record);

@@ -33,6 +33,8 @@ struct ObservedFrame {
   /// As it stands after the frame; null for the frames that a start from the sensors has used up, which no
   /// filter went through.
   const Navigator* navigator;
+  const StereoFrame* frame;  ///< as the navigator saw it, cleaned; null where that is null
+  double filter_ms;          ///< time in the filter [ms]; zero where that is null
 };
 
 /// Told of every frame in turn; what it throws ends the run and passes through.

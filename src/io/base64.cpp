@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstddef>
-#include <cstdint>
 #include <string_view>
 #include <vector>
 
@@ -27,8 +26,7 @@ std::vector<std::uint8_t> little_endian(std::span<const float> values) {
 
 }  // namespace
 
-std::string to_base64(std::span<const float> values) {
-  const std::vector<std::uint8_t> bytes = little_endian(values);
+std::string to_base64(std::span<const std::uint8_t> bytes) {
   std::string out;
   out.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t k = 0; k < bytes.size(); k += 3) {
@@ -42,6 +40,10 @@ std::string to_base64(std::span<const float> values) {
     }
   }
   return out;
+}
+
+std::string to_base64(std::span<const float> values) {
+  return to_base64(std::span<const std::uint8_t>(little_endian(values)));
 }
 
 }  // namespace limber::detail
