@@ -31,6 +31,10 @@ ViewRun run_of(const Recording& recording, const RunOptions& options) {
           set_up_run(recording, options).calibration, watch_options(options)};
 }
 
+std::int64_t last_frame_ns(const Recording& recording) {
+  return recording.images.empty() ? recording.frames.back().t_ns : recording.images.back().t_ns;
+}
+
 /// Reads pairs again for who looks at them, which the front end has let go.
 std::function<ViewImages(std::size_t)> images_of(const Recording& recording) {
   if (recording.images.empty()) return {};
@@ -119,7 +123,7 @@ class ServedView : public LiveView {
 };
 
 ServedView::ServedView(const ViewArguments& arguments, const Recording& recording, const RunOptions& options,
-                   std::shared_ptr<const FrontendRecord> frontend, std::function<bool()> stop)
+                       std::shared_ptr<const FrontendRecord> frontend, std::function<bool()> stop)
     : arguments_(arguments),
       recording_(recording),
       frontend_(std::move(frontend)),
@@ -176,7 +180,9 @@ ViewFrame ServedView::view_of(const ObservedFrame& frame) const {
     const auto pair = std::lower_bound(pairs.begin(), pairs.end(), t_ns,
                                        [](const ImagePair& a, std::int64_t t) { return a.t_ns < t; });
     if (pair != pairs.end() && pair->t_ns == t_ns) {
-      out.images = [images = images_, n = static_cast<std::size_t>(pair - pairs.begin())] { return images(n); };
+      out.images = [images = images_, n = static_cast<std::size_t>(pair - pairs.begin())] {
+        return images(n);
+      };
     }
   }
   return out;
@@ -194,7 +200,7 @@ void ServedView::show(const ObservedFrame& frame) {
     if (!published) board_.publish(view_of(frame));
     published = true;
   };
-  if (board_.due() || count_ == frame_count(recording_)) publish();
+  if (board_.due() || frame.row.t_ns == last_frame_ns(recording_)) publish();
   board_.hold(t_s, stop_, publish);
 }
 
@@ -234,11 +240,13 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
       ->capture_default_str()
       ->needs(view);
   command
-      .add_flag("--view-paused", arguments.paused, "Stop after the first frame, until the page says run or step")
+      .add_flag("--view-paused", arguments.paused,
+                "Stop after the first frame, until the page says run or step")
       ->needs(view);
   command
-      .add_flag("--view-exit", arguments.exit_at_end,
-                "End with the run; default: the page stays, on a terminal until Ctrl-C, else while it is open")
+      .add_flag(
+          "--view-exit", arguments.exit_at_end,
+          "End with the run; default: the page stays, on a terminal until Ctrl-C, else while it is open")
       ->needs(view);
 }
 

@@ -41,8 +41,8 @@ class LiveView {
 /// @param frontend   what is known of the front end so far; null for matched points
 /// @param stop       asked while the run is paused: true ends the pause
 /// @throws std::runtime_error if the port cannot be listened on, or this program was built without the page
-[[nodiscard]] std::unique_ptr<LiveView> open_live_view(const ViewArguments& arguments, const Recording& recording,
-                                                       const RunOptions& options,
+[[nodiscard]] std::unique_ptr<LiveView> open_live_view(const ViewArguments& arguments,
+                                                       const Recording& recording, const RunOptions& options,
                                                        std::shared_ptr<const FrontendRecord> frontend,
                                                        std::function<bool()> stop);
 

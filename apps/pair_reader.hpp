@@ -15,7 +15,8 @@ class PairReader {
  public:
   /// @param recording  must outlive the reader
   explicit PairReader(const Recording& recording)
-      : recording_(recording), readers_{ImageReader(recording.calibration.cam0), ImageReader(recording.calibration.cam1)} {}
+      : recording_(recording),
+        readers_{ImageReader(recording.calibration.cam0), ImageReader(recording.calibration.cam1)} {}
 
   /// @throws DataError
   std::array<OwnedImage, 2> read(std::size_t pair) {

@@ -34,8 +34,8 @@ Json json_of(const Pose& pose) {
 
 /// Resolution and field of view, as far as they are known.
 Json json_of(const Camera& camera) {
-  return {{"width", camera.width}, {"height", camera.height}, {"fu", camera.fu}, {"fv", camera.fv},
-          {"cu", camera.cu},       {"cv", camera.cv}};
+  return {{"width", camera.width}, {"height", camera.height}, {"fu", camera.fu},
+          {"fv", camera.fv},       {"cu", camera.cu},         {"cv", camera.cv}};
 }
 
 Json json_of(const std::vector<ViewPoint>& points) {

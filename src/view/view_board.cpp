@@ -39,9 +39,8 @@ bool ViewBoard::takes_frames(const Viewer& viewer) const {
 
 bool ViewBoard::due() const {
   const std::lock_guard lock(mutex_);
-  const bool awaited = std::any_of(viewers_.begin(), viewers_.end(), [this](const auto& viewer) {
-    return takes_frames(viewer.second);
-  });
+  const bool awaited = std::any_of(viewers_.begin(), viewers_.end(),
+                                   [this](const auto& viewer) { return takes_frames(viewer.second); });
   return paused_ || Clock::now() - last_published_ >= (awaited ? kWatchedPeriod : kUnwatchedPeriod);
 }
 

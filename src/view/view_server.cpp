@@ -18,7 +18,8 @@ namespace limber {
 namespace {
 
 constexpr const char* kLoopback = "127.0.0.1";
-constexpr std::size_t kThreads = 32;  // a page holds one for its events, and some for a second after a request
+constexpr std::size_t kThreads =
+    32;  // a page holds one for its events, and some for a second after a request
 
 std::string random_token() {
   std::array<unsigned char, 16> bytes{};
@@ -67,8 +68,8 @@ class ViewServer::Http {
   Http(ViewBoard& board, std::uint16_t port) : board_(board), token_(random_token()) {
     configure();
     add_routes();
-    port_ = port == 0 ? server_.bind_to_any_port(kLoopback)
-                      : (server_.bind_to_port(kLoopback, port) ? port : -1);
+    port_ =
+        port == 0 ? server_.bind_to_any_port(kLoopback) : (server_.bind_to_port(kLoopback, port) ? port : -1);
     if (port_ <= 0) {
       throw std::runtime_error(fmt::format(
           "port {} of {} cannot be listened on: is it taken? Port 0 is any that is free", port, kLoopback));
@@ -115,7 +116,8 @@ class ViewServer::Http {
         !same_secret(path.substr(1, token_.size()), token_)) {
       return false;
     }
-    const std::string here = fmt::format("{}:{}", kLoopback, port_), name = fmt::format("localhost:{}", port_);
+    const std::string here = fmt::format("{}:{}", kLoopback, port_),
+                      name = fmt::format("localhost:{}", port_);
     const std::string host = request.get_header_value("Host");
     const std::string origin = request.get_header_value("Origin");
     return (host == here || host == name) && (origin.empty() || origin == "http://" + host);

@@ -69,8 +69,8 @@ class ViewBoard {
   /// @return the page's name here; 0 if there are too many
   [[nodiscard]] std::uint64_t enter(bool acknowledges);
   void leave(std::uint64_t viewer);
-  /// What to send the page next, as server-sent events: `hello` first, then `frame`, `control` and `end`. Waits
-  /// a second at most; then, and after close(), it is a comment.
+  /// What to send the page next, as server-sent events: `hello` first, then `frame`, `control` and `end`.
+  /// Waits a second at most; then, and after close(), it is a comment.
   [[nodiscard]] std::string next(std::uint64_t viewer);
   void acknowledge(std::uint64_t viewer, std::uint64_t frame);
   void command(ViewCommand command);

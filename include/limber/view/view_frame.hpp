@@ -62,9 +62,9 @@ struct ViewFrame {
   std::size_t number = 0;  ///< of frames done
   double t_s = 0.0;        ///< since the first frame
   Pose T_world_body;
-  std::optional<Eigen::Vector3d> v_world_body;              ///< [m/s]
-  std::optional<Eigen::Matrix<double, 6, 1>> sigma;         ///< of position [m] and attitude [rad]
-  std::string status;                                       ///< of the update, and of the inputs before it
+  std::optional<Eigen::Vector3d> v_world_body;       ///< [m/s]
+  std::optional<Eigen::Matrix<double, 6, 1>> sigma;  ///< of position [m] and attitude [rad]
+  std::string status;                                ///< of the update, and of the inputs before it
   std::vector<ViewPoint> points;
   std::vector<ViewLandmark> map;
   std::vector<ViewStage> stages;

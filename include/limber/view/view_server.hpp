@@ -12,9 +12,9 @@ namespace limber {
 /// @brief Serves a board as a page to browsers on this computer.
 ///
 /// Listens on 127.0.0.1 alone. Every address begins with a random token of 128 bits; a request without it, or
-/// with the name of another host (DNS rebinding) or origin, is answered with 403. The page is one file and asks
-/// nobody else for anything. Below /TOKEN/: the page; `events` (server-sent events, see ViewBoard::next);
-/// `control?do=pause|step|run|time|dismiss` and `shown?viewer=V&frame=N`, both POST.
+/// with the name of another host (DNS rebinding) or origin, is answered with 403. The page is one file and
+/// asks nobody else for anything. Below /TOKEN/: the page; `events` (server-sent events, see
+/// ViewBoard::next); `control?do=pause|step|run|time|dismiss` and `shown?viewer=V&frame=N`, both POST.
 class ViewServer {
  public:
   /// @param board  must outlive the server

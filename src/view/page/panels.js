@@ -106,5 +106,5 @@ export function showStages(root, frames) {
     bar.style.width = `${100 * ms / most}%`;
     return [element('span', '', name), bar, element('span', '', `${fixed(ms, 2)} ms`)];
   });
-  root.replaceChildren(...rows, element('span', 'sum', `mean of the latest ${latest.length} frames shown`));
+  root.replaceChildren(...rows, element('span', 'sum', latest.length === 1 ? 'of this frame' : `mean of ${latest.length} frames`));
 }

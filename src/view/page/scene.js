@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Path, map and rig in space, by three.js. The world has z upwards.
 import {
-  BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, GridHelper, Group, Line, LineBasicMaterial, LineSegments,
+  BufferAttribute, BufferGeometry, Color, DynamicDrawUsage, Group, Line, LineBasicMaterial, LineSegments,
   PerspectiveCamera, Points, PointsMaterial, Scene, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
 const CAPACITY = 8192;  // points of a geometry
+const GRID_CELLS = 15;  // to each side
 const RIG_SIZE = 0.05;  // of the distance to the eye
 
 /** A geometry whose points are set anew for each frame. */
@@ -34,6 +35,18 @@ function frustumOf(camera) {
   const lines = [];
   corners.forEach((corner, k) => lines.push(new Vector3(), corner, corner, corners[(k + 1) % 4]));
   return new LineSegments(new BufferGeometry().setFromPoints(lines), new LineBasicMaterial());
+}
+
+/** A level grid in pieces of a cell: some drivers drop lines that begin behind the eye. */
+function gridOf(cell) {
+  const points = [];
+  for (let k = -GRID_CELLS; k <= GRID_CELLS; ++k) {
+    for (let n = -GRID_CELLS; n < GRID_CELLS; ++n) {
+      points.push([k, n, k, n + 1], [n, k, n + 1, k]);
+    }
+  }
+  return new BufferGeometry().setFromPoints(points.flatMap(([a, b, c, d]) =>
+    [new Vector3(a * cell, b * cell, 0), new Vector3(c * cell, d * cell, 0)]));
 }
 
 function place(object, { p, q: [w, x, y, z] }) {
@@ -88,7 +101,7 @@ export class SpaceView {
     this.path.material.color = color('--link');
     this.former.material.color = color('--quiet');
     this.map.material.color = color('--used');
-    this.gridColor = color('--line');
+    this.gridColor = color('--quiet');
     for (const frustum of this.frusta ?? []) {
       frustum.material.color = color('--ink');
     }
@@ -174,8 +187,7 @@ export class SpaceView {
       this.grid.material.dispose();
     }
     const cell = 10 ** Math.floor(Math.log10(this.extent));
-    this.grid = new GridHelper(40 * cell, 40, this.gridColor, this.gridColor);
-    this.grid.rotation.x = Math.PI / 2;
+    this.grid = new LineSegments(gridOf(cell), new LineBasicMaterial({ color: this.gridColor, transparent: true, opacity: 0.3 }));
     this.grid.position.set(...['x', 'y', 'z'].map((axis) => Math.round(this.body.position[axis] / cell) * cell));
     this.scene.add(this.grid);
   }
