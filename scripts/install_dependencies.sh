@@ -10,6 +10,7 @@ packages=(
   libyaml-cpp-dev libfmt-dev nlohmann-json3-dev libcli11-dev  # datasets, simulator, program
   libopencv-dev                   # image front end
   libbz2-dev liblz4-dev libzstd-dev zlib1g-dev  # bags
+  libcpp-httplib-dev              # the live view
   libsqlite3-dev libtbb-dev libopenmpi-dev openmpi-bin  # studies
   nodejs npm chromium             # the page of reports, and a browser to test it
   libgtest-dev libgmock-dev libbenchmark-dev  # tests and benchmarks

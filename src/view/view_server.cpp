@@ -154,8 +154,11 @@ class ViewServer::Http {
         "text/event-stream",
         [this, viewer](std::size_t, httplib::DataSink& sink) {
           const std::string events = board_.next(viewer);
-          if (board_.closed() || !sink.write(events.data(), events.size())) return false;
-          return true;
+          if (board_.closed()) {
+            sink.done();
+            return true;
+          }
+          return sink.write(events.data(), events.size());
         },
         [this, viewer](bool) { board_.leave(viewer); });
   }

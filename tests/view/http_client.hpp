@@ -44,7 +44,8 @@ inline std::vector<std::string> other_addresses() {
     for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
       if (one->ifa_addr != nullptr && one->ifa_addr->sa_family == AF_INET) {
         char text[INET_ADDRSTRLEN] = {};
-        inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr, text, sizeof(text));
+        inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr, text,
+                  sizeof(text));
         if (std::string(text) != "127.0.0.1") out.emplace_back(text);
       }
     }

@@ -15,12 +15,12 @@ namespace limber {
 namespace {
 
 using namespace std::chrono_literals;
-using ::testing::HasSubstr;
 using testing::Address;
 using testing::ChildProcess;
 using testing::data_of;
 using testing::EventStream;
 using testing::expect_refused;
+using ::testing::HasSubstr;
 using testing::name_of_event;
 using testing::post;
 using testing::read_text;
@@ -62,7 +62,8 @@ std::string results_in(const std::filesystem::path& folder) {
   for (const char* const name : {"trajectory.csv", "landmarks.ply", "health.csv", "refusals.csv"}) {
     content += read_text(folder / name);
   }
-  return content + std::regex_replace(read_text(folder / "frames.csv"), std::regex(",[0-9.]+,[0-9.]+\n"), "\n");
+  return content +
+         std::regex_replace(read_text(folder / "frames.csv"), std::regex(",[0-9.]+,[0-9.]+\n"), "\n");
 }
 
 TEST_F(LiveRun, HasTheSameBitsWithAndWithoutAPage) {

@@ -15,13 +15,13 @@ namespace limber {
 namespace {
 
 using namespace std::chrono_literals;
-using ::testing::AllOf;
-using ::testing::HasSubstr;
 using testing::Address;
 using testing::address_of;
+using ::testing::AllOf;
 using testing::data_of;
 using testing::EventStream;
 using testing::get;
+using ::testing::HasSubstr;
 using testing::name_of_event;
 using testing::post;
 using testing::small_frame;
