@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -12,6 +13,7 @@
 namespace limber::app {
 
 struct ViewArguments {
+  std::filesystem::path page;  ///< empty: none is written
   bool live = false;
   std::uint16_t port = 0;
   bool paused = false, exit_at_end = false;
@@ -20,8 +22,8 @@ struct ViewArguments {
 /// --view and what belongs to it.
 void add_view_options(CLI::App& command, ViewArguments& arguments);
 
-/// @brief A run that pages in a browser look on at. It changes nothing of the run but its pace, and that only
-/// where a page asks for it.
+/// @brief A run that pages in a browser look on at, or that is recorded as such a page. It changes nothing of
+/// the run but its pace, and that only where a page asks for it.
 class LiveView {
  public:
   virtual ~LiveView() = default;  ///< gives the pages a second to hear of the end
@@ -30,13 +32,13 @@ class LiveView {
   virtual void show(const ObservedFrame& frame) = 0;
   /// Time that pages have held up the run [s].
   [[nodiscard]] virtual double held_s() const = 0;
-  /// The run is over; tells the pages.
+  /// The run is over; tells the pages, and writes the one that was asked for.
   virtual void finish(const std::string& message) = 0;
   /// Keeps the page served: on a terminal until Ctrl-C, else as long as it is looked at.
   virtual void stay() = 0;
 };
 
-/// @brief Serves the page and says where it is; null unless it is asked for.
+/// @brief Serves the page and says where it is, and records one; null unless something is asked for.
 /// @param recording  must outlive the view
 /// @param frontend   what is known of the front end so far; null for matched points
 /// @param stop       asked while the run is paused: true ends the pause

@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "frame_source.hpp"
 #include "interrupt.hpp"
+#include "limber/core/errors.hpp"
 #include "limber/run_files/run_output.hpp"
 #include "live_view.hpp"
 #include "messages.hpp"
@@ -62,6 +63,22 @@ std::string timing_text(const FrontendRecord* frontend) {
                      frontend->track_ms.back());
 }
 
+/// Before a long run, not after it: whether the page of --view-out can be written.
+void require_place_of_page(const RunArguments& arguments) {
+  namespace fs = std::filesystem;
+  const fs::path& page = arguments.view.page;
+  if (page.empty()) return;
+  const auto place = [](const fs::path& path) { return (fs::absolute(path) / "").lexically_normal(); };
+  if (place(page) == place(default_report_path(arguments.out))) {
+    throw CLI::ValidationError("--view-out", page.string() + " is the name of the run's report");
+  }
+  require_replaceable(page, kPageMark, arguments.force, {arguments.dataset});
+  const fs::path folder = fs::absolute(page).parent_path();
+  if (place(folder) != place(arguments.out) && !fs::is_directory(folder)) {
+    throw DataError(page.string(), 0, "a file in a folder that is there", "no folder " + folder.string());
+  }
+}
+
 /// run_recording with what the command shows meanwhile.
 RunRecord run_and_show(const Recording& recording, const RunOptions& options, const ImageFrames& source,
                        Progress& progress, LiveView* view) {
@@ -94,6 +111,7 @@ void run(const RunArguments& arguments) {
     options = to_options(arguments, recording);
     require_replaceable_run(arguments.out, arguments.force);
     require_writable_folder(arguments.out);
+    require_place_of_page(arguments);
     const ImageFrames source = image_frames(recording, arguments.frontend);
     view = open_live_view(arguments.view, recording, options, source.record, Interrupt::asked);
     Progress progress(arguments.method, frame_count(recording));

@@ -126,6 +126,10 @@ std::string to_json(const ViewFrame& frame, const WatchOptions& watch) {
   return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+std::string json_string(const std::string& text) {
+  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 std::string server_sent_event(std::string_view name, std::string_view data) {
   return fmt::format("event: {}\ndata: {}\n\n", name, data);
 }

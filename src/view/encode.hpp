@@ -15,6 +15,9 @@ namespace limber::detail {
 /// A frame as JSON in one line; calls frame.images.
 [[nodiscard]] std::string to_json(const ViewFrame& frame, const WatchOptions& watch);
 
+/// A text as a JSON string; what is no UTF-8 is replaced.
+[[nodiscard]] std::string json_string(const std::string& text);
+
 /// A server-sent event; `data` is one line.
 [[nodiscard]] std::string server_sent_event(std::string_view name, std::string_view data);
 

@@ -112,6 +112,26 @@ TEST_F(LiveRun, IsInterruptedWhilePaused) {
   EXPECT_THAT(run.err(), HasSubstr("these are partial results"));
 }
 
+TEST_F(LiveRun, WritesAPageThatNeedsNoServer) {
+  const auto plain = folder() / "plain", page = folder() / "view.html";
+  ASSERT_EQ(run_into(plain).exit_code, 0);
+  const auto result = run({"--view-out", page.string()});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, ::testing::Not(HasSubstr("http://")));
+  EXPECT_THAT(read_text(page), HasSubstr("\"n\":41"));
+  EXPECT_EQ(results_in(out()), results_in(plain));
+  EXPECT_EQ(run({"--view-out", page.string()}).exit_code, 0);  // its own page is replaced
+}
+
+TEST_F(LiveRun, RefusesPlacesWhereThePageCannotGoBeforeItRuns) {
+  testing::write_text(folder() / "notes.html", "mine");
+  expect_refused(run({"--view-out", (folder() / "notes.html").string()}), 1, "notes.html");
+  EXPECT_EQ(read_text(folder() / "notes.html"), "mine");
+  expect_refused(run({"--view-out", (folder() / "nowhere/view.html").string()}), 1, "nowhere");
+  expect_refused(run({"--view-out", (out() / "report.html").string()}), 2, "the run's report");
+  EXPECT_FALSE(std::filesystem::exists(out()));
+}
+
 TEST_F(LiveRun, RefusesOptionsThatBelongToThePageWithoutIt) {
   for (const char* const option : {"--view-paused", "--view-exit"}) {
     expect_refused(run({option}), 2, "--view");

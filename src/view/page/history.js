@@ -10,10 +10,14 @@ const MOST_LANDMARKS = 6000;
 export class History {
   constructor() {
     this.frames = [];
+    this.complete = false;  // all are there from the beginning, and few
   }
 
   add(frame) {
     this.frames.push(frame);
+    if (this.complete) {
+      return;
+    }
     const old = this.frames.length - 1 - FRAMES_WITH_IMAGES;
     if (old >= 0) {
       this.frames[old].images = null;

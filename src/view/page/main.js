@@ -187,6 +187,51 @@ class Live {
   }
 }
 
+const PLAY_MS = 80;  // a frame
+
+/** Frames that stand in the page itself: they are played, and nobody is asked. */
+class Recorded {
+  constructor(page, { run, path, frames, message }) {
+    this.page = page;
+    page.begin({ run, path });
+    page.history.complete = true;
+    frames.forEach((frame) => page.add(frame));
+    page.leftOut = 0;
+    at('connection').textContent = `recorded: ${frames.length} frames of the run`;
+    at('message').textContent = message;
+    at('message').hidden = false;
+    at('in-time').hidden = at('newest').hidden = true;
+    this.turn = 0;
+    at('pause').addEventListener('click', () => this.play(!this.playing));
+    at('step').addEventListener('click', () => {
+      this.play(false);
+      page.choose(page.index + 1);
+    });
+    at('seek').addEventListener('input', () => this.play(false));
+    this.play(false);
+    page.choose(0);
+  }
+
+  /** Plays from the shown frame, or from the first if it is the last; or stops. */
+  async play(on) {
+    const turn = ++this.turn;
+    const set = (playing) => {
+      this.playing = playing;
+      at('pause').textContent = playing ? 'Pause' : 'Play';
+    };
+    set(on);
+    if (on && this.page.chosen === null) {
+      await this.page.choose(0);
+    }
+    while (this.turn === turn && this.playing && this.page.chosen !== null) {
+      await Promise.all([this.page.choose(this.page.index + 1), new Promise((done) => setTimeout(done, PLAY_MS))]);
+    }
+    if (this.turn === turn) {
+      set(false);
+    }
+  }
+}
+
 const darkSystem = window.matchMedia('(prefers-color-scheme: dark)');
 
 // Light or dark: as the system says, until the reader says otherwise.
@@ -221,5 +266,6 @@ function addControls(page) {
 const page = new Page();
 addControls(page);
 setTheme(darkSystem.matches ? 'dark' : 'light', page);
-const live = new Live(page);
-window.limberView = { page, live };  // for scripts and tests
+const recorded = at('view-data').textContent;
+const source = recorded.startsWith('{') ? new Recorded(page, JSON.parse(recorded)) : new Live(page);
+window.limberView = { page, source };  // for scripts and tests

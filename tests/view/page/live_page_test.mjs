@@ -2,7 +2,7 @@
 // The page of `limber run --view` as a reader sees it, in a headless browser.
 //   node live_page_test.mjs LIMBER FOLDER     the program, and what make_recording.cmake made
 import assert from 'node:assert/strict';
-import { spawn } from 'node:child_process';
+import { spawn, spawnSync } from 'node:child_process';
 import { mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
@@ -12,7 +12,7 @@ import { openBrowser } from '../../../scripts/headless_browser.mjs';
 const [limber, folder] = process.argv.slice(2).map((name) => resolve(name));
 const RECORDING = join(folder, 'images');
 const FRAMES = 41;
-let browser, out, run, url, page;  // one run, through which the tests go in order
+let browser, out, run, url, page, file;  // one run, through which the tests go in order
 const complaints = [];
 
 /** A run with its page; `ended` resolves to the exit code. */
@@ -42,7 +42,7 @@ before(async () => {
   url = await run.begun;
   browser = await openBrowser({ viewport: { width: 1280, height: 900 }, colorScheme: 'light' });
   browser.context.on('request', (request) => {
-    if (!request.url().startsWith(url) && !/^(data|blob):/.test(request.url())) {
+    if (!request.url().startsWith(url) && request.url() !== file && !/^(data|blob):/.test(request.url())) {
       complaints.push(`asked for ${request.url().slice(0, 200)}`);
     }
   });
@@ -168,6 +168,25 @@ test('20 minutes of 20 Hz do not make the page grow', async () => {
   assert.ok(kept.frames <= 360 && kept.images <= 120 && kept.path <= 4096 && kept.map <= 6000, JSON.stringify(kept));
   assert.ok(Math.max(...kept.megabytes) < 150, JSON.stringify(kept));
   await other.close();
+});
+
+test('the recorded page plays without a server', async () => {
+  const again = spawnSync(limber, ['run', RECORDING, '--out', join(out, 'recorded'), '--view-out', join(out, 'view.html')]);
+  assert.equal(again.status, 0, String(again.stderr));
+  const recorded = await browser.context.newPage();
+  file = `file://${join(out, 'view.html')}`;
+  await recorded.goto(file);
+  const stands = (n) => recorded.waitForFunction((text) => document.getElementById('place').textContent.startsWith(text), `frame ${n} of`);
+  await stands(1);
+  assert.match(await recorded.textContent('#message'), /^Done: /);
+  await recorded.click('#step');
+  await stands(2);
+  await recorded.click('#pause');
+  await stands(FRAMES);
+  await recorded.waitForFunction(() => document.getElementById('pause').textContent === 'Play');
+  const frames = await recorded.evaluate(() => window.limberView.page.history.frames.map(({ n, images }) => [n, images !== null]));
+  assert.deepEqual(frames, Array.from({ length: FRAMES }, (_, k) => [k + 1, true]));
+  await recorded.close();
 });
 
 test('Done ends the program, and the page says so', async () => {
