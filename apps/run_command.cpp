@@ -69,7 +69,7 @@ void require_place_of_page(const RunArguments& arguments) {
   const fs::path& page = arguments.view.page;
   if (page.empty()) return;
   const auto place = [](const fs::path& path) { return (fs::absolute(path) / "").lexically_normal(); };
-  if (place(page) == place(default_report_path(arguments.out))) {
+  if (place(page) == place(arguments.out / "report.html")) {
     throw CLI::ValidationError("--view-out", page.string() + " is the name of the run's report");
   }
   require_replaceable(page, kPageMark, arguments.force, {arguments.dataset});
