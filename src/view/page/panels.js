@@ -53,7 +53,7 @@ export function showCalibration(root, run, health) {
     return gauge({ name, words, unit, value: e.size, low: e.low, high: e.high, ok: e.ok, wrong: e.wrong });
   };
   root.replaceChildren(
-    effect('off the line', 'epipolar', 'epipolar_px', 'px'),
+    effect('off the line', '', 'epipolar_px', 'px'),
     effect('depth', state ? `at ${state.depth_percent.baselines} baselines` : '', 'depth_percent', '%'),
     ...run.axes.map(({ name, words }) => {
       const axis = state?.axes?.[name] ?? {};
