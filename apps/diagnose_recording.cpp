@@ -3,9 +3,11 @@
 
 #include <exception>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "limber/diagnose/calibration_mistakes.hpp"
+#include "limber/diagnose/imu_mistakes.hpp"
 
 namespace limber::app {
 
@@ -29,6 +31,14 @@ std::optional<PoseLoss> compare_with_ekf(const Recording& recording, RunOptions 
   } catch (const std::exception&) {
     return std::nullopt;
   }
+}
+
+std::vector<std::string> mistakes_of(const Recording& recording, const StereoCalibration& assumed,
+                                     const std::vector<StereoFrame>& seen, double gravity) {
+  std::vector<std::string> out = calibration_mistakes(assumed, seen);
+  const std::vector<std::string> of_imu = imu_mistakes(assumed, seen, recording.imu, gravity);
+  out.insert(out.end(), of_imu.begin(), of_imu.end());
+  return out;
 }
 
 }  // namespace
@@ -64,10 +74,10 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     if (done) {
       done(record, summary);
     }
-    out.mistakes = calibration_mistakes(assumed, seen);
+    out.mistakes = mistakes_of(recording, assumed, seen, options.gravity);
   } catch (const std::exception& error) {
     // A gross mistake may leave nothing to navigate with: then it is the answer.
-    out.mistakes = calibration_mistakes(assumed, seen);
+    out.mistakes = mistakes_of(recording, assumed, seen, options.gravity);
     if (out.mistakes.empty()) {
       throw;
     }

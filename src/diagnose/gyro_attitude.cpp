@@ -57,6 +57,20 @@ std::optional<Vector3d> GyroAttitude::mean_rate(double begin_s, double end_s) co
   return Vector3d(so3_log(begin->transpose() * *end) / (end_s - begin_s));
 }
 
+std::optional<Vector3d> GyroAttitude::mean_samples(double begin_s, double end_s) const {
+  const auto begin = std::ranges::lower_bound(times_, begin_s) - times_.begin();
+  const auto end = std::ranges::upper_bound(times_, end_s) - times_.begin();
+  if (begin >= end) {
+    return std::nullopt;
+  }
+  Vector3d sum = Vector3d::Zero();
+  for (const ImuSample& sample :
+       imu_.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin))) {
+    sum += sample.omega_imu;
+  }
+  return Vector3d(sum / static_cast<double>(end - begin));
+}
+
 double GyroAttitude::sample_time() const { return times_.back() / static_cast<double>(times_.size() - 1); }
 
 }  // namespace limber::detail

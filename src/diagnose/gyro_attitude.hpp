@@ -22,6 +22,9 @@ class GyroAttitude {
   /// @brief Mean rate between two times [s]: the rotation vector of R_begin_end over its time [rad/s].
   [[nodiscard]] std::optional<Eigen::Vector3d> mean_rate(double begin_s, double end_s) const;
 
+  /// @brief Mean of the samples between two times, for rates that may be in any unit; nothing without any.
+  [[nodiscard]] std::optional<Eigen::Vector3d> mean_samples(double begin_s, double end_s) const;
+
   /// Mean time between samples [s].
   [[nodiscard]] double sample_time() const;
 

@@ -3,12 +3,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <unordered_map>
-#include <vector>
 
 #include "diagnose/epipolar_error.hpp"
 #include "limber/core/so3.hpp"
+#include "limber/core/time.hpp"
 #include "limber/measure/triangulate.hpp"
 
 namespace limber::detail {
@@ -18,9 +19,10 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr std::size_t kFewestPoints = 10;
-constexpr int kIterations = 15;
-constexpr double kConverged = 1e-7;
-constexpr double kPixel = 0.5;  // standard deviation of a pixel [px]
+constexpr int kIterations = 20;
+constexpr double kConverged = 1e-5;                                      // of rad and m
+constexpr double kTurn = 0.2, kShortestTurn = 0.15, kLongestTurn = 0.5;  // [s]
+constexpr double kPixel = 0.5;                                           // standard deviation of a pixel [px]
 constexpr double kDisparity =
     50.0;  // of what stereo says of a point's depth [px]: an error of the rig must fit in
 constexpr double kHuber = 2.0;  // standard deviations
@@ -142,10 +144,30 @@ std::optional<Vector3d> left_turn(const StereoCalibration& calibration, const St
       return std::nullopt;
     }
     if (*step < kConverged) {
-      break;
+      return Vector3d(calibration.T_body_cam0.R * so3_log(motion.R.transpose()));
     }
   }
-  return Vector3d(calibration.T_body_cam0.R * so3_log(motion.R.transpose()));
+  return std::nullopt;
+}
+
+std::vector<Turn> left_turns(const StereoCalibration& calibration, std::span<const StereoFrame> frames,
+                             std::int64_t origin_ns) {
+  std::vector<Turn> out;
+  std::size_t last = 0;
+  for (std::size_t n = 0; n + 1 < frames.size(); ++n) {
+    last = std::max(last, n + 1);
+    while (last + 1 < frames.size() && seconds_between(frames[n].t_ns, frames[last].t_ns) < kTurn) {
+      ++last;
+    }
+    const double dt = seconds_between(frames[n].t_ns, frames[last].t_ns);
+    const bool fits = dt > kShortestTurn && dt < kLongestTurn;
+    const auto turn = fits ? left_turn(calibration, frames[n], frames[last]) : std::nullopt;
+    if (turn) {
+      out.push_back({seconds_between(origin_ns, frames[n].t_ns),
+                     seconds_between(origin_ns, frames[last].t_ns), Vector3d(*turn / dt)});
+    }
+  }
+  return out;
 }
 
 }  // namespace limber::detail

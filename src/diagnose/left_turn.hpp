@@ -2,7 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "limber/sensors/calibration.hpp"
 #include "limber/sensors/samples.hpp"
@@ -17,5 +20,16 @@ namespace limber::detail {
 /// that both frames see
 [[nodiscard]] std::optional<Eigen::Vector3d> left_turn(const StereoCalibration& calibration,
                                                        const StereoFrame& from, const StereoFrame& to);
+
+/// How the body turned over a while, by the left camera.
+struct Turn {
+  double begin_s = 0.0, end_s = 0.0;  ///< since the origin
+  Eigen::Vector3d rate;               ///< mean over it, body frame [rad/s]
+};
+
+/// Of a fifth of a second each, one from each frame on: over less the noise of pixels is large beside the
+/// motion, and bends what they say of turns.
+[[nodiscard]] std::vector<Turn> left_turns(const StereoCalibration& calibration,
+                                           std::span<const StereoFrame> frames, std::int64_t origin_ns);
 
 }  // namespace limber::detail

@@ -27,11 +27,11 @@ using Eigen::VectorXd;
 constexpr double kLongestStep = 0.3;  // [s] between frames that follow each other
 constexpr std::size_t kEnoughRows = 200, kEnoughPairs = 50;
 constexpr int kShifts = 8;
-constexpr double kTurn = 0.2, kAround = 0.15;  // lengths of a turn, and of what is around it [s]
-constexpr double kCluster = 1.0;               // [s]
-constexpr std::size_t kEnoughClusters = 10;    // fewer do not tell their own spread
-constexpr double kDerivativeStep = 1e-6;       // of numerical derivatives [rad, shares of the baseline]
-constexpr double kLargestOffset = 1.0;         // [s]
+constexpr double kAround = 0.15;             // length of what is before and behind a turn [s]
+constexpr double kCluster = 1.0;             // [s]
+constexpr std::size_t kEnoughClusters = 10;  // fewer do not tell their own spread
+constexpr double kDerivativeStep = 1e-6;     // of numerical derivatives [rad, shares of the baseline]
+constexpr double kLargestOffset = 1.0;       // [s]
 
 /// The rig moved along one of the five directions that stereo points alone can see.
 std::array<Pose, 5> moved_rigs(const RigParameters& theta) {
@@ -95,40 +95,14 @@ ClusteredRows epipolar_rows(const StereoCalibration& calibration, std::span<cons
   return rows;
 }
 
-struct Turn {
-  double begin_s = 0.0, end_s = 0.0;  ///< since the first IMU sample
-  Vector3d rate;                      ///< by the left camera [rad/s]
-};
-
-/// Of a fifth of a second each: over less the noise of pixels is large beside the motion, and bends what they
-/// say of turns.
-std::vector<Turn> turns_of(const StereoCalibration& calibration, std::span<const StereoFrame> frames,
-                           std::int64_t origin_ns) {
-  std::vector<Turn> out;
-  std::size_t last = 0;
-  for (std::size_t n = 0; n + 1 < frames.size(); ++n) {
-    last = std::max(last, n + 1);
-    while (last + 1 < frames.size() && seconds_between(frames[n].t_ns, frames[last].t_ns) < kTurn) {
-      ++last;
-    }
-    const double dt = seconds_between(frames[n].t_ns, frames[last].t_ns);
-    const auto turn =
-        dt > kTurn + kLongestStep ? std::nullopt : detail::left_turn(calibration, frames[n], frames[last]);
-    if (turn) {
-      out.push_back({seconds_between(origin_ns, frames[n].t_ns),
-                     seconds_between(origin_ns, frames[last].t_ns), Vector3d(*turn / dt)});
-    }
-  }
-  return out;
-}
-
 /// Rows for (bias, a change of tau) at the present tau. The instrument of the gyro's slope is its slope over
 /// a while before and behind: noise of the samples between is in both sides, and alone looks like
 /// milliseconds. Turns that overlap, and the tracks that they see, share a cluster.
-ClusteredRows gyro_rows(const std::vector<Turn>& turns, const detail::GyroAttitude& gyro, double tau) {
+ClusteredRows gyro_rows(const std::vector<detail::Turn>& turns, const detail::GyroAttitude& gyro,
+                        double tau) {
   ClusteredRows rows;
   const double sample = gyro.sample_time();
-  for (const Turn& turn : turns) {
+  for (const detail::Turn& turn : turns) {
     const double begin = turn.begin_s + tau, end = turn.end_s + tau;
     const auto mean = gyro.mean_rate(begin, end), first = gyro.rate(begin), last = gyro.rate(end);
     const auto before = gyro.mean_rate(begin - sample - kAround, begin - sample),
@@ -174,7 +148,7 @@ std::optional<TimeOffset> camera_time_offset(const StereoCalibration& calibratio
     return std::nullopt;
   }
   const detail::GyroAttitude gyro(imu);
-  const std::vector<Turn> turns = turns_of(calibration, frames, imu.front().t_ns);
+  const std::vector<detail::Turn> turns = detail::left_turns(calibration, frames, imu.front().t_ns);
   TimeOffset out;
   for (int i = 0; i < kShifts; ++i) {
     const ClusteredRows rows = gyro_rows(turns, gyro, out.seconds);

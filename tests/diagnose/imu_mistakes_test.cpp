@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// Units and mounts of an IMU that cannot be right beside the cameras.
+#include "limber/diagnose/imu_mistakes.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <numbers>
+
+#include "limber/core/so3.hpp"
+#include "limber/simulate/scenario_file.hpp"
+#include "limber/simulate/simulator.hpp"
+#include "source_folder.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Recording drone() {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml");
+  scenario.duration = 10.0;
+  return simulate(scenario, 3);
+}
+
+std::vector<std::string> mistakes_after(const std::function<void(Recording&)>& change) {
+  Recording recording = drone();
+  change(recording);
+  return imu_mistakes(recording.calibration, recording.frames, recording.imu, 9.81);
+}
+
+void each_sample(Recording& recording, const std::function<void(ImuSample&)>& change) {
+  for (ImuSample& sample : recording.imu) {
+    change(sample);
+  }
+}
+
+TEST(ImuMistakes, OfASoundImuAreNone) {
+  EXPECT_THAT(mistakes_after([](Recording&) {}), IsEmpty());
+}
+
+TEST(ImuMistakes, NameTheUnit) {
+  EXPECT_THAT(mistakes_after([](Recording& recording) {
+                each_sample(recording, [](ImuSample& s) { s.omega_imu *= 180.0 / std::numbers::pi; });
+              }),
+              ElementsAre(HasSubstr("the gyro's rates are in deg/s")));
+  EXPECT_THAT(mistakes_after([](Recording& recording) {
+                each_sample(recording, [](ImuSample& s) { s.accel_imu /= 9.80665; });
+              }),
+              ElementsAre(HasSubstr("the accelerometer is in g instead of m/s^2: its length is 1.0")));
+}
+
+TEST(ImuMistakes, NameTheMount) {
+  EXPECT_THAT(mistakes_after([](Recording& recording) {
+                recording.calibration.T_body_cam0 = recording.calibration.T_body_cam0.inverse();
+              }),
+              ElementsAre(HasSubstr("T_BS of cam0 is inverted")));
+  const Eigen::Matrix3d quarter = so3_exp(0.5 * std::numbers::pi * Eigen::Vector3d::UnitZ());
+  EXPECT_THAT(mistakes_after([&](Recording& recording) {
+                recording.calibration.T_body_cam0.R = recording.calibration.T_body_cam0.R * quarter;
+              }),
+              ElementsAre(HasSubstr("does not fit the IMU's axes: it is turned by 90 deg")));
+  EXPECT_THAT(mistakes_after([](Recording& recording) {
+                each_sample(recording, [](ImuSample& s) { std::swap(s.omega_imu.x(), s.omega_imu.z()); });
+              }),
+              ElementsAre(HasSubstr("an axis of the gyro has the wrong sign, or two of them are swapped")));
+}
+
+TEST(ImuMistakes, AreNotInventedWhereNothingTurns) {
+  Recording recording = drone();
+  for (StereoFrame& frame : recording.frames) {
+    frame.observations = recording.frames.front().observations;  // it stands
+  }
+  each_sample(recording, [](ImuSample& s) { s.omega_imu *= 10.0; });
+  EXPECT_THAT(imu_mistakes(recording.calibration, recording.frames, recording.imu, 9.81), IsEmpty());
+}
+
+TEST(ImuMistakes, NeedAnImu) {
+  EXPECT_THAT(mistakes_after([](Recording& recording) { recording.imu.clear(); }), IsEmpty());
+}
+
+}  // namespace
+}  // namespace limber
