@@ -21,6 +21,7 @@ void add_convert_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_decalibrate_command(CLI::App& app);  // LIMBER_WITH_FRONTEND
+void add_compare_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_smooth_command(CLI::App& app);       // LIMBER_WITH_SMOOTHER
 void add_recalibrate_command(CLI::App& app);  // LIMBER_WITH_SMOOTHER

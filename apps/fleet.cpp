@@ -10,12 +10,13 @@
 
 #include "commands.hpp"
 #include "health_since.hpp"
+#include "text_table.hpp"
 
 namespace limber::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Row = std::vector<std::string>;
+using Row = TextRow;
 
 /// Of the first frame, in UTC; "-" where stamps do not count from 1970.
 std::string date_of(const Diagnosis& diagnosis) {
@@ -56,34 +57,6 @@ Row change_of(const FleetRow& of) {
   Row row = {of.dataset, "since " + since.recording, to_string(since.change.verdict)};
   add_sizes(row, since.change);
   return row;
-}
-
-/// Columns as wide as what is in them, in characters.
-std::string table(const std::vector<Row>& rows) {
-  const auto width = [](const std::string& text) {
-    return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-      return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // not inside a character
-    }));
-  };
-  std::vector<std::size_t> widths;
-  for (const Row& row : rows) {
-    widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      const bool last = k + 1 == row.size();
-      widths[k] = std::max(widths[k], last && row.size() < 4 ? 0 : width(row[k]));
-    }
-  }
-  std::string out;
-  for (const Row& row : rows) {
-    std::string line;
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      line += row[k];
-      line.append(widths[k] > width(row[k]) ? widths[k] - width(row[k]) + 2 : 2, ' ');
-    }
-    line.erase(line.find_last_not_of(' ') + 1);
-    out += line + "\n";
-  }
-  return out;
 }
 
 }  // namespace
@@ -127,9 +100,9 @@ std::string fleet_text(const std::vector<FleetRow>& rows) {
       moved.push_back(change_of(row));
     }
   }
-  std::string out = "True minus assumed, in the present state\n" + table(now);
+  std::string out = "True minus assumed, in the present state\n" + text_table(now);
   if (moved.size() > 1) {
-    out += "\nHow each moved since the first with the same cameras\n" + table(moved);
+    out += "\nHow each moved since the first with the same cameras\n" + text_table(moved);
   }
   return out;
 }

@@ -144,6 +144,7 @@ int main(int argc, char** argv) {
   limber::app::add_decalibrate_command(app);
 #endif
   limber::app::add_evaluate_command(app);
+  limber::app::add_compare_command(app);
   limber::app::add_study_command(app);
   limber::app::add_paper_command(app);
   limber::app::add_report_command(app);

@@ -2,12 +2,14 @@
 // limber run: navigate through a recording.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
 #include "frame_source.hpp"
@@ -22,6 +24,7 @@
 #include "recording_options.hpp"
 #include "replaceable.hpp"
 #include "report_files.hpp"
+#include "run_methods.hpp"
 #include "run_summary_text.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
@@ -36,6 +39,8 @@ struct RunArguments : RecordingArguments {
   std::uint64_t seed = 0, run = 0;
   bool force = false;
   ViewArguments view;
+  std::vector<std::string> methods;
+  std::vector<std::string>* notes = nullptr;  ///< with --methods they go here; nothing is printed
 };
 
 RunOptions to_options(const RunArguments& arguments, const Recording& recording) {
@@ -61,6 +66,12 @@ std::string timing_text(const FrontendRecord* frontend) {
   if (frontend == nullptr || frontend->t_ns.empty()) return "";
   return fmt::format("decode {:.1f} ms, track {:.1f} ms", frontend->decode_ms.back(),
                      frontend->track_ms.back());
+}
+
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) {
+    print_note(note);
+  }
 }
 
 /// Before a long run, not after it: whether the page of --view-out can be written.
@@ -125,10 +136,12 @@ void run(const RunArguments& arguments) {
     const Uninterrupted until_written;
     write_run_output(arguments.out, options, record, summary);
   }
-  for (const std::string& note : record.notes) {
-    print_note(note);
+  if (arguments.notes != nullptr) {
+    *arguments.notes = record.notes;
+  } else {
+    print_notes(record.notes);
+    print_run_summary(summary, arguments.out);
   }
-  print_run_summary(summary, arguments.out);
   make_report_beside(arguments.out);
   if (view) {
     view->finish(fmt::format("{} {} of {} frames; results in {}", record.stopped ? "Stopped after" : "Done:",
@@ -140,17 +153,42 @@ void run(const RunArguments& arguments) {
   }
 }
 
+void run_each(const RunArguments& arguments) {
+  const std::vector<std::string> methods = different_methods(arguments.methods);
+  const std::string lcekf = to_string(Method::kLcekf);
+  if (!arguments.constraints.empty() && std::find(methods.begin(), methods.end(), lcekf) == methods.end()) {
+    throw CLI::ValidationError("--constraints", "lcekf alone has constraints, which --methods does not name");
+  }
+  run_methods(methods, arguments.out, arguments.force,
+              [&](const std::string& method, const std::filesystem::path& folder,
+                  std::vector<std::string>& notes) {
+                RunArguments one = arguments;
+                one.method = method;
+                one.out = folder;
+                one.notes = &notes;
+                if (method != lcekf) one.constraints.clear();
+                run(one);
+              });
+}
+
 }  // namespace
 
 void add_run_command(CLI::App& app) {
   auto arguments = std::make_shared<RunArguments>();
-  CLI::App* command = app.add_subcommand("run", "Navigate through a recording with one method");
+  CLI::App* command = app.add_subcommand("run", "Navigate through a recording with one method, or several");
   add_recording_options(*command, *arguments);
   command
       ->add_option("--method", arguments->method,
                    "ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left or oracle")
       ->check(parsed_by(method_from_string))
       ->capture_default_str();
+  command
+      ->add_option("--methods", arguments->methods,
+                   "Several methods, as in ekf,lcekf,adaptive: each into OUT/METHOD, then a table and "
+                   "OUT/comparison.html as limber compare makes them")
+      ->delimiter(',')
+      ->check(parsed_by(method_from_string))
+      ->excludes("--method");
   command->add_option("--out", arguments->out, "Folder for the results")->required()->check(not_empty());
   command
       ->add_option(
@@ -178,14 +216,16 @@ void add_run_command(CLI::App& app) {
       ->capture_default_str();
   add_force_option(*command, arguments->force);
   add_view_options(*command, arguments->view);
+  command->get_option("--methods")->excludes("--view");
   command->footer(
       "\nCtrl-C ends the run early: what was done by then is written, marked as partial, and the exit code "
       "is "
       "1.\n"
       "Writes trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, health.csv, refusals.csv,\n"
       "summary.json, report.html, and truth.tum where the truth is known.\n"
-      "Example:\n  limber run data/v101 --method lcekf --assume-error 0,0.5,0,5%,0,0 --out runs/v101");
-  command->callback([arguments] { run(*arguments); });
+      "Example:\n  limber run data/v101 --method lcekf --assume-error 0,0.5,0,5%,0,0 --out runs/v101\n"
+      "  limber run data/v101 --methods ekf,lcekf,adaptive --out runs/v101-methods");
+  command->callback([arguments] { arguments->methods.empty() ? run(*arguments) : run_each(*arguments); });
 }
 
 }  // namespace limber::app

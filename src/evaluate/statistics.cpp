@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <vector>
 
@@ -10,6 +11,41 @@ namespace limber {
 namespace {
 
 constexpr double kTail = 0.025;  // on either side of an interval
+
+/// P(|T| <= sqrt(dof) tan(angle)) of Student's T: the integral of cos^(dof - 1) from 0, over that up to pi/2.
+double student_within(double angle, double dof) {
+  constexpr int kSteps = 200;  // Simpson's rule
+  const double step = angle / kSteps;
+  double sum = 0.0;
+  for (int k = 0; k <= kSteps; ++k) {
+    const double weight = k == 0 || k == kSteps ? 1.0 : (k % 2 == 1 ? 4.0 : 2.0);
+    sum += weight * std::pow(std::cos(k * step), dof - 1.0);
+  }
+  const double whole = 0.5 * std::sqrt(std::numbers::pi) *
+                       std::exp(std::lgamma(0.5 * dof) - std::lgamma(0.5 * (dof + 1.0)));
+  return sum * step / 3.0 / whole;
+}
+
+/// The x with P(|T| > x) = 2 kTail for Student's T, dof >= 1.
+double student_quantile(double dof) {
+  double low = 0.0, high = 0.5 * std::numbers::pi;
+  for (int k = 0; k < 50; ++k) {
+    const double middle = 0.5 * (low + high);
+    (student_within(middle, dof) < 1.0 - 2.0 * kTail ? low : high) = middle;
+  }
+  return std::sqrt(dof) * std::tan(low);
+}
+
+/// Correlation of neighbours, with the bias of so few values taken back; 0 to 1.
+double neighbour_correlation(std::span<const double> values, double mean) {
+  double squares = 0.0, products = 0.0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    squares += (values[k] - mean) * (values[k] - mean);
+    products += k > 0 ? (values[k] - mean) * (values[k - 1] - mean) : 0.0;
+  }
+  const double r = squares > 0.0 ? products / squares + 1.0 / static_cast<double>(values.size()) : 0.0;
+  return std::clamp(r, 0.0, 1.0);
+}
 
 }  // namespace
 
@@ -63,6 +99,22 @@ std::optional<MedianInterval> median_interval(std::span<const double> values) {
     out.upper = sorted[n - 1 - k];
     exactly *= static_cast<double>(n - k) / static_cast<double>(k + 1);
     at_most += exactly;
+  }
+  return out;
+}
+
+std::optional<MeanInterval> mean_interval(std::span<const double> values) {
+  if (values.empty()) {
+    return std::nullopt;
+  }
+  const Statistics s = statistics_of(values);
+  MeanInterval out{s.mean, {}, {}, neighbour_correlation(values, s.mean), s.count};
+  const auto n = static_cast<double>(s.count);
+  const double effective = n * (1.0 - out.correlation) / (1.0 + out.correlation);
+  if (s.count >= kFewestForMean && effective >= 2.0) {
+    const double half = student_quantile(effective - 1.0) * s.std * std::sqrt(n / (n - 1.0) / effective);
+    out.lower = s.mean - half;
+    out.upper = s.mean + half;
   }
   return out;
 }

@@ -83,12 +83,27 @@ std::vector<IndexPair> pairs_by_path(std::span<const MatchedPose> poses, double 
   return pairs;
 }
 
-std::optional<PoseErrorStatistics> relative_errors(std::span<const MatchedPose> poses,
-                                                   std::span<const IndexPair> pairs) {
-  if (pairs.empty()) {
-    return std::nullopt;
+std::vector<IndexPair> disjoint_pieces(std::span<const MatchedPose> poses, double distance) {
+  if (!(distance > 0.0) || !std::isfinite(distance)) {
+    throw std::invalid_argument("pieces of a path: their length must be positive, got " +
+                                std::to_string(distance) + " m");
   }
-  std::vector<double> position_m, attitude_deg;
+  const std::vector<double> at = travelled(poses, &MatchedPose::truth);
+  std::vector<IndexPair> pieces;
+  std::size_t begin = 0;
+  for (std::size_t k = 1; k < at.size(); ++k) {
+    if (at[k] - at[begin] >= distance) {
+      pieces.emplace_back(begin, k);
+      begin = k;
+    }
+  }
+  return pieces;
+}
+
+std::vector<RelativeError> relative_errors_of(std::span<const MatchedPose> poses,
+                                              std::span<const IndexPair> pairs) {
+  std::vector<RelativeError> errors;
+  errors.reserve(pairs.size());
   for (const auto& [i, j] : pairs) {
     if (i >= poses.size() || j >= poses.size()) {
       throw std::invalid_argument("relative errors: pair (" + std::to_string(i) + ", " + std::to_string(j) +
@@ -97,8 +112,20 @@ std::optional<PoseErrorStatistics> relative_errors(std::span<const MatchedPose> 
     const Pose true_step = poses[i].truth.inverse() * poses[j].truth;
     const Pose estimated_step = poses[i].estimate.inverse() * poses[j].estimate;
     const Pose error = true_step.inverse() * estimated_step;
-    position_m.push_back(error.p.norm());
-    attitude_deg.push_back(angle_deg(error.R));
+    errors.push_back({error.p.norm(), angle_deg(error.R)});
+  }
+  return errors;
+}
+
+std::optional<PoseErrorStatistics> relative_errors(std::span<const MatchedPose> poses,
+                                                   std::span<const IndexPair> pairs) {
+  if (pairs.empty()) {
+    return std::nullopt;
+  }
+  std::vector<double> position_m, attitude_deg;
+  for (const RelativeError& error : relative_errors_of(poses, pairs)) {
+    position_m.push_back(error.position_m);
+    attitude_deg.push_back(error.attitude_deg);
   }
   return statistics_of_errors(position_m, attitude_deg);
 }

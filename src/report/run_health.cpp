@@ -129,24 +129,37 @@ ReportFigure effect_figure(const RunFolder& run, const Json& state) {
 }
 
 /// Three axes of theta from `first` on, window by window.
-ReportFigure offset_figure(const RunFolder& run, std::size_t first, ReportFigure figure) {
+ReportFigure offset_figure(const std::vector<DrawnRun>& runs, std::size_t first, ReportFigure figure) {
   for (std::size_t panel = 0; panel < 3; ++panel) {
     const auto k = static_cast<Eigen::Index>(first + panel);
-    ReportTrace delta{"offset", kSizeStyle, TraceShape::kLine, {}, {}, {}, panel};
-    ReportTrace upper{"upper", kSizeStyle, TraceShape::kBound, {}, {}, {}, panel}, lower = upper;
-    for (const HealthRow& row : run.health) {
-      const double t = run.seconds(row.t_ns), value = in_degrees_and_mm(row.window_delta)(k);
-      const double bound = k95 * in_degrees_and_mm(row.window_sigma)(k);
-      append(t, value, delta);
-      append(t, value + bound, upper);
-      append(t, value - bound, lower);
+    for (const DrawnRun& run : runs) {
+      ReportTrace delta{run.name, run.style, TraceShape::kLine, {}, {}, {}, panel};
+      ReportTrace upper{"upper", run.style, TraceShape::kBound, {}, {}, {}, panel}, lower = upper;
+      for (const HealthRow& row : run.run->health) {
+        const double t = run.seconds(row.t_ns), value = in_degrees_and_mm(row.window_delta)(k);
+        const double bound = k95 * in_degrees_and_mm(row.window_sigma)(k);
+        append(t, value, delta);
+        append(t, value + bound, upper);
+        append(t, value - bound, lower);
+      }
+      figure.traces.insert(figure.traces.end(), {delta, upper, lower});
     }
-    figure.traces.insert(figure.traces.end(), {delta, upper, lower});
   }
   return figure;
 }
 
 }  // namespace
+
+std::vector<ReportFigure> offset_figures(const std::vector<DrawnRun>& runs, const std::string& id) {
+  const std::string caption =
+      "True minus assumed calibration of each window alone, with its 95 % interval (dotted).";
+  return {offset_figure(runs, 0,
+                        figure_over_time("health-rotation" + id, "Offset of the rig: rotation",
+                                         {{"ax", "deg"}, {"ay", "deg"}, {"az", "deg"}}, caption)),
+          offset_figure(runs, 3,
+                        figure_over_time("health-translation" + id, "Offset of the rig: translation",
+                                         {{"tx", "mm"}, {"ty", "mm"}, {"tz", "mm"}}, caption))};
+}
 
 ReportSection calibration_section(const RunFolder& run) {
   ReportSection section{"calibration", "Calibration", {}};
@@ -157,16 +170,9 @@ ReportSection calibration_section(const RunFolder& run) {
   section.blocks.emplace_back(axis_table(state));
   section.blocks.emplace_back(stretch_table(health));
   section.blocks.emplace_back(effect_figure(run, state));
-  const std::string caption =
-      "True minus assumed calibration of each window alone, with its 95 % interval (dotted).";
-  section.blocks.emplace_back(
-      offset_figure(run, 0,
-                    figure_over_time("health-rotation", "Offset of the rig: rotation",
-                                     {{"ax", "deg"}, {"ay", "deg"}, {"az", "deg"}}, caption)));
-  section.blocks.emplace_back(
-      offset_figure(run, 3,
-                    figure_over_time("health-translation", "Offset of the rig: translation",
-                                     {{"tx", "mm"}, {"ty", "mm"}, {"tz", "mm"}}, caption)));
+  for (ReportFigure& figure : offset_figures({{&run, "offset", kSizeStyle, run.trajectory.front().t_ns}})) {
+    section.blocks.emplace_back(std::move(figure));
+  }
   return section;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <initializer_list>
 #include <optional>
 #include <utility>
 
@@ -9,19 +8,6 @@
 
 namespace limber::detail {
 namespace {
-
-/// A number of summary.json, by keys from the outside in; nothing where it is not known.
-std::optional<double> number(const Json& json, std::initializer_list<const char*> keys) {
-  const Json* at = &json;
-  for (const char* const key : keys) {
-    const auto it = at->is_object() ? at->find(key) : at->end();
-    if (!at->is_object() || it == at->end()) {
-      return std::nullopt;
-    }
-    at = &*it;
-  }
-  return at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
-}
 
 std::string with_unit(std::optional<double> value, const char* unit) {
   return value ? fmt::format("{:.4g}{}{}", *value, *unit == '\0' ? "" : " ", unit) : "unknown";
@@ -61,12 +47,12 @@ std::string in_words(const Json& value) {
 }
 
 std::vector<ReportFact> lead_facts(const Json& s) {
-  return {{"position RMSE", with_unit(number(s, {"position_rmse_m"}), "m")},
-          {"attitude RMSE", with_unit(number(s, {"attitude_rmse_deg"}), "deg")},
-          {"ATE, SE(3)", with_unit(number(s, {"ate_m", "se3"}), "m")},
-          {"ANEES (1 = consistent)", with_unit(number(s, {"anees"}), "")},
-          {"path", with_unit(number(s, {"path_length_m"}), "m")},
-          {"frame, median", with_unit(number(s, {"ms_per_frame", "p50"}), "ms")}};
+  return {{"position RMSE", with_unit(number_at(s, {"position_rmse_m"}), "m")},
+          {"attitude RMSE", with_unit(number_at(s, {"attitude_rmse_deg"}), "deg")},
+          {"ATE, SE(3)", with_unit(number_at(s, {"ate_m", "se3"}), "m")},
+          {"ANEES (1 = consistent)", with_unit(number_at(s, {"anees"}), "")},
+          {"path", with_unit(number_at(s, {"path_length_m"}), "m")},
+          {"frame, median", with_unit(number_at(s, {"ms_per_frame", "p50"}), "ms")}};
 }
 
 ReportSection summary_section(const RunFolder& run) {

@@ -201,6 +201,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   }
   Navigator navigator(setup.navigator, setup.calibration, record.start);
   record.notes = setup.notes;
+  record.theta_assumed = setup.calibration.theta;
   record.motion = motion;
   record.frames_of_recording = frame_count(recording);
   const auto remarks = detail::remarks_on_input(recording, record.motion, setup.navigator.gravity);

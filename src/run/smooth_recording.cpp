@@ -100,6 +100,7 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
   }
   out.landmarks = result.landmarks;
   out.theta = result.frames.back().theta;
+  out.theta_assumed = given.theta;
   if (misfit > kLargestMisfit) {
     out.notes.push_back(fmt::format(
         "squared residuals are {:.1f} times what the noise says: sigmas are too small by about {:.1f}",

@@ -155,6 +155,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["options"] = to_json(options);
   json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start) : Json(nullptr);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
+  json["theta_assumed"] = std::vector<double>(record.theta_assumed.data(), record.theta_assumed.data() + 6);
   json["theta"] = std::vector<double>(record.theta.data(), record.theta.data() + 6);
   json["estimated"] = estimated_parameters(record);
   json["complete"] = !record.stopped;

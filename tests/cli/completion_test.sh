@@ -15,4 +15,6 @@ program=$1
 [[ "$(offers si)" == " simulate " ]]
 [[ "$(offers run --sig)" == " --sigma-px " ]]
 [[ "$(offers run --method lc)" == " lcekf " ]]
+[[ "$(offers run --methods ekf,ad)" == " ekf,adaptive " ]]
+[[ "$(offers comp)" == " compare " ]]
 [[ "$(offers health "$(dirname "$2")/limber.ba")" == *limber.bash* ]]

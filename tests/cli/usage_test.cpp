@@ -30,7 +30,7 @@ TEST(Usage, HelpNamesTheCommandsAndShowsAnExample) {
 }
 
 TEST(Usage, HelpOfEachCommandShowsAnExample) {
-  for (const std::string command : {"run", "simulate", "evaluate", "report", "study", "paper"}) {
+  for (const std::string command : {"run", "simulate", "evaluate", "report", "compare", "study", "paper"}) {
     const auto result = run_limber({command, "--help"});
     EXPECT_EQ(result.exit_code, 0) << command;
     EXPECT_THAT(result.out, HasSubstr("Example:\n  limber " + command));

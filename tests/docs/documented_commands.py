@@ -20,7 +20,7 @@ from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
 HELPED = ["run", "info", "convert", "smooth", "health", "recalibrate", "simulate", "evaluate", "study", "study merge", "study show", "paper", "report",
-          "decalibrate"]
+          "compare", "decalibrate"]
 # Pattern, replacement, why.
 TWINS = [
     (r"^scripts/demo\.sh", "LIMBER_PROGRAM=limber LIMBER_DEMO_RUNS=1 scripts/demo.sh", "without building, one run"),

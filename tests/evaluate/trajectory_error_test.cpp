@@ -142,6 +142,27 @@ TEST(PairsByPath, RefuseADistanceThatIsNone) {
   EXPECT_TRUE(pairs_by_path({}, 1.0).empty());
 }
 
+TEST(DisjointPieces, FollowEachOtherAlongTheTruePath) {
+  // The truth is half as far as the estimate.
+  EXPECT_EQ(disjoint_pieces(along_x(metre_steps(11), 0.5), 2.0), (std::vector<IndexPair>{{0, 4}, {4, 8}}));
+  EXPECT_TRUE(disjoint_pieces(along_x(metre_steps(3), 1.0), 5.0).empty());
+  EXPECT_TRUE(disjoint_pieces({}, 1.0).empty());
+  EXPECT_THROW((void)disjoint_pieces(testing::square(), 0.0), std::invalid_argument);
+}
+
+TEST(RelativeErrorsOf, EachPairAreThoseOfTheStatistics) {
+  const auto poses = along_x(metre_steps(11), 0.5);
+  const std::vector<IndexPair> pairs = {{0, 4}, {3, 9}};
+  const std::vector<RelativeError> errors = relative_errors_of(poses, pairs);
+  ASSERT_EQ(errors.size(), 2U);
+  EXPECT_NEAR(errors[0].position_m, 2.0, 1e-12);  // 4 m instead of 2 m
+  EXPECT_NEAR(errors[0].attitude_deg, 4.0, 1e-12);
+  EXPECT_NEAR(errors[1].attitude_deg, 6.0, 1e-12);
+  EXPECT_NEAR(relative_errors(poses, pairs)->position_m.mean,
+              0.5 * (errors[0].position_m + errors[1].position_m), 1e-12);
+  EXPECT_THROW((void)relative_errors_of(poses, std::vector<IndexPair>{{0, 12}}), std::invalid_argument);
+}
+
 TEST(EvaluateTrajectory, OfOnePoseKnowsOnlyWhatOnePoseTells) {
   const std::vector<MatchedPose> one = {testing::square()[0]};
   const TrajectoryEvaluation e = evaluate_trajectory(one);

@@ -11,6 +11,7 @@
 #include "limber/core/so3.hpp"
 #include "limber/report/write_report.hpp"
 #include "limber/run_files/run_output.hpp"
+#include "report/find_in_document.hpp"
 #include "run/short_recording.hpp"
 
 namespace limber {
@@ -19,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::data_error_of;
 using ::testing::ElementsAre;
+using testing::figure;
 using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
@@ -43,18 +45,6 @@ class RunReport : public ::testing::Test {
   Recording recording_;
   RunRecord record_;
 };
-
-const ReportFigure& figure(const ReportDocument& document, const std::string& id) {
-  for (const ReportSection& section : document.sections) {
-    for (const ReportBlock& block : section.blocks) {
-      const auto* found = std::get_if<ReportFigure>(&block);
-      if (found != nullptr && found->id == id) {
-        return *found;
-      }
-    }
-  }
-  throw std::out_of_range("no figure " + id);
-}
 
 const ReportTrace* find_trace(const ReportFigure& figure, const std::string& name, std::size_t panel = 0) {
   for (const ReportTrace& trace : figure.traces) {

@@ -7,6 +7,7 @@
 #include "datasets/files.hpp"
 #include "limber/report/write_report.hpp"
 #include "limber/study/run_study.hpp"
+#include "report/find_in_document.hpp"
 #include "report/small_study.hpp"
 #include "run/short_recording.hpp"
 
@@ -22,6 +23,7 @@ using testing::Got;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::study_of;
+using testing::trace;
 
 StudyResults small_study() {
   Got diverging{"ekf-full"};
@@ -51,15 +53,6 @@ ReportFigure figure_ending(const ReportDocument& document, const std::string& su
     }
   }
   throw std::out_of_range("no figure " + suffix);
-}
-
-const ReportTrace& trace(const ReportFigure& figure, const std::string& name) {
-  for (const ReportTrace& trace : figure.traces) {
-    if (trace.name == name) {
-      return trace;
-    }
-  }
-  throw std::out_of_range("no trace " + name);
 }
 
 TEST(StudyReport, DrawsMeanSquaredErrorsBesideNineTimesTheMeanVariance) {

@@ -36,4 +36,23 @@ struct MedianInterval {
 /// @throws std::invalid_argument if one is NaN
 [[nodiscard]] std::optional<MedianInterval> median_interval(std::span<const double> values);
 
+/// The mean of a sequence, and what may be said of the mean of what it was drawn from.
+struct MeanInterval {
+  double mean = 0.0;
+  std::optional<double> lower, upper;  ///< hold the true mean with 95 %; nothing where too little is known
+  double correlation = 0.0;            ///< of neighbours, as it was allowed for [-]
+  std::size_t count = 0;
+};
+
+/// Fewer values give no interval of their mean.
+inline constexpr std::size_t kFewestForMean = 5;
+
+/// @brief Mean with Student's interval. Neighbours may be alike: with r, the correlation of neighbours (its
+/// bias 1/n added, never below zero), n values count as n (1 - r) / (1 + r), in the variance of the mean and in
+/// the degrees of freedom. [ZwiersStorch1995]
+/// @param values in the order in which they came
+/// @return nothing if there are no values
+/// @throws std::invalid_argument if one is not finite
+[[nodiscard]] std::optional<MeanInterval> mean_interval(std::span<const double> values);
+
 }  // namespace limber

@@ -38,6 +38,21 @@ using IndexPair = std::pair<std::size_t, std::size_t>;
 [[nodiscard]] std::vector<IndexPair> pairs_by_path(std::span<const MatchedPose> poses, double distance,
                                                    double relative_tolerance = 0.1);
 
+/// @brief Stretches of the *true* path, one after the other, each about `distance` [m] long: from a pose to the
+/// first one that is so much further, and on from there. What is left at the end belongs to none.
+/// @throws std::invalid_argument unless distance > 0
+[[nodiscard]] std::vector<IndexPair> disjoint_pieces(std::span<const MatchedPose> poses, double distance);
+
+/// A relative error.
+struct RelativeError {
+  double position_m = 0.0, attitude_deg = 0.0;
+};
+
+/// @brief The relative error of each pair, see relative_errors.
+/// @throws std::invalid_argument if there are fewer poses than a pair says
+[[nodiscard]] std::vector<RelativeError> relative_errors_of(std::span<const MatchedPose> poses,
+                                                            std::span<const IndexPair> pairs);
+
 /// @brief Relative errors, E = (T_true_i⁻¹ T_true_j)⁻¹ (T_est_i⁻¹ T_est_j): no alignment enters.
 /// @return nothing if there are no pairs
 [[nodiscard]] std::optional<PoseErrorStatistics> relative_errors(std::span<const MatchedPose> poses,

@@ -67,6 +67,7 @@ struct RunRecord {
   double elapsed_s = 0.0;                             ///< from the first frame read to the last state
   std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< the final map, p_world_landmark [m]
   RigParameters theta = RigParameters::Zero();        ///< what the filter takes for the rig at the end
+  RigParameters theta_assumed = RigParameters::Zero();  ///< what it was told of the rig [rad, m]
   std::vector<CalibrationRow> calibration;            ///< one per row of the trajectory, if it is estimated
   std::vector<std::string> notes;                     ///< choices made on the user's behalf, in plain words
   MotionModel motion = MotionModel::kImu;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +37,9 @@ struct RunFolder {
     return 1e-9 * static_cast<double>(t_ns - trajectory.front().t_ns);
   }
 };
+
+/// A number of summary.json, by keys from the outside in; nothing where it is not known.
+[[nodiscard]] std::optional<double> number_at(const Json& json, std::initializer_list<const char*> keys);
 
 /// @throws DataError if a file is missing or cannot be used, or files belong to different runs
 [[nodiscard]] RunFolder read_run_folder(const std::filesystem::path& path);

@@ -42,6 +42,18 @@ std::vector<MatchedPose> match_truth(const RunFolder& folder, const fs::path& pa
 
 }  // namespace
 
+std::optional<double> number_at(const Json& json, std::initializer_list<const char*> keys) {
+  const Json* at = &json;
+  for (const char* const key : keys) {
+    const auto it = at->is_object() ? at->find(key) : at->end();
+    if (!at->is_object() || it == at->end()) {
+      return std::nullopt;
+    }
+    at = &*it;
+  }
+  return at->is_number() ? std::optional(at->get<double>()) : std::nullopt;
+}
+
 RunFolder read_run_folder(const fs::path& path) {
   RunFolder folder;
   folder.path = path;

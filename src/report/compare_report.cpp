@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "limber/report/compare_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compare/compare_folders.hpp"
+#include "compare_sections.hpp"
+
+namespace limber {
+namespace detail {
+namespace {
+
+/// Colour by method; runs of the same method have dashes of their own.
+std::string style_of(const ComparedRun& run, const RunGroup& group) {
+  const bool taken = std::any_of(group.compared.begin(), group.compared.end(),
+                                 [&](const ComparedRun* other) { return other->method == run.method; });
+  return taken ? run.method + ":" + run.label : run.method;
+}
+
+void join(const RunFolder& folder, const ComparedRun& run, RunGroup& group) {
+  const std::int64_t zero_ns =
+      group.runs.empty() ? folder.trajectory.front().t_ns : group.first().trajectory.front().t_ns;
+  group.runs.push_back({&folder, run.label, style_of(run, group), zero_ns});
+  group.compared.push_back(&run);
+}
+
+std::vector<RunGroup> groups_of(const std::vector<RunFolder>& folders, const RunComparison& comparison) {
+  std::vector<RunGroup> groups;
+  std::vector<std::size_t> group_of(folders.size());
+  for (std::size_t k = 0; k < folders.size(); ++k) {
+    const auto difference =
+        std::find_if(comparison.differences.begin(), comparison.differences.end(),
+                     [k](const RunDifference& candidate) { return candidate.run == k; });
+    if (difference == comparison.differences.end()) {
+      groups.push_back({groups.empty() ? "" : fmt::format("-{}", groups.size() + 1), {}, {}});
+      group_of[k] = groups.size() - 1;
+    } else {
+      group_of[k] = group_of[difference->against];
+    }
+    join(folders[k], comparison.runs[k], groups[group_of[k]]);
+  }
+  return groups;
+}
+
+/// The answer in a few tiles: what the differences say, else how far the runs are apart.
+std::vector<ReportFact> facts_of(const RunComparison& comparison) {
+  std::vector<ReportFact> facts;
+  for (const RunDifference& difference : comparison.differences) {
+    const std::string &run = comparison.runs[difference.run].label,
+                      &against = comparison.runs[difference.against].label;
+    if (difference.rpe_percent) {
+      facts.push_back({fmt::format("RPE, {} minus {}", run, against),
+                       fmt::format("{:+.2g} %: {}", difference.rpe_percent->mean,
+                                   to_string(judge(*difference.rpe_percent)))});
+    } else {
+      facts.push_back({fmt::format("{} from {}, at the end", run, against),
+                       fmt::format("{:.3g} m apart", difference.apart_end_m)});
+    }
+  }
+  return facts;
+}
+
+std::string names_of(const std::vector<RunGroup>& groups) {
+  std::string names;
+  for (const RunGroup& group : groups) {
+    names += (names.empty() ? "" : ", ") + group.compared.front()->recording;
+  }
+  return names;
+}
+
+void add_sections(const RunGroup& group, bool only, ReportDocument& document) {
+  for (ReportSection section : {paths_section(group), errors_section(group), calibrations_section(group)}) {
+    if (!section.blocks.empty()) {
+      section.id += group.id;
+      section.title += only ? "" : " on " + group.compared.front()->recording;
+      document.sections.push_back(std::move(section));
+    }
+  }
+}
+
+}  // namespace
+
+bool RunGroup::has_truth() const {
+  return std::all_of(compared.begin(), compared.end(), [](const ComparedRun* run) { return run->has_truth; });
+}
+
+bool RunGroup::tilted() const {
+  return std::any_of(compared.begin(), compared.end(),
+                     [](const ComparedRun* run) { return run->truth_is_tilted; });
+}
+
+}  // namespace detail
+
+ReportDocument compare_report(std::span<const std::filesystem::path> folders, const CompareOptions& options) {
+  const std::vector<detail::RunFolder> runs = detail::read_run_folders(folders);
+  const RunComparison comparison = detail::compare_folders(runs, options);
+  const std::vector<detail::RunGroup> groups = detail::groups_of(runs, comparison);
+  ReportDocument document;
+  document.title = fmt::format("{} runs on {}", runs.size(), detail::names_of(groups));
+  document.subtitle = fmt::format("The first run of a recording is what its others are compared with: {}",
+                                  comparison.runs.front().label);
+  document.facts = detail::facts_of(comparison);
+  document.sections.push_back(detail::comparison_section(comparison));
+  for (const detail::RunGroup& group : groups) {
+    detail::add_sections(group, groups.size() == 1, document);
+  }
+  document.footer = "Made by limber compare from the folders of the runs.";
+  return document;
+}
+
+}  // namespace limber
