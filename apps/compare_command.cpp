@@ -27,7 +27,8 @@ struct CompareArguments {
 void compare(const CompareArguments& arguments) {
   const std::vector<std::filesystem::path> folders = run_folders(arguments.runs);
   if (folders.size() < 2) {
-    throw CLI::ValidationError("RUN", "expected two runs at least, found " + folders.front().string() + " alone");
+    throw CLI::ValidationError("RUN",
+                               "expected two runs at least, found " + folders.front().string() + " alone");
   }
   if (!arguments.out.empty()) {
     require_replaceable(arguments.out, kPageMark, arguments.force, folders);
@@ -46,28 +47,34 @@ void compare(const CompareArguments& arguments) {
 
 void add_compare_command(CLI::App& app) {
   auto arguments = std::make_shared<CompareArguments>();
-  CLI::App* command = app.add_subcommand("compare", "Compare runs: a table, differences with intervals, a page");
+  CLI::App* command =
+      app.add_subcommand("compare", "Compare runs: a table, differences with intervals, a page");
   command
-      ->add_option("RUN", arguments->runs,
-                   "Folder of a run, or a folder of such folders; the others are compared with the first one of "
-                   "their recording")
+      ->add_option(
+          "RUN", arguments->runs,
+          "Folder of a run, or a folder of such folders; the others are compared with the first one of "
+          "their recording")
       ->required()
       ->check(not_empty());
   command->add_option("--out", arguments->out, "Draw a page, too: one HTML file that needs no network")
       ->check(not_empty());
   command->add_flag("--json", arguments->json, "Print JSON instead of tables");
   command
-      ->add_option("--piece", arguments->options.piece_m,
-                   "Length of the pieces that relative errors are of [m]; default: a round length of which ten "
-                   "or more fit into the path")
+      ->add_option(
+          "--piece", arguments->options.piece_m,
+          "Length of the pieces that relative errors are of [m]; default: a round length of which ten "
+          "or more fit into the path")
       ->check(positive());
-  command->add_flag("--across-assumptions", arguments->options.across_assumptions,
-                    "Pair runs that assume different things of their recording (calibration, noise, start), too");
+  command->add_flag(
+      "--across-assumptions", arguments->options.across_assumptions,
+      "Pair runs that assume different things of their recording (calibration, noise, start), too");
   add_force_option(*command, arguments->force);
   command->footer(
-      "\nErrors are paired piece by piece, for runs of the same recording with its truth: the mean difference "
+      "\nErrors are paired piece by piece, for runs of the same recording with its truth: the mean "
+      "difference "
       "with its\n"
-      "95 % interval, and 'cannot tell' where that holds zero. ATE after a rigid fit; RPE: mean over disjoint "
+      "95 % interval, and 'cannot tell' where that holds zero. ATE after a rigid fit; RPE: mean over "
+      "disjoint "
       "pieces of\n"
       "the path; scale: error of the estimate; apart: distance between two runs.\n"
       "Example:\n  limber compare runs/v101-methods --out comparison.html");

@@ -13,9 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string digits(const std::optional<double>& value) {
-  return value ? fmt::format("{:.3g}", *value) : "-";
-}
+std::string digits(const std::optional<double>& value) { return value ? fmt::format("{:.3g}", *value) : "-"; }
 
 std::string two_decimals(const std::optional<double>& value) {
   return value ? fmt::format("{:.2f}", *value) : "-";
@@ -47,7 +45,8 @@ NamesShown names_of(const RunComparison& comparison) {
   return out;
 }
 
-void append_names(const NamesShown& shown, const std::string& recording, const std::string& method, TextRow& row) {
+void append_names(const NamesShown& shown, const std::string& recording, const std::string& method,
+                  TextRow& row) {
   if (shown.recording) {
     row.push_back(recording);
   }
@@ -81,11 +80,11 @@ std::string run_table(const RunComparison& comparison) {
     rows.push_back(row_of(run, shown));
   }
   const ComparedRun& first = comparison.runs.front();
-  const std::string where =
-      shown.recording ? "several recordings"
-                      : fmt::format("{} ({:.1f} s, {:.1f} m)", first.recording, first.duration_s, first.path_length_m);
-  return fmt::format("{} runs on {}{}\n", comparison.runs.size(), where,
-                     first.has_truth ? "" : ", whose truth is not known") +
+  const std::string where = shown.recording ? "several recordings"
+                                            : fmt::format("{} ({:.1f} s, {:.1f} m)", first.recording,
+                                                          first.duration_s, first.path_length_m);
+  return fmt::format("{} run{} on {}{}\n", comparison.runs.size(), comparison.runs.size() == 1 ? "" : "s",
+                     where, first.has_truth ? "" : ", whose truth is not known") +
          text_table(rows);
 }
 

@@ -159,16 +159,16 @@ void run_each(const RunArguments& arguments) {
   if (!arguments.constraints.empty() && std::find(methods.begin(), methods.end(), lcekf) == methods.end()) {
     throw CLI::ValidationError("--constraints", "lcekf alone has constraints, which --methods does not name");
   }
-  run_methods(methods, arguments.out, arguments.force,
-              [&](const std::string& method, const std::filesystem::path& folder,
-                  std::vector<std::string>& notes) {
-                RunArguments one = arguments;
-                one.method = method;
-                one.out = folder;
-                one.notes = &notes;
-                if (method != lcekf) one.constraints.clear();
-                run(one);
-              });
+  run_methods(
+      methods, arguments.out, arguments.force,
+      [&](const std::string& method, const std::filesystem::path& folder, std::vector<std::string>& notes) {
+        RunArguments one = arguments;
+        one.method = method;
+        one.out = folder;
+        one.notes = &notes;
+        if (method != lcekf) one.constraints.clear();
+        run(one);
+      });
 }
 
 }  // namespace

@@ -66,8 +66,8 @@ void print_notes(const std::vector<std::string>& methods, const Outcome& outcome
   std::vector<std::string> order;
   std::map<std::string, std::vector<std::string>> methods_of;
   for (const std::string& method : methods) {
-    for (const std::string& note : outcome.notes.contains(method) ? outcome.notes.at(method)
-                                                                  : std::vector<std::string>{}) {
+    for (const std::string& note :
+         outcome.notes.contains(method) ? outcome.notes.at(method) : std::vector<std::string>{}) {
       if (methods_of[note].empty()) {
         order.push_back(note);
       }

@@ -18,8 +18,8 @@ inline constexpr const char* kComparisonPage = "comparison.html";
 
 /// Runs one method into a folder, and says what there is to note.
 /// @throws CLI::RuntimeError after it has written what is partial or lost, else like run_recording
-using RunOneMethod =
-    std::function<void(const std::string& method, const std::filesystem::path& folder, std::vector<std::string>& notes)>;
+using RunOneMethod = std::function<void(const std::string& method, const std::filesystem::path& folder,
+                                        std::vector<std::string>& notes)>;
 
 /// @brief Runs each method into out/METHOD, one after the other, then prints each note once and the table of
 /// compare_runs, and makes its page. A method that fails (diverges, lacks what it needs) does not keep the

@@ -13,7 +13,8 @@ namespace limber::detail {
 [[nodiscard]] std::vector<RunFolder> read_run_folders(std::span<const std::filesystem::path> folders);
 
 /// compare_runs of folders that were read.
-[[nodiscard]] RunComparison compare_folders(const std::vector<RunFolder>& runs, const CompareOptions& options);
+[[nodiscard]] RunComparison compare_folders(const std::vector<RunFolder>& runs,
+                                            const CompareOptions& options);
 
 /// What one run says by itself; label and piece_m are the caller's.
 [[nodiscard]] ComparedRun compared_run(const RunFolder& run, double piece_m);

@@ -65,9 +65,8 @@ void compare_pieces(const Pair& pair, double piece_m, RunDifference& out) {
 
 std::optional<double> ate_of(const std::vector<MatchedPose>& poses) {
   const Alignment fit = align(poses, AlignmentKind::kSe3);
-  return fit.status == AlignmentStatus::kAligned
-             ? std::optional(absolute_errors(poses, fit).position_m.rmse)
-             : std::nullopt;
+  return fit.status == AlignmentStatus::kAligned ? std::optional(absolute_errors(poses, fit).position_m.rmse)
+                                                 : std::nullopt;
 }
 
 void measure_distance(const std::vector<MatchedPose>& both, RunDifference& out) {
@@ -119,20 +118,20 @@ void note_tilted_truth(RunComparison& out) {
     }
   }
   if (!tilted.empty()) {
-    out.notes.push_back(
-        joined(tilted) +
-        ": most of the error is that of the first pose, for instance because the world of the truth is not level; "
-        "ANEES would say nothing of the filter and is left out");
+    out.notes.push_back(joined(tilted) +
+                        ": most of the error is that of the first pose, for instance because the world of "
+                        "the truth is not level; "
+                        "ANEES would say nothing of the filter and is left out");
   }
 }
 
 void note_unpaired(const RunDifference& difference, bool across, RunComparison& out) {
   if (!difference.assumptions.empty()) {
-    out.notes.push_back(fmt::format("{} and {} assume different things of {}: {}; {}",
-                                    out.runs[difference.run].label, out.runs[difference.against].label,
-                                    out.runs[difference.run].recording, joined(difference.assumptions),
-                                    across ? "their difference is of both, method and assumptions"
-                                           : "their errors are not paired"));
+    out.notes.push_back(fmt::format(
+        "{} and {} assume different things of {}: {}; {}", out.runs[difference.run].label,
+        out.runs[difference.against].label, out.runs[difference.run].recording,
+        joined(difference.assumptions),
+        across ? "their difference is of both, method and assumptions" : "their errors are not paired"));
   }
 }
 
@@ -154,8 +153,8 @@ RunComparison compare_folders(const std::vector<RunFolder>& runs, const CompareO
   const std::vector<std::string> labels = run_labels(runs);
   for (std::size_t k = 0; k < runs.size(); ++k) {
     const std::size_t first = first_alike(runs, k);
-    const double piece_m = first < k ? out.runs[first].piece_m
-                                     : options.piece_m.value_or(default_piece(poses_on_path(runs[k])));
+    const double piece_m =
+        first < k ? out.runs[first].piece_m : options.piece_m.value_or(default_piece(poses_on_path(runs[k])));
     out.runs.push_back(compared_run(runs[k], piece_m));
     out.runs.back().label = labels[k];
     if (first < k) {
@@ -164,8 +163,9 @@ RunComparison compare_folders(const std::vector<RunFolder>& runs, const CompareO
       out.differences.back().against = first;
       note_unpaired(out.differences.back(), options.across_assumptions, out);
     } else if (k > 0) {
-      out.notes.push_back(fmt::format("{} is of another recording ({}) than those before it: not paired with them",
-                                      labels[k], out.runs[k].recording));
+      out.notes.push_back(
+          fmt::format("{} is of another recording ({}) than those before it: not paired with them", labels[k],
+                      out.runs[k].recording));
     }
   }
   note_tilted_truth(out);
@@ -179,7 +179,9 @@ std::string to_string(RunEnd end) {
 }
 
 std::string to_string(Judgement judgement) {
-  return judgement == Judgement::kBetter ? "better" : judgement == Judgement::kWorse ? "worse" : "cannot tell";
+  return judgement == Judgement::kBetter  ? "better"
+         : judgement == Judgement::kWorse ? "worse"
+                                          : "cannot tell";
 }
 
 Judgement judge(const MeanInterval& difference) {
@@ -192,7 +194,7 @@ Judgement judge(const MeanInterval& difference) {
 std::string difference_in_words(const MeanInterval& difference) {
   const std::string verdict = to_string(judge(difference));
   if (!difference.lower || !difference.upper) {
-    return fmt::format("{:+.2g} (too few pieces, or too alike): {}", difference.mean, verdict);
+    return fmt::format("{:+.2g} (too few pieces): {}", difference.mean, verdict);
   }
   const double half = 0.5 * (*difference.upper - *difference.lower);
   const int decimals = half > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(half))), 0, 9) : 2;

@@ -26,9 +26,8 @@ void judge_by_truth(const RunFolder& run, ComparedRun& out) {
   out.path_length_m = evaluation.path_length;
   out.ate_m = fit.errors->position_m.rmse;
   out.attitude_rmse_deg = fit.errors->attitude_deg.rmse;
-  out.truth_is_tilted =
-      run.summary.value("alignment", Json()) != "nothing" &&
-      fit.errors->position_m.rmse < kMuchSmaller * evaluation.none.errors->position_m.rmse;
+  out.truth_is_tilted = run.summary.value("alignment", Json()) != "nothing" &&
+                        fit.errors->position_m.rmse < kMuchSmaller * evaluation.none.errors->position_m.rmse;
   if (evaluation.sim3.errors) {
     out.scale_error_percent = 100.0 * (1.0 / evaluation.sim3.alignment.scale - 1.0);
   }
@@ -45,8 +44,9 @@ void judge_by_truth(const RunFolder& run, ComparedRun& out) {
 }
 
 RunEnd end_of(const ComparedRun& run, const Json& summary) {
-  return run.lost_since_s ? RunEnd::kLost : summary.value("complete", Json(true)) == false ? RunEnd::kPartial
-                                                                                          : RunEnd::kDone;
+  return run.lost_since_s                                 ? RunEnd::kLost
+         : summary.value("complete", Json(true)) == false ? RunEnd::kPartial
+                                                          : RunEnd::kDone;
 }
 
 }  // namespace

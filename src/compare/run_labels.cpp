@@ -28,7 +28,8 @@ void require_different(const std::vector<RunFolder>& runs) {
 std::size_t common_parts(const std::vector<std::vector<fs::path>>& paths) {
   std::size_t common = paths.front().size() - 1;
   for (const auto& parts : paths) {
-    const auto end = std::mismatch(parts.begin(), parts.end() - 1, paths.front().begin(), paths.front().end());
+    const auto end =
+        std::mismatch(parts.begin(), parts.end() - 1, paths.front().begin(), paths.front().end());
     common = std::min(common, static_cast<std::size_t>(end.first - parts.begin()));
   }
   return common;

@@ -77,8 +77,8 @@ Frames common_frames(const RunFolder& a, const RunFolder& b) {
 
 bool same_recording(const RunFolder& a, const RunFolder& b) {
   const auto frames = [](const RunFolder& run) { return number_at(run.summary, {"frames_of_recording"}); };
-  return at(a.summary, "dataset") == at(b.summary, "dataset") && frames(a) == frames(b) && same_stamps(a, b) &&
-         same_truth(a, b);
+  return at(a.summary, "dataset") == at(b.summary, "dataset") && frames(a) == frames(b) &&
+         same_stamps(a, b) && same_truth(a, b);
 }
 
 std::vector<std::string> different_assumptions(const RunFolder& a, const RunFolder& b) {

@@ -11,6 +11,7 @@ namespace limber {
 namespace {
 
 constexpr double kTail = 0.025;  // on either side of an interval
+constexpr double kLargestCorrelation = 0.9;
 
 /// P(|T| <= sqrt(dof) tan(angle)) of Student's T: the integral of cos^(dof - 1) from 0, over that up to pi/2.
 double student_within(double angle, double dof) {
@@ -21,8 +22,8 @@ double student_within(double angle, double dof) {
     const double weight = k == 0 || k == kSteps ? 1.0 : (k % 2 == 1 ? 4.0 : 2.0);
     sum += weight * std::pow(std::cos(k * step), dof - 1.0);
   }
-  const double whole = 0.5 * std::sqrt(std::numbers::pi) *
-                       std::exp(std::lgamma(0.5 * dof) - std::lgamma(0.5 * (dof + 1.0)));
+  const double whole =
+      0.5 * std::sqrt(std::numbers::pi) * std::exp(std::lgamma(0.5 * dof) - std::lgamma(0.5 * (dof + 1.0)));
   return sum * step / 3.0 / whole;
 }
 
@@ -36,7 +37,8 @@ double student_quantile(double dof) {
   return std::sqrt(dof) * std::tan(low);
 }
 
-/// Correlation of neighbours, with the bias of so few values taken back; 0 to 1.
+/// Correlation of neighbours, with the bias of so few values taken back; 0 to
+/// kLargestCorrelation.
 double neighbour_correlation(std::span<const double> values, double mean) {
   double squares = 0.0, products = 0.0;
   for (std::size_t k = 0; k < values.size(); ++k) {
@@ -44,7 +46,7 @@ double neighbour_correlation(std::span<const double> values, double mean) {
     products += k > 0 ? (values[k] - mean) * (values[k - 1] - mean) : 0.0;
   }
   const double r = squares > 0.0 ? products / squares + 1.0 / static_cast<double>(values.size()) : 0.0;
-  return std::clamp(r, 0.0, 1.0);
+  return std::clamp(r, 0.0, kLargestCorrelation);
 }
 
 }  // namespace
@@ -111,8 +113,9 @@ std::optional<MeanInterval> mean_interval(std::span<const double> values) {
   MeanInterval out{s.mean, {}, {}, neighbour_correlation(values, s.mean), s.count};
   const auto n = static_cast<double>(s.count);
   const double effective = n * (1.0 - out.correlation) / (1.0 + out.correlation);
-  if (s.count >= kFewestForMean && effective >= 2.0) {
-    const double half = student_quantile(effective - 1.0) * s.std * std::sqrt(n / (n - 1.0) / effective);
+  if (s.count >= kFewestForMean) {
+    const double half =
+        student_quantile(std::max(1.0, effective - 1.0)) * s.std * std::sqrt(n / (n - 1.0) / effective);
     out.lower = s.mean - half;
     out.upper = s.mean + half;
   }

@@ -51,11 +51,13 @@ void draw_bounds(const DrawnRun& drawn, ErrorFigures& out) {
 
 ErrorFigures errors_against_truth(const RunGroup& group) {
   const bool tilted = group.tilted();
-  const std::string caption =
-      tilted ? "Length of the error after a rigid fit of all positions: aligned by the first pose, most of it would "
-               "be that pose's, for instance because the world of the truth is not level. So no bounds are drawn."
-             : "Length of the error, aligned as in each run's summary.json; dotted: three standard deviations, root "
-               "of the summed variances.";
+  const std::string caption = tilted ? "Length of the error after a rigid fit of all positions: aligned by "
+                                       "the first pose, most of it would "
+                                       "be that pose's, for instance because the world of the truth is not "
+                                       "level. So no bounds are drawn."
+                                     : "Length of the error, aligned as in each run's summary.json; dotted: "
+                                       "three standard deviations, root "
+                                       "of the summed variances.";
   ErrorFigures out{
       figure_over_time("position-error" + group.id, "Position error", {{"error", "m"}}, caption),
       figure_over_time("attitude-error" + group.id, "Attitude error", {{"error", "deg"}}, caption)};
@@ -71,8 +73,9 @@ ErrorFigures errors_against_truth(const RunGroup& group) {
 
 /// Without truth: how far each run is from the first one.
 ErrorFigures distances(const RunGroup& group) {
-  const std::string caption = fmt::format(
-      "No truth is known: distance from {}, position and yaw of the first poses put together.", group.runs[0].name);
+  const std::string caption =
+      fmt::format("No truth is known: distance from {}, position and yaw of the first poses put together.",
+                  group.runs[0].name);
   ErrorFigures out{
       figure_over_time("position-error" + group.id, "Distance between runs", {{"distance", "m"}}, caption),
       figure_over_time("attitude-error" + group.id, "Angle between runs", {{"angle", "deg"}}, caption)};
@@ -90,12 +93,11 @@ ErrorFigures distances(const RunGroup& group) {
 
 ReportFigure relative_figure(const RunGroup& group) {
   const double piece_m = group.compared.front()->piece_m;
-  ReportFigure figure =
-      figure_over_time("relative-error" + group.id, "Relative error, piece by piece",
-                       {{"position", "%"}, {"attitude", "deg"}},
-                       fmt::format("Of disjoint pieces of {:g} m of the path, at the end of each: what the table's "
-                                   "differences are made of. No alignment enters.",
-                                   piece_m));
+  ReportFigure figure = figure_over_time(
+      "relative-error" + group.id, "Relative error, piece by piece", {{"position", "%"}, {"attitude", "deg"}},
+      fmt::format("Of disjoint pieces of {:g} m of the path, at the end of each: what the table's "
+                  "differences are made of. No alignment enters.",
+                  piece_m));
   for (const DrawnRun& drawn : group.runs) {
     const std::vector<IndexPair> pieces = disjoint_pieces(drawn.run->matched, piece_m);
     const std::vector<RelativeError> errors = relative_errors_of(drawn.run->matched, pieces);

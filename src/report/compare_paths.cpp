@@ -28,7 +28,8 @@ std::vector<MatchedPose> against_first(const RunGroup& group, std::size_t run) {
   std::vector<MatchedPose> both;
   const RunFolder &own = *group.runs[run].run, &first = group.first();
   for (const auto& [n, m] : common_frames(own, first)) {
-    both.push_back({own.trajectory[n].t_ns, n, own.trajectory[n].T_world_body, first.trajectory[m].T_world_body});
+    both.push_back(
+        {own.trajectory[n].t_ns, n, own.trajectory[n].T_world_body, first.trajectory[m].T_world_body});
   }
   return both;
 }

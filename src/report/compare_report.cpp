@@ -30,9 +30,8 @@ std::vector<RunGroup> groups_of(const std::vector<RunFolder>& folders, const Run
   std::vector<RunGroup> groups;
   std::vector<std::size_t> group_of(folders.size());
   for (std::size_t k = 0; k < folders.size(); ++k) {
-    const auto difference =
-        std::find_if(comparison.differences.begin(), comparison.differences.end(),
-                     [k](const RunDifference& candidate) { return candidate.run == k; });
+    const auto difference = std::find_if(comparison.differences.begin(), comparison.differences.end(),
+                                         [k](const RunDifference& candidate) { return candidate.run == k; });
     if (difference == comparison.differences.end()) {
       groups.push_back({groups.empty() ? "" : fmt::format("-{}", groups.size() + 1), {}, {}});
       group_of[k] = groups.size() - 1;
@@ -98,7 +97,8 @@ ReportDocument compare_report(std::span<const std::filesystem::path> folders, co
   const RunComparison comparison = detail::compare_folders(runs, options);
   const std::vector<detail::RunGroup> groups = detail::groups_of(runs, comparison);
   ReportDocument document;
-  document.title = fmt::format("{} runs on {}", runs.size(), detail::names_of(groups));
+  document.title =
+      fmt::format("{} run{} on {}", runs.size(), runs.size() == 1 ? "" : "s", detail::names_of(groups));
   document.subtitle = fmt::format("The first run of a recording is what its others are compared with: {}",
                                   comparison.runs.front().label);
   document.facts = detail::facts_of(comparison);

@@ -12,15 +12,15 @@ namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::expect_refused;
 using ::testing::AllOf;
+using testing::expect_refused;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-using ::testing::StartsWith;
 using testing::read_text;
 using testing::run_limber;
 using testing::RunFilesOf;
+using ::testing::StartsWith;
 using testing::write_text;
 using Json = nlohmann::json;
 
@@ -48,7 +48,7 @@ TEST_F(CompareCommand, PrintsTablesToStdoutAlone) {
   EXPECT_THAT(result.err, IsEmpty());
   EXPECT_THAT(result.out, StartsWith("2 runs on walk (60.0 s, 1"));
   EXPECT_THAT(result.out, AllOf(HasSubstr("ATE [m]"), HasSubstr("+4.00"), HasSubstr("degraded"),
-                                HasSubstr("2.00 (2.00)"), HasSubstr("done")));
+                                HasSubstr("2.00 (3.00)"), HasSubstr("done")));
   EXPECT_THAT(result.out, AllOf(HasSubstr("\nlcekf  ekf    12      +"), HasSubstr("): worse")));
   EXPECT_EQ(run_limber({"compare", (folder() / "runs").string()}).out, result.out);
 }
@@ -83,7 +83,8 @@ TEST_F(CompareCommand, DrawsAPageThatReplacesNobodysFile) {
   expect_refused(run_limber({"compare", a(), b(), "--out", page.string()}), 1, "page.html: expected no file");
   EXPECT_EQ(read_text(page), "mine");
   const std::string summary = a() + "/summary.json";
-  expect_refused(run_limber({"compare", a(), b(), "--out", summary, "--force"}), 1, "what this command reads");
+  expect_refused(run_limber({"compare", a(), b(), "--out", summary, "--force"}), 1,
+                 "what this command reads");
 }
 
 TEST_F(CompareCommand, RefusesWhatIsNoRun) {

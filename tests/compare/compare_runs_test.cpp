@@ -129,9 +129,9 @@ TEST_F(CompareRuns, OtherRecordingsAreNotPaired) {
       compare({write("a", a), write("b", other), write("c", moved), write("d", later), write("e", again)});
   ASSERT_EQ(comparison.differences.size(), 1U);
   EXPECT_EQ(comparison.differences[0].run, 4U);
-  EXPECT_THAT(comparison.notes,
-              ElementsAre(HasSubstr("lcekf is of another recording (elsewhere)"),
-                          HasSubstr("adaptive is of another recording (walk)"), HasSubstr("soft is of another")));
+  EXPECT_THAT(comparison.notes, ElementsAre(HasSubstr("lcekf is of another recording (elsewhere)"),
+                                            HasSubstr("adaptive is of another recording (walk)"),
+                                            HasSubstr("soft is of another")));
 }
 
 TEST_F(CompareRuns, OtherAssumptionsAreNotPairedUnlessAskedFor) {
@@ -165,8 +165,7 @@ TEST_F(CompareRuns, APartialRunIsComparedOverWhatItHas) {
   partial.complete = false;
   partial.scale = 1.02;
   lost.lost_after_s = 12.5;
-  const RunComparison comparison =
-      compare({write("a", whole), write("b", partial), write("c", lost)});
+  const RunComparison comparison = compare({write("a", whole), write("b", partial), write("c", lost)});
   EXPECT_EQ(comparison.runs[1].end, RunEnd::kPartial);
   EXPECT_EQ(comparison.runs[1].frames_of_recording, 601U);
   EXPECT_EQ(comparison.runs[2].end, RunEnd::kLost);

@@ -37,8 +37,7 @@ struct RunFilesOf {
 
   [[nodiscard]] static Eigen::Vector3d position(double t, double bend = 0.0) {
     const double s = 2.0 * t;  // a large circle, up and down a little
-    return {40.0 * std::sin(s / 40.0), 40.0 * (1.0 - std::cos(s / 40.0)) + bend * s,
-            0.5 * std::sin(0.3 * t)};
+    return {40.0 * std::sin(s / 40.0), 40.0 * (1.0 - std::cos(s / 40.0)) + bend * s, 0.5 * std::sin(0.3 * t)};
   }
 
   void write(const std::filesystem::path& folder) const {
@@ -57,6 +56,7 @@ struct RunFilesOf {
     summary.frames = record.frames.size();
     summary.anees = 1.5;
     summary.ms_per_frame_p50 = 2.0;
+    summary.ms_per_frame_p99 = 3.0;
     summary.alignment = has_truth ? "position and yaw of the first pose" : "";
     summary.health.emplace();
     summary.health->verdict = HealthVerdict::kDegraded;

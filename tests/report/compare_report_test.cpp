@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using testing::figure;
+using ::testing::HasSubstr;
 using testing::RunFilesOf;
 using testing::trace;
 

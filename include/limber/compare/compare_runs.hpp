@@ -44,13 +44,13 @@ struct ComparedRun {
   bool has_truth = false;
   /// After the rigid fit of all positions (ATE); of a path that determines none, after that of the run.
   std::optional<double> ate_m, attitude_rmse_deg;
-  double piece_m = 0.0;                              ///< of the relative errors [m]
-  std::size_t pieces = 0;                            ///< disjoint
-  std::optional<double> rpe_percent, rpe_deg;        ///< mean over the pieces: % of their length; deg a piece
-  std::optional<double> scale_error_percent;         ///< of the estimate, from the fit with scale
-  std::optional<double> anees;                       ///< nothing where `truth_is_tilted`
-  bool truth_is_tilted = false;                      ///< most of the error is that of the first pose
-  std::optional<std::string> verdict;                ///< on the calibration
+  double piece_m = 0.0;                        ///< of the relative errors [m]
+  std::size_t pieces = 0;                      ///< disjoint
+  std::optional<double> rpe_percent, rpe_deg;  ///< mean over the pieces: % of their length; deg a piece
+  std::optional<double> scale_error_percent;   ///< of the estimate, from the fit with scale
+  std::optional<double> anees;                 ///< nothing where `truth_is_tilted`
+  bool truth_is_tilted = false;                ///< most of the error is that of the first pose
+  std::optional<std::string> verdict;          ///< on the calibration
   std::optional<double> ms_per_frame, ms_per_frame_p99;  ///< median and p99
 };
 
@@ -67,7 +67,7 @@ enum class Judgement : std::uint8_t { kBetter, kWorse, kCannotTell };
 
 /// A run against an earlier one of the same recording, over the frames that both have.
 struct RunDifference {
-  std::size_t run = 0, against = 0;  ///< indices of RunComparison::runs
+  std::size_t run = 0, against = 0;      ///< indices of RunComparison::runs
   std::vector<std::string> assumptions;  ///< in which they differ, in words
   std::size_t frames = 0;                ///< in common
   /// Piece by piece, `run` minus `against`: RPE [% of the way], [deg a piece]. Nothing without truth, without

@@ -39,7 +39,7 @@ struct MedianInterval {
 /// The mean of a sequence, and what may be said of the mean of what it was drawn from.
 struct MeanInterval {
   double mean = 0.0;
-  std::optional<double> lower, upper;  ///< hold the true mean with 95 %; nothing where too little is known
+  std::optional<double> lower, upper;  ///< hold the true mean with 95 %; fewer than five values: none
   double correlation = 0.0;            ///< of neighbours, as it was allowed for [-]
   std::size_t count = 0;
 };
@@ -48,8 +48,8 @@ struct MeanInterval {
 inline constexpr std::size_t kFewestForMean = 5;
 
 /// @brief Mean with Student's interval. Neighbours may be alike: with r, the correlation of neighbours (its
-/// bias 1/n added, never below zero), n values count as n (1 - r) / (1 + r), in the variance of the mean and in
-/// the degrees of freedom. [ZwiersStorch1995]
+/// bias 1/n added, 0 to 0.9), n values count as n (1 - r) / (1 + r), in the variance of the mean and in the
+/// degrees of freedom, of which there is one at least. [ZwiersStorch1995]
 /// @param values in the order in which they came
 /// @return nothing if there are no values
 /// @throws std::invalid_argument if one is not finite

@@ -38,8 +38,8 @@ using IndexPair = std::pair<std::size_t, std::size_t>;
 [[nodiscard]] std::vector<IndexPair> pairs_by_path(std::span<const MatchedPose> poses, double distance,
                                                    double relative_tolerance = 0.1);
 
-/// @brief Stretches of the *true* path, one after the other, each about `distance` [m] long: from a pose to the
-/// first one that is so much further, and on from there. What is left at the end belongs to none.
+/// @brief Stretches of the *true* path, one after the other, each about `distance` [m] long: from a pose to
+/// the first one that is so much further, and on from there. What is left at the end belongs to none.
 /// @throws std::invalid_argument unless distance > 0
 [[nodiscard]] std::vector<IndexPair> disjoint_pieces(std::span<const MatchedPose> poses, double distance);
 

@@ -64,12 +64,12 @@ struct RunRecord {
   std::vector<double> source_ms;          ///< time in the frame source per frame [ms]
   /// Where frames came from images: of all frames that were read, those that the run left out as well.
   std::optional<FrontendRecord> frontend;
-  double elapsed_s = 0.0;                             ///< from the first frame read to the last state
-  std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< the final map, p_world_landmark [m]
-  RigParameters theta = RigParameters::Zero();        ///< what the filter takes for the rig at the end
+  double elapsed_s = 0.0;                               ///< from the first frame read to the last state
+  std::map<std::int64_t, Eigen::Vector3d> landmarks;    ///< the final map, p_world_landmark [m]
+  RigParameters theta = RigParameters::Zero();          ///< what the filter takes for the rig at the end
   RigParameters theta_assumed = RigParameters::Zero();  ///< what it was told of the rig [rad, m]
-  std::vector<CalibrationRow> calibration;            ///< one per row of the trajectory, if it is estimated
-  std::vector<std::string> notes;                     ///< choices made on the user's behalf, in plain words
+  std::vector<CalibrationRow> calibration;              ///< one per row of the trajectory, if it is estimated
+  std::vector<std::string> notes;                       ///< choices made on the user's behalf, in plain words
   MotionModel motion = MotionModel::kImu;
   InitialState start;                       ///< what the filter was told of its first state
   std::optional<StartReport> sensor_start;  ///< StartMode::kAuto: what was known by then, and when that was
