@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "commands.hpp"
 #include "comparison_text.hpp"
@@ -28,7 +29,7 @@ namespace fs = std::filesystem;
 struct Outcome {
   std::vector<fs::path> folders;  ///< of what was written
   std::map<std::string, std::vector<std::string>> notes;
-  std::vector<std::string> failures;  ///< "METHOD failed: why"
+  std::map<std::string, std::vector<std::string>> failures;
   bool all_done = true;
 };
 
@@ -55,28 +56,39 @@ void run_one(const std::string& method, const fs::path& folder, const RunOneMeth
   } catch (const std::exception& error) {
     out.all_done = false;
     if (!Interrupt::asked()) {
-      out.failures.push_back(fmt::format("{} failed: {}", method, error.what()));
+      out.failures[method] = {error.what()};
     }
   }
   out.notes[method] = notes;
 }
 
-/// Each note once: with its methods, unless it is of all.
-void print_notes(const std::vector<std::string>& methods, const Outcome& outcome) {
-  std::vector<std::string> order;
-  std::map<std::string, std::vector<std::string>> methods_of;
+/// Each text once, in the order of their first methods, with the methods that say it.
+std::vector<std::pair<std::string, std::vector<std::string>>> by_text(
+    const std::vector<std::string>& methods,
+    const std::map<std::string, std::vector<std::string>>& texts_of_methods) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> out;
   for (const std::string& method : methods) {
-    for (const std::string& note :
-         outcome.notes.contains(method) ? outcome.notes.at(method) : std::vector<std::string>{}) {
-      if (methods_of[note].empty()) {
-        order.push_back(note);
-      }
-      methods_of[note].push_back(method);
+    const auto texts = texts_of_methods.find(method);
+    for (const std::string& text :
+         texts != texts_of_methods.end() ? texts->second : std::vector<std::string>{}) {
+      const auto known =
+          std::find_if(out.begin(), out.end(), [&](const auto& item) { return item.first == text; });
+      (known != out.end() ? *known : out.emplace_back(text, std::vector<std::string>{}))
+          .second.push_back(method);
     }
   }
-  for (const std::string& note : order) {
-    const bool of_all = methods_of[note].size() == outcome.folders.size();
-    print_note(of_all ? note : joined(methods_of[note]) + ": " + note);
+  return out;
+}
+
+void print_notes(const std::vector<std::string>& methods, const Outcome& outcome) {
+  for (const auto& [note, of] : by_text(methods, outcome.notes)) {
+    print_note(of.size() == outcome.folders.size() ? note : joined(of) + ": " + note);
+  }
+}
+
+void print_failures(const std::vector<std::string>& methods, const Outcome& outcome) {
+  for (const auto& [why, of] : by_text(methods, outcome.failures)) {
+    print_error(why.starts_with(of.front()) ? why : joined(of) + ": " + why);
   }
 }
 
@@ -122,9 +134,7 @@ void run_methods(const std::vector<std::string>& methods, const fs::path& out, b
     fmt::print("{}", to_text(compare_runs(outcome.folders)));
     draw_page(outcome.folders, out / kComparisonPage);
   }
-  for (const std::string& failure : outcome.failures) {
-    print_error(failure);
-  }
+  print_failures(methods, outcome);
   if (!left.empty()) {
     print_note("stopped: not run: " + joined(left));
   }

@@ -10,8 +10,9 @@ import { attitudeError, isNear, meanOf, readCurves, readTable } from './expected
 
 const folder = resolve(process.argv[2]);
 const RUN = join(folder, 'run/report.html');
+const COMPARISON = join(folder, 'methods/comparison.html');
 const STUDY = join(folder, 'study.html');
-let browser, runPage, studyPage;  // opened once; each test leaves them as it found them
+let browser, runPage, studyPage, comparisonPage;  // opened once; each test leaves them as it found them
 const complaints = [];
 
 before(async () => {
@@ -29,6 +30,7 @@ before(async () => {
   browser.context.on('weberror', (error) => complaints.push(`error: ${error.error().message}`));
   runPage = await openReport(browser.context, RUN);
   studyPage = await openReport(browser.context, STUDY);
+  comparisonPage = await openReport(browser.context, COMPARISON);
 });
 after(() => browser.close());
 
@@ -88,6 +90,31 @@ test('the curves of a run are those of its files', async () => {
   frames.forEach((row, n) => assert.ok(isNear(nis.y[n], row[7] / row[8]), `NIS of frame ${n}`));
   const used = (await curvesOf(page, 'points-per-frame')).find((t) => t.name === 'used');
   assert.deepEqual(used.y, frames.map((row) => row[2]));
+});
+
+test('several runs lie over each other, the table first', async () => {
+  const page = comparisonPage;
+  assert.equal(await page.title(), '3 runs on recording');
+  const rows = await page.evaluate(() => [...document.querySelectorAll('#comparison .table:first-child tbody tr')].map((tr) => tr.cells[0].textContent));
+  assert.deepEqual(rows, ['ekf', 'lcekf', 'adaptive']);
+  const error = await curvesOf(page, 'position-error');
+  for (const method of rows) {
+    const estimate = readTable(join(folder, `methods/${method}/trajectory.csv`), ',');
+    const truth = readTable(join(folder, `methods/${method}/truth.tum`), ' ');
+    const drawn = error.find((t) => t.name === method);
+    assert.equal(drawn.y.length, estimate.length);
+    estimate.forEach((row, n) => {
+      const length = Math.hypot(...[0, 1, 2].map((k) => truth[n][1 + k] - row[1 + k]));
+      assert.ok(isNear(drawn.y[n], length, 1e-9), `${method}, frame ${n}: ${drawn.y[n]} is not ${length}`);
+    });
+  }
+  const ids = await page.evaluate(() => window.limberReport.document.sections.flatMap((s) => s.blocks).filter((b) => b.type === 'figure').map((b) => b.id));
+  for (const id of ids) {
+    assert.ok((await curvesOf(page, id)).length > 0, id);
+  }
+  for (const id of ['path', 'position-error', 'attitude-error', 'relative-error', 'estimated-0', 'health-rotation']) {
+    assert.ok(ids.includes(id), id);
+  }
 });
 
 test('a figure can be zoomed, and a double click shows all again', async () => {
@@ -259,7 +286,7 @@ test('a study shows every claim of the paper with a verdict', async () => {
 });
 
 test('a desktop screen shows every table and verdict whole', async () => {
-  for (const page of [runPage, studyPage]) {
+  for (const page of [runPage, studyPage, comparisonPage]) {
     const hidden = await page.evaluate(() => [
       ...[...document.querySelectorAll('.scroll')].filter((e) => e.scrollWidth > e.clientWidth),
       ...[...document.querySelectorAll('.verdict')].filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth),
@@ -269,7 +296,7 @@ test('a desktop screen shows every table and verdict whole', async () => {
 });
 
 test('nothing sticks out of a phone screen, and print is white', async () => {
-  for (const page of [runPage, studyPage]) {
+  for (const page of [runPage, studyPage, comparisonPage]) {
     await page.setViewportSize({ width: 390, height: 844 });
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
     await page.emulateMedia({ colorScheme: 'dark' });
