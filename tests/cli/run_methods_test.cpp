@@ -61,7 +61,7 @@ TEST_F(RunMethods, OneThatFailsLeavesTheOthers) {
   EXPECT_FALSE(fs::exists(out() / "oracle"));
   fs::remove_all(mav0() / "state_groundtruth_estimate0");
   expect_refused(run_into(folder() / "no", {"--methods", "lcekf,ekf", "--init", "groundtruth"}), 1,
-                 "error: lcekf, ekf: log has no ground truth");
+                 "error: lcekf, ekf: --init groundtruth: log has no ground truth");
 }
 
 TEST_F(RunMethods, RefuseWhatMakesNoSenseBeforeTheWork) {
