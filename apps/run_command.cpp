@@ -216,7 +216,11 @@ void add_run_command(CLI::App& app) {
       ->capture_default_str();
   add_force_option(*command, arguments->force);
   add_view_options(*command, arguments->view);
-  command->get_option("--methods")->excludes("--view");
+  for (const char* const of_one_run : {"--view", "--view-out"}) {
+    if (CLI::Option* option = command->get_option_no_throw(of_one_run)) {
+      command->get_option("--methods")->excludes(option);
+    }
+  }
   command->footer(
       "\nCtrl-C ends the run early: what was done by then is written, marked as partial, and the exit code "
       "is "

@@ -54,7 +54,7 @@ def main():
     parser.add_argument("--runs", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--methods", default="ekf,lcekf")
-    parser.add_argument("--scenarios", default="drone_none,drone_constant,paper_iv")
+    parser.add_argument("--scenarios", default="drone_none,drone_constant")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "results/compare")
     parser.add_argument("--limber", type=pathlib.Path, default=ROOT / "build/release/limber")
     arguments = parser.parse_args()

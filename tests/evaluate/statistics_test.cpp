@@ -104,7 +104,7 @@ TEST(MeanInterval, SaysLittleWhereLittleIsKnown) {
 
 TEST(MeanInterval, HoldsTheMeanAsOftenAsItSays) {
   // 2000 sequences each: the share has a standard deviation of 0.5 %. Alike neighbours are known from the
-  // values alone, so that it holds a little less there; plain Student would hold 0.85.
+  // values alone, so that it holds a little less there.
   std::mt19937_64 generator(7);
   std::normal_distribution<double> normal;
   for (const auto& [alike, least, most] : {std::tuple{0.0, 0.94, 0.985}, {0.3, 0.91, 0.985}}) {
