@@ -15,6 +15,7 @@
 /// Runs beside each other, from the folders that write_run_output made. How: docs/compare.md.
 namespace limber {
 
+/// How runs are compared.
 struct CompareOptions {
   /// Length of the pieces that relative errors are of [m]; nothing: a round length of which ten or more fit
   /// into the path, unless that takes less than a second.
@@ -80,6 +81,7 @@ struct RunDifference {
   double apart_rms_m = 0.0, apart_end_m = 0.0, apart_end_deg = 0.0;
 };
 
+/// What compare_runs finds.
 struct RunComparison {
   std::vector<ComparedRun> runs;
   std::vector<RunDifference> differences;  ///< each run but the first of its recording
