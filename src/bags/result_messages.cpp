@@ -8,19 +8,6 @@ namespace {
 
 constexpr const char *kWorld = "world", *kBody = "body";
 
-/// Rows of the covariance of (position, rotation about the world's axes).
-void ros_covariance(const Eigen::Matrix<double, 6, 6>& P, const Eigen::Matrix3d& R_world_body,
-                    MessageWriter& out) {
-  Eigen::Matrix<double, 6, 6> J = Eigen::Matrix<double, 6, 6>::Identity();
-  J.bottomRightCorner<3, 3>() = R_world_body;  // R_est Exp(dtheta) = Exp(R_est dtheta) R_est
-  const Eigen::Matrix<double, 6, 6> in_world = J * P * J.transpose();
-  for (int row = 0; row < 6; ++row) {
-    for (int column = 0; column < 6; ++column) {
-      out.number(in_world(row, column));
-    }
-  }
-}
-
 }  // namespace
 
 MessageBytes path_message(const std::vector<StampedPose>& poses, Serialization serialization) {
@@ -56,10 +43,9 @@ MessageBytes odometry_message(const TrajectoryRow& row, Serialization serializat
   out.header(row.t_ns, kWorld);
   out.text(kBody);
   out.pose(row.T_world_body);
-  if (row.covariance) {
-    ros_covariance(*row.covariance, R, out);
-  } else {
-    out.unknown_covariance(36);
+  const Eigen::Matrix<double, 6, 6, Eigen::RowMajor> covariance = ros_pose_covariance(row);
+  for (const double value : covariance.reshaped<Eigen::RowMajor>()) {
+    out.number(value);
   }
   out.vector3(row.v_world_body ? Eigen::Vector3d(R.transpose() * *row.v_world_body)
                                : Eigen::Vector3d(Eigen::Vector3d::Zero()));

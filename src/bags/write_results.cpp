@@ -87,6 +87,15 @@ class ResultsWriter {
 
 }  // namespace
 
+Eigen::Matrix<double, 6, 6> ros_pose_covariance(const TrajectoryRow& row) {
+  if (!row.covariance) {
+    return Eigen::Matrix<double, 6, 6>::Zero();
+  }
+  Eigen::Matrix<double, 6, 6> J = Eigen::Matrix<double, 6, 6>::Identity();
+  J.bottomRightCorner<3, 3>() = row.T_world_body.R;  // R_est Exp(dtheta) = Exp(R_est dtheta) R_est
+  return J * *row.covariance * J.transpose();
+}
+
 void write_results(const RunResults& results, const BagOutput& output) {
   if (results.trajectory.empty()) {
     throw std::invalid_argument("write_results: no pose");

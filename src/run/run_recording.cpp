@@ -13,10 +13,10 @@
 #include "limber/datasets/interpolate.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/run/input_summary.hpp"
+#include "limber/run/trajectory_row.hpp"
 #include "remarks.hpp"
 #include "start_from_sensors.hpp"
 #include "start_from_truth.hpp"
-#include "trajectory_row.hpp"
 
 namespace limber {
 namespace {
@@ -30,7 +30,6 @@ using detail::milliseconds;
 using detail::read_frame;
 using detail::ReadFrame;
 using detail::SensorWindow;
-using detail::trajectory_row;
 
 constexpr double kDegreesPerRadian = 180.0 / M_PI;
 constexpr double kLargestPosition = 1e9;  // [m]

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "limber/run/smooth_recording.hpp"
+#include "limber/run/trajectory_row.hpp"
 
 #include <fmt/format.h>
 
@@ -18,7 +19,6 @@
 #include "limber/clean/frame_cleaner.hpp"
 #include "limber/core/chi_square.hpp"
 #include "run/smooth_setup.hpp"
-#include "trajectory_row.hpp"
 
 namespace limber {
 
@@ -56,7 +56,7 @@ CalibrationRow calibration_row(const SmoothedFrame& frame, const SmootherResult&
 }
 
 TrajectoryRow row_of(const SmoothedFrame& frame, MotionModel motion) {
-  TrajectoryRow row = detail::trajectory_row(frame.nav, motion, frame.pose_covariance);
+  TrajectoryRow row = trajectory_row(frame.nav, motion, frame.pose_covariance);
   if (motion == MotionModel::kOdometry) {
     row.v_world_body.reset();  // no unknown of the problem
   }

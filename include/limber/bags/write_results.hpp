@@ -21,6 +21,10 @@ struct RunResults {
   std::vector<Diagnostic> diagnostics;                ///< in order of time; may be empty
 };
 
+/// The covariance of a row's pose as ROS has it: of position and rotation about the axes of the world, in
+/// which R_true = Exp(dtheta) R_est; zeros where the row has none.
+[[nodiscard]] Eigen::Matrix<double, 6, 6> ros_pose_covariance(const TrajectoryRow& row);
+
 /// @brief Writes results as messages that Foxglove and rviz show, in the frame "world".
 ///
 /// | topic | type |

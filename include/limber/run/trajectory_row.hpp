@@ -4,11 +4,12 @@
 #include "limber/datasets/trajectory_files.hpp"
 #include "limber/predict/motion.hpp"
 
-namespace limber::detail {
+namespace limber {
 
 /// A state as a row of a trajectory; biases where an IMU drives the prediction.
-inline TrajectoryRow trajectory_row(const NavigationState& nav, MotionModel motion,
-                                    const Eigen::Matrix<double, 6, 6>& pose_covariance) {
+/// @param pose_covariance  of position and attitude, as in TrajectoryRow
+[[nodiscard]] inline TrajectoryRow trajectory_row(const NavigationState& nav, MotionModel motion,
+                                                  const Eigen::Matrix<double, 6, 6>& pose_covariance) {
   TrajectoryRow row;
   row.t_ns = nav.t_ns;
   row.T_world_body = nav.T_world_body;
@@ -21,4 +22,4 @@ inline TrajectoryRow trajectory_row(const NavigationState& nav, MotionModel moti
   return row;
 }
 
-}  // namespace limber::detail
+}  // namespace limber

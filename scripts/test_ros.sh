@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Builds the ROS 1 node of ros/ against limber as the release preset has built it, and plays a bag to it. Not part of
+# scripts/test.sh: says "skipped" where ROS 1 is not installed.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+packages=(libroscpp-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev libdiagnostic-msgs-dev python3-rosbag
+          python3-rosmaster python3-nav-msgs python3-tf2-msgs python3-diagnostic-msgs)
+missing=()
+for package in "${packages[@]}"; do
+  [[ "$(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null)" == installed ]] || missing+=("$package")
+done
+if ((${#missing[@]} > 0)); then
+  echo "skipped: needs ROS 1: apt-get install --no-install-recommends ${missing[*]}"
+  exit 0
+fi
+if [[ ! -x build/release/limber ]]; then
+  echo "build/release/limber is not built: cmake --preset release && cmake --build --preset release" >&2
+  exit 1
+fi
+
+work=build/ros
+rm -rf "$work/prefix"
+cmake --install build/release --prefix "$work/prefix" --component development >/dev/null
+cmake -S ros -B "$work" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$PWD/$work/prefix" >/dev/null
+cmake --build "$work" -j2
+
+"$work/core_test"
+rm -rf "$work/data"
+mkdir "$work/data"
+sed 's/^duration:.*/duration: 10/' scenarios/drone_none.yaml >"$work/data/scenario.yaml"
+build/release/limber simulate "$work/data/scenario.yaml" --images --out "$work/data/room"
+build/release/limber convert "$work/data/room" --out "$work/data/room.bag" --pixels raw
+/usr/bin/python3 ros/test/node_test.py "$work/limber_node" build/release/limber "$work/data/room.bag" "$work/data/room"
+rm -rf "$work/data"
