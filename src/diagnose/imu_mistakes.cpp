@@ -20,7 +20,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kUnitRange = 0.3;      // of an accelerometer's length about what is expected
+constexpr double kUnitRange = 0.3;  // of an accelerometer's length about what is expected
 constexpr std::size_t kFewestTurns = 50;
 constexpr double kLeastTurning = 0.05;  // median of the camera's rate, less its mean [rad/s]
 constexpr double kLittle = 0.5, kMost = 0.8, kAsGood = 0.03;  // shares of the camera's turning
@@ -107,12 +107,13 @@ std::vector<Candidate> candidates(const Matrix3d& R_cam0_imu, const BestMount& b
   const double unit = 1.0 / kDegreesPerRadian;
   const Vector3d off = so3_log(Matrix3d(R_cam0_imu * best.proper.transpose()));
   const Vector3d axis = off.stableNormalized();
-  return {{unit * R_cam0_imu, "the gyro's rates are in deg/s instead of rad/s"},
-          {R_cam0_imu.transpose(), "T_BS of cam0 is inverted (it maps IMU to camera coordinates)"},
-          {best.proper, fmt::format("T_BS of cam0 does not fit the IMU's axes: it is turned by {:.0f} deg about "
-                                    "({:.2f}, {:.2f}, {:.2f}) of cam0",
-                                    off.norm() * kDegreesPerRadian, axis.x(), axis.y(), axis.z())},
-          {best.improper, "an axis of the gyro has the wrong sign, or two of them are swapped"}};
+  return {
+      {unit * R_cam0_imu, "the gyro's rates are in deg/s instead of rad/s"},
+      {R_cam0_imu.transpose(), "T_BS of cam0 is inverted (it maps IMU to camera coordinates)"},
+      {best.proper, fmt::format("T_BS of cam0 does not fit the IMU's axes: it is turned by {:.0f} deg about "
+                                "({:.2f}, {:.2f}, {:.2f}) of cam0",
+                                off.norm() * kDegreesPerRadian, axis.x(), axis.y(), axis.z())},
+      {best.improper, "an axis of the gyro has the wrong sign, or two of them are swapped"}};
 }
 
 std::optional<std::string> turning_mistake(const StereoCalibration& calibration, const Rates& rates) {
@@ -148,8 +149,9 @@ std::optional<std::string> unit_mistake(std::span<const ImuSample> imu, double g
   if (std::abs(usual - 1.0) > kUnitRange || std::abs(gravity - 1.0) < 2.0 * kUnitRange) {
     return std::nullopt;
   }
-  return fmt::format("the accelerometer is in g instead of m/s^2: its length is {:.2f}, expected about {:.2f}",
-                     usual, gravity);
+  return fmt::format(
+      "the accelerometer is in g instead of m/s^2: its length is {:.2f}, expected about {:.2f}", usual,
+      gravity);
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ class Slope {
  public:
   Slope() : pixels_(kStride * kHeight) {
     for (std::size_t v = 0; v < kHeight; ++v) {
-      for (std::size_t u = 0; u < kWidth; ++u) pixels_[v * kStride + u] = static_cast<std::uint8_t>(2 * u + v);
+      for (std::size_t u = 0; u < kWidth; ++u)
+        pixels_[v * kStride + u] = static_cast<std::uint8_t>(2 * u + v);
     }
   }
   [[nodiscard]] GreyImage view() const { return {kWidth, kHeight, kStride, pixels_.data()}; }
@@ -51,9 +52,7 @@ TEST(EncodeJpeg, TakesMeansOfWholePixelsWhereTheImageIsTooWide) {
   EXPECT_NEAR(back.data[10 * 30 + 15], 2 * 46 + 31, 4);
 }
 
-TEST(EncodeJpeg, RefusesAnEmptyImage) {
-  EXPECT_THROW((void)encode_jpeg({}, 80, 100), std::invalid_argument);
-}
+TEST(EncodeJpeg, RefusesAnEmptyImage) { EXPECT_THROW((void)encode_jpeg({}, 80, 100), std::invalid_argument); }
 
 }  // namespace
 }  // namespace limber
