@@ -15,6 +15,7 @@ if ! command -v doxygen >/dev/null || [[ ! -d $mathjax ]]; then
   exit 1
 fi
 mkdir -p "$out"
+[[ -f $out/html/doxygen.css ]] && rm -r "$out/html" # pages of an older tree
 
 (cat docs/Doxyfile; echo "OUTPUT_DIRECTORY = \"$out\"") | doxygen - >"$out/doxygen.log" 2>"$out/warnings.log"
 members='\((variable|function|typedef|friend)\) of (class|struct) [^ ]+ is not documented'
