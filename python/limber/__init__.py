@@ -20,12 +20,13 @@ from ._limber import (PARAMETER_NAMES, BodyFrame, Camera, DataError, DivergenceE
                       Trajectory, __version__, frames, pose_from_rig, read_trajectory, rig_from_pose, set_up)
 
 __all__ = [
-    "PARAMETER_NAMES", "BodyFrame", "Camera", "DataError", "DivergenceError", "Equidistant", "FrameCleaner",
-    "FrameReport", "Health", "HealthReport", "ImuNoise", "InitialState", "Navigator", "NavigatorOptions",
-    "NoDistortion", "OdometryNoise", "Pose", "RadialTangential", "Recalibration", "Recording", "Refusal", "Run",
-    "RunOptions", "Scenario", "SensorStart", "StartReport", "State", "StereoCalibration", "StereoFrame",
-    "StereoTracker", "Study", "Trajectory", "evaluate", "frames", "health", "pose_from_rig", "read",
-    "read_trajectory", "recalibrate", "rig_from_pose", "run", "scenarios", "set_up", "simulate", "smooth", "study"
+    "PARAMETER_NAMES", "BodyFrame", "Camera", "Comparison", "DataError", "DivergenceError", "Equidistant",
+    "FrameCleaner", "FrameReport", "Health", "HealthReport", "ImuNoise", "InitialState", "Navigator",
+    "NavigatorOptions", "NoDistortion", "OdometryNoise", "Pose", "RadialTangential", "Recalibration",
+    "Recording", "Refusal", "Run", "RunOptions", "Scenario", "SensorStart", "StartReport", "State",
+    "StereoCalibration", "StereoFrame", "StereoTracker", "Study", "Trajectory", "compare", "evaluate", "frames",
+    "health", "pose_from_rig", "read", "read_trajectory", "recalibrate", "rig_from_pose", "run", "scenarios",
+    "set_up", "simulate", "smooth", "study"
 ]
 
 _SCENARIOS = _pathlib.Path(__file__).parent / "scenarios"
@@ -180,6 +181,30 @@ def evaluate(estimate, truth, *, max_time_difference=0.01, rpe_distance=100.0):
     """
     return _json.loads(
         _limber.evaluate_json(_trajectory(estimate), _trajectory(truth), max_time_difference, rpe_distance))
+
+
+class Comparison(dict):
+    """What `limber compare --json` says, as a dictionary; str() is the tables for people."""
+
+    def __init__(self, json, text):
+        super().__init__(_json.loads(json))
+        self._text = text
+
+    def __str__(self):
+        return self._text
+
+
+def compare(runs, *, piece=None, across_assumptions=False):
+    """Runs beside each other as `limber compare` has them: errors, and differences with intervals.
+
+    runs: folders that Run.write or `limber run --out` wrote, or folders of such folders
+    piece: length of the pieces that relative errors are of [m]; None: ten or more fit into the path
+    across_assumptions: pair runs that assume different things of their recording, too
+    """
+    paths = [runs] if isinstance(runs, (str, _os.PathLike)) else list(runs)
+    if not paths:
+        raise ValueError("runs: expected a folder at least, found none")
+    return Comparison(*_limber.compare_folders(paths, piece, across_assumptions))
 
 
 def study(scenario, methods="ekf,ekf-full,lcekf", *, runs=100, seed=1, init="auto", database, threads=0):

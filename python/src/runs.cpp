@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "bindings.hpp"
+#include "comparison_text.hpp"
 #include "diagnose_recording.hpp"
 #include "docs.hpp"
 #include "evaluation_report.hpp"
@@ -422,6 +423,14 @@ void bind_evaluation(py::module_& module) {
           py::arg("path"), "Writes a TUM file; an existing file of that name is replaced.");
   module.def("read_trajectory", &app::load_trajectory, py::arg("path"),
              py::call_guard<py::gil_scoped_release>(), DOC(read_trajectory));
+  module.def(
+      "compare_folders",
+      [](const std::vector<fs::path>& paths, std::optional<double> piece, bool across_assumptions) {
+        const RunComparison comparison = compare_runs(run_folders(paths), {piece, across_assumptions});
+        return std::pair(app::to_json(comparison), app::to_text(comparison));
+      },
+      py::arg("paths"), py::arg("piece"), py::arg("across_assumptions"),
+      py::call_guard<py::gil_scoped_release>());
   module.def("evaluate_json", &evaluate, py::arg("estimate"), py::arg("truth"),
              py::arg("max_time_difference"), py::arg("rpe_distance"),
              py::call_guard<py::gil_scoped_release>());

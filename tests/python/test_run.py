@@ -129,6 +129,21 @@ def test_evaluate_agrees_with_numpy(run, recording):
     assert limber.evaluate(limber.Trajectory(run.t_ns, run.p, run.R), recording)["ate_m"] == result["ate_m"]
 
 
+def test_runs_compare_as_the_program_compares_them(tmp_path):
+    recording = short("drone_constant", 6.0)
+    for method in ("ekf", "lcekf"):
+        limber.run(recording, method).write(tmp_path / method)
+    comparison = limber.compare([tmp_path / "ekf", tmp_path / "lcekf"], piece=0.5)
+    assert [run["method"] for run in comparison["runs"]] == ["ekf", "lcekf"]
+    assert len(comparison["differences"]) == 1
+    assert "cannot tell" in str(comparison) or "better" in str(comparison) or "worse" in str(comparison)
+    assert limber.compare(tmp_path, piece=0.5) == comparison
+    with pytest.raises(limber.DataError, match="none"):
+        limber.compare([tmp_path / "none"])
+    with pytest.raises(ValueError, match="found none"):
+        limber.compare([])
+
+
 def test_smoothing_uses_the_whole_recording():
     if not hasattr(limber._limber, "smooth_recording"):
         pytest.skip("built without Ceres")
