@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "run_folder.hpp"
+#include "run_files/run_folder.hpp"
 
 #include <fmt/format.h>
 

@@ -4,10 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
-#include "limber/datasets/landmarks_ply.hpp"
 #include "limber/diagnose/health_summary.hpp"
 #include "limber/sensors/parameters.hpp"
+#include "run_files/run_folder.hpp"
 
 namespace limber {
 namespace {
@@ -101,21 +102,20 @@ bool is_run_folder(const fs::path& folder) {
 }
 
 RunResults read_run_results(const fs::path& folder) {
+  detail::RunFolder run = detail::read_run_folder(folder);
   RunResults out;
-  out.trajectory = read_trajectory_csv(folder / "trajectory.csv");
+  out.trajectory = std::move(run.trajectory);
   if (fs::exists(folder / "truth.tum")) {
     out.truth = read_tum(folder / "truth.tum");
   }
-  out.landmarks = read_landmarks_ply(folder / "landmarks.ply");
+  out.landmarks = std::move(run.landmarks);
   bool is_lost = false;
-  for (const FrameRow& row : read_frames_csv(folder / "frames.csv")) {
+  for (const FrameRow& row : run.frames) {
     is_lost = is_lost || row.reset;
     out.diagnostics.push_back(navigation_diagnostic(row, is_lost));
   }
-  if (fs::exists(folder / "health.csv")) {
-    for (const HealthRow& row : read_health_csv(folder / "health.csv")) {
-      out.diagnostics.push_back(calibration_diagnostic(row));
-    }
+  for (const HealthRow& row : run.health) {
+    out.diagnostics.push_back(calibration_diagnostic(row));
   }
   const auto earlier = [](const Diagnostic& a, const Diagnostic& b) { return a.t_ns < b.t_ns; };
   std::stable_sort(out.diagnostics.begin(), out.diagnostics.end(), earlier);
