@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "diagnose/epipolar_error.hpp"
+#include "diagnose/rectification.hpp"
 #include "limber/measure/triangulate.hpp"
 
 namespace limber {
@@ -154,6 +155,8 @@ std::vector<std::string> calibration_mistakes(const StereoCalibration& calibrati
   if (pairs.size() >= kEnoughPoints) {
     if (const auto mistake = geometry_mistake(calibration, pairs)) {
       out.push_back(*mistake);
+    } else if (const auto lens = detail::rectification_mistake(calibration, frames)) {
+      out.push_back(*lens);
     }
   }
   return out;

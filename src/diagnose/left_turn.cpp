@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 #include "diagnose/epipolar_error.hpp"
@@ -20,9 +21,10 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kFewestPoints = 10;
 constexpr int kIterations = 20;
-constexpr double kConverged = 1e-5;                                      // of rad and m
-constexpr double kTurn = 0.2, kShortestTurn = 0.15, kLongestTurn = 0.5;  // [s]
-constexpr double kPixel = 0.5;                                           // standard deviation of a pixel [px]
+constexpr double kConverged = 1e-5;  // of rad and m
+constexpr double kTurn = 0.2;        // [s]
+constexpr double kMost = 0.8;        // share of the points
+constexpr double kPixel = 0.5;       // standard deviation of a pixel [px]
 constexpr double kDisparity =
     50.0;  // of what stereo says of a point's depth [px]: an error of the rig must fit in
 constexpr double kHuber = 2.0;  // standard deviations
@@ -127,10 +129,22 @@ std::optional<double> improve(Motion& motion, std::vector<Pair>& pairs, const Kn
   return step.norm();
 }
 
+double most_distances(const Motion& motion, const std::vector<Pair>& pairs) {
+  std::vector<double> distances;
+  for (const Pair& p : pairs) {
+    const auto part = linearize(motion, p);
+    distances.push_back(part ? part->residual.norm() : std::numeric_limits<double>::infinity());
+  }
+  const auto rank =
+      distances.begin() + static_cast<std::ptrdiff_t>(kMost * static_cast<double>(distances.size()));
+  std::ranges::nth_element(distances, rank);
+  return *rank;
+}
+
 }  // namespace
 
-std::optional<Vector3d> left_turn(const StereoCalibration& calibration, const StereoFrame& from,
-                                  const StereoFrame& to) {
+std::optional<TwoViews> left_motion(const StereoCalibration& calibration, const StereoFrame& from,
+                                    const StereoFrame& to) {
   std::vector<Pair> pairs = pairs_of(calibration, from, to);
   if (pairs.size() < kFewestPoints) {
     return std::nullopt;
@@ -144,27 +158,34 @@ std::optional<Vector3d> left_turn(const StereoCalibration& calibration, const St
       return std::nullopt;
     }
     if (*step < kConverged) {
-      return Vector3d(calibration.T_body_cam0.R * so3_log(motion.R.transpose()));
+      return TwoViews{calibration.T_body_cam0.R * so3_log(motion.R.transpose()),
+                      focal * most_distances(motion, pairs)};
     }
   }
   return std::nullopt;
 }
 
+std::optional<std::size_t> frame_after(std::span<const StereoFrame> frames, std::size_t n, double seconds) {
+  const auto later = frames.subspan(n);
+  const auto end = std::ranges::lower_bound(later, seconds, {}, [&](const StereoFrame& frame) {
+    return seconds_between(frames[n].t_ns, frame.t_ns);
+  });
+  if (end == later.end() || seconds_between(frames[n].t_ns, end->t_ns) > 2.0 * seconds) {
+    return std::nullopt;
+  }
+  return n + static_cast<std::size_t>(end - later.begin());
+}
+
 std::vector<Turn> left_turns(const StereoCalibration& calibration, std::span<const StereoFrame> frames,
                              std::int64_t origin_ns) {
   std::vector<Turn> out;
-  std::size_t last = 0;
-  for (std::size_t n = 0; n + 1 < frames.size(); ++n) {
-    last = std::max(last, n + 1);
-    while (last + 1 < frames.size() && seconds_between(frames[n].t_ns, frames[last].t_ns) < kTurn) {
-      ++last;
-    }
-    const double dt = seconds_between(frames[n].t_ns, frames[last].t_ns);
-    const bool fits = dt > kShortestTurn && dt < kLongestTurn;
-    const auto turn = fits ? left_turn(calibration, frames[n], frames[last]) : std::nullopt;
-    if (turn) {
-      out.push_back({seconds_between(origin_ns, frames[n].t_ns),
-                     seconds_between(origin_ns, frames[last].t_ns), Vector3d(*turn / dt)});
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const auto last = frame_after(frames, n, kTurn);
+    const auto motion = last ? left_motion(calibration, frames[n], frames[*last]) : std::nullopt;
+    if (motion) {
+      const double begin = seconds_between(origin_ns, frames[n].t_ns),
+                   end = seconds_between(origin_ns, frames[*last].t_ns);
+      out.push_back({begin, end, Vector3d(motion->turn / (end - begin))});
     }
   }
   return out;

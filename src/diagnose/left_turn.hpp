@@ -12,14 +12,25 @@
 
 namespace limber::detail {
 
+/// What two frames of the left camera say of its motion.
+struct TwoViews {
+  Eigen::Vector3d turn;  ///< rotation vector of R_from_to [rad], in the body frame
+  /// How far points lie from where the motion and their best depths put them: four of five lie nearer [px].
+  double left_px = 0.0;
+};
+
 /// @brief How the body turned between two frames, by the left camera alone: two-view least squares with Huber
 /// weights, in which the depth of each point is eliminated (so only the distance from its epipolar line
 /// counts). Stereo only gives the depths to start from: errors of them, of the rig or constant along a track,
 /// would make a motion sideways look like a turn.
-/// @return the rotation vector of R_from_to [rad], in the body frame; nothing with fewer than ten points
-/// that both frames see
-[[nodiscard]] std::optional<Eigen::Vector3d> left_turn(const StereoCalibration& calibration,
-                                                       const StereoFrame& from, const StereoFrame& to);
+/// @return nothing with fewer than ten points that both frames see
+[[nodiscard]] std::optional<TwoViews> left_motion(const StereoCalibration& calibration,
+                                                  const StereoFrame& from, const StereoFrame& to);
+
+/// The index of the first frame at least this long [s] after frames[n], nothing where there is none within
+/// twice of it.
+[[nodiscard]] std::optional<std::size_t> frame_after(std::span<const StereoFrame> frames, std::size_t n,
+                                                     double seconds);
 
 /// How the body turned over a while, by the left camera.
 struct Turn {

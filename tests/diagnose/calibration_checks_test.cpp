@@ -8,7 +8,9 @@
 
 #include "limber/diagnose/calibration_mistakes.hpp"
 #include "limber/diagnose/depth_effect.hpp"
+#include "limber/simulate/scenario_file.hpp"
 #include "run/short_recording.hpp"
+#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -108,6 +110,40 @@ TEST(CalibrationMistakes, NameAWrongResolution) {
   twice.cam1.height *= 2;
   EXPECT_THAT(calibration_mistakes(twice, recording.frames),
               ::testing::Contains(HasSubstr("no point of cam1 lies beyond")));
+}
+
+/// A drone: it turns, and with that shows its lens.
+Recording flight(const Distortion& distortion) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 10.0;
+  scenario.rig.cam0.distortion = scenario.rig.cam1.distortion = distortion;
+  return simulate(scenario, 2);
+}
+
+void set_distortion(Recording& recording, const Distortion& distortion) {
+  recording.calibration.cam0.distortion = recording.calibration.cam1.distortion = distortion;
+}
+
+TEST(CalibrationMistakes, NameRectifiedImagesWithARawCalibrationAndTheReverse) {
+  const RadialTangential lens{-0.28, 0.07, 0.0, 0.0};
+  Recording rectified = flight(NoDistortion{}), raw = flight(lens);
+  EXPECT_THAT(calibration_mistakes(rectified.calibration, rectified.frames), IsEmpty());
+  EXPECT_THAT(calibration_mistakes(raw.calibration, raw.frames), IsEmpty());
+  set_distortion(rectified, lens);
+  EXPECT_THAT(calibration_mistakes(rectified.calibration, rectified.frames),
+              ElementsAre(HasSubstr("the images look rectified")));
+  set_distortion(raw, NoDistortion{});
+  EXPECT_THAT(calibration_mistakes(raw.calibration, raw.frames),
+              ElementsAre(HasSubstr("the images look raw")));
+}
+
+TEST(CalibrationMistakes, AreNoneOfARigThatIsOnlyBent) {
+  const RadialTangential lens{-0.28, 0.07, 0.0, 0.0};
+  for (const Distortion& distortion : {Distortion(NoDistortion{}), Distortion(lens)}) {
+    Recording recording = flight(distortion);
+    recording.calibration.theta.head<3>() += Eigen::Vector3d::Constant(2.0 * kDegree);
+    EXPECT_THAT(calibration_mistakes(recording.calibration, recording.frames), IsEmpty());
+  }
 }
 
 }  // namespace

@@ -98,11 +98,11 @@ TEST(LeftTurn, IsTheTrueOneWithExactPixelsWhateverTheRig) {
   };
   recording.calibration.theta(1) += 0.003;  // 3 mrad: the stereo depths are wrong
   const StereoFrame &from = recording.frames[3], &to = recording.frames[7];
-  const auto turn = detail::left_turn(recording.calibration, from, to);
-  ASSERT_TRUE(turn);
+  const auto motion = detail::left_motion(recording.calibration, from, to);
+  ASSERT_TRUE(motion);
   const Eigen::Vector3d expected = so3_log(truth(from.t_ns).transpose() * truth(to.t_ns));
   EXPECT_GT(expected.norm(), 1e-3);
-  EXPECT_LT((*turn - expected).norm(), 2e-3 * expected.norm());
+  EXPECT_LT((motion->turn - expected).norm(), 2e-3 * expected.norm());
 }
 
 /// y = 2 + 3 s + noise, where the noise of a cluster is one draw and s is measured with noise.

@@ -18,8 +18,9 @@ namespace limber {
 ///   the stereo points agree with the calibration (3 px from their epipolar line, in front of both cameras),
 ///   and more than 80 % would without the mistake.
 /// - Wrong resolution: more than 1 % of the pixels lie outside an image; a principal point further than a
-/// fifth
-///   of the image from its centre; or all points of a camera within 60 % of both width and height.
+///   fifth of the image from its centre; or all points of a camera within 60 % of both width and height.
+/// - Rectified images with the calibration of raw ones, or the reverse: over 0.6 s the points of the left
+///   camera fit a motion much better without distortion, or with one. Seen where the camera turns.
 [[nodiscard]] std::vector<std::string> calibration_mistakes(const StereoCalibration& calibration,
                                                             std::span<const StereoFrame> frames);
 

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/samples.hpp"
+
+namespace limber::detail {
+
+/// @brief Rectified images with the calibration of raw ones, or raw images with that of rectified ones, in
+/// words.
+///
+/// Judged by the left camera alone, over pairs of frames 0.6 s apart: how far points lie from where the
+/// camera's motion and their best depths put them. No rig that has moved changes that, a wrong lens does
+/// where the camera turns or moves sideways; moving straight ahead hides it. (Left and right see a point
+/// through nearly the same part of nearly the same lens: stereo hardly tells.)
+/// - Rectified: the calibration has distortion, and without it less than two thirds are left.
+/// - Raw: it has none, and with a radial distortion less than two thirds are left.
+[[nodiscard]] std::optional<std::string> rectification_mistake(const StereoCalibration& calibration,
+                                                               std::span<const StereoFrame> frames);
+
+}  // namespace limber::detail
