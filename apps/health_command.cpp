@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -119,6 +120,8 @@ int fleet(const HealthArguments& arguments) {
     } catch (const DataError& error) {  // the others are judged nevertheless
       rows.back().failure = error.what();
     } catch (const DivergenceError& error) {
+      rows.back().failure = error.what();
+    } catch (const std::invalid_argument& error) {  // an option that does not fit this rig
       rows.back().failure = error.what();
     }
   }
