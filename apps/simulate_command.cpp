@@ -61,6 +61,23 @@ void render(const SimulateArguments& arguments, const Scenario& scenario) {
              scenario.duration, arguments.scene, arguments.out.string());
 }
 
+/// Options that are numbers from 0 to `most`.
+class NumberOptions {
+ public:
+  NumberOptions(CLI::App& command, CLI::Option* images) : command_(command), images_(images) {}
+
+  void add(const std::string& name, double& value, int most, const std::string& description) {
+    command_.add_option(name, value, description)
+        ->check(number_that(fmt::format("a number from 0 to {}", most),
+                            [most](double x) { return x >= 0.0 && x <= most; }))
+        ->needs(images_);
+  }
+
+ private:
+  CLI::App& command_;
+  CLI::Option* images_;
+};
+
 void add_picture_options(CLI::App& command, SimulateArguments& arguments) {
   CLI::Option* images =
       command.add_flag("--images", arguments.images,
@@ -70,20 +87,23 @@ void add_picture_options(CLI::App& command, SimulateArguments& arguments) {
       ->needs(images)
       ->capture_default_str();
   PictureOptions& p = arguments.pictures;
-  command.add_option("--image-noise", p.noise, "Sigma of each pixel [grey levels]")
-      ->check(number_that("a number from 0 to 100", [](double x) { return x >= 0.0 && x <= 100.0; }))
-      ->needs(images);
+  NumberOptions numbers(command, images);
+  numbers.add("--image-noise", p.noise, 100, "Sigma of each pixel [grey levels]");
   command
       .add_option("--gain-difference", p.gain_difference,
                   "Share by which the right camera is darker; both swing by half of it")
       ->check(number_that("a number from 0 to 0.9", [](double x) { return x >= 0.0 && x <= 0.9; }))
       ->needs(images);
-  command.add_option("--vignetting", p.vignetting, "Share of the light that is lost in the corners")
-      ->check(number_that("a number from 0 to 1", [](double x) { return x >= 0.0 && x <= 1.0; }))
+  numbers.add("--vignetting", p.vignetting, 1, "Share of the light that is lost in the corners");
+  numbers.add("--exposure", p.exposure, 1, "Exposure time [s]: motion blur");
+  numbers.add("--rolling-shutter", p.rolling_shutter, 1,
+              "Readout time [s]: rows are exposed one after the other, the middle one at the stamp");
+  command.add_option("--moving-objects", p.moving_objects, "Number of boxes that move through the scene")
+      ->check(whole_number(0, 100))
       ->needs(images);
-  command.add_option("--exposure", p.exposure, "Exposure time [s]: motion blur")
-      ->check(number_that("a number from 0 to 1", [](double x) { return x >= 0.0 && x <= 1.0; }))
-      ->needs(images);
+  numbers.add("--low-texture", p.low_texture, 1, "Share of the walls' area that is nearly plain");
+  numbers.add("--dropped", p.dropped, 1, "Share of frames without the picture of one of the cameras");
+  numbers.add("--swapped", p.swapped, 1, "Share of frames whose left and right pictures are exchanged");
 }
 #endif
 

@@ -17,22 +17,93 @@ constexpr float kSky = 200.0f;  ///< grey level
 struct SeenWall {
   Eigen::Vector3f normal, u, v;  ///< in the camera frame
   float distance, u0, v0, width, height;
+  float offset_x, offset_y;  ///< of the texture [texels]
+  const Texture* texture;
 };
 
-SeenWall seen_from(const Wall& wall, const Pose& T_world_cam) {
-  const Eigen::Matrix3d to_cam = T_world_cam.R.transpose();
-  const Eigen::Vector3d normal = wall.u.cross(wall.v), from_corner = T_world_cam.p - wall.corner;
-  return {(to_cam * normal).cast<float>(),
-          (to_cam * wall.u).cast<float>(),
-          (to_cam * wall.v).cast<float>(),
-          static_cast<float>(-normal.dot(from_corner)),
-          static_cast<float>(wall.u.dot(from_corner)),
-          static_cast<float>(wall.v.dot(from_corner)),
-          static_cast<float>(wall.width),
-          static_cast<float>(wall.height)};
-}
-
 }  // namespace
+
+/// The walls that a camera can see from one place.
+class PictureCamera::SeenScene {
+ public:
+  explicit SeenScene(const Scene& scene) : scene_(scene) {}
+
+  void look(const View& view) {
+    walls_.clear();
+    for (const Wall& wall : scene_.walls()) look_at(wall, view.T_world_cam);
+    for (std::size_t k = 0; k < scene_.boxes().size(); ++k) {
+      const Pose T_box_cam = scene_.boxes()[k].pose(view.t).inverse() * view.T_world_cam;
+      for (const Wall& wall : scene_.walls_of_box(k)) look_at(wall, T_box_cam);
+    }
+  }
+
+  /// Grey levels of row v of a camera.
+  void expose(const PictureCamera& camera, std::size_t v, float* grey) {
+    const auto first = static_cast<std::ptrdiff_t>(v * static_cast<std::size_t>(camera.camera_.width));
+    find_nearest(camera, first);
+    paint(camera, first, grey);
+  }
+
+ private:
+  void look_at(const Wall& wall, const Pose& T_wall_cam) {
+    const Eigen::Matrix3d to_cam = T_wall_cam.R.transpose();
+    const Eigen::Vector3d normal = wall.u.cross(wall.v), from_corner = T_wall_cam.p - wall.corner;
+    const auto distance = static_cast<float>(-normal.dot(from_corner));
+    if (distance >= 0.0f) return;  // from behind
+    walls_.push_back({(to_cam * normal).cast<float>(), (to_cam * wall.u).cast<float>(),
+                      (to_cam * wall.v).cast<float>(), distance, static_cast<float>(wall.u.dot(from_corner)),
+                      static_cast<float>(wall.v.dot(from_corner)), static_cast<float>(wall.width),
+                      static_cast<float>(wall.height), static_cast<float>(wall.offset.x()),
+                      static_cast<float>(wall.offset.y()), &scene_.textures()[wall.texture]});
+  }
+
+  void find_nearest(const PictureCamera& camera, std::ptrdiff_t first) {
+    const auto width = static_cast<std::size_t>(camera.camera_.width);
+    const float *x = &camera.x_[0] + first, *y = &camera.y_[0] + first, *z = &camera.z_[0] + first;
+    nearest_.assign(width, std::numeric_limits<float>::max());
+    which_.assign(width, -1);
+    float* near = nearest_.data();
+    int* index = which_.data();
+    for (std::size_t w = 0; w < walls_.size(); ++w) {
+      const SeenWall wall = walls_[w];
+      for (std::size_t k = 0; k < width; ++k) {  // becomes vector instructions
+        const float towards = wall.normal[0] * x[k] + wall.normal[1] * y[k] + wall.normal[2] * z[k];
+        const float t = wall.distance / towards;
+        const float a = wall.u0 + t * (wall.u[0] * x[k] + wall.u[1] * y[k] + wall.u[2] * z[k]);
+        const float b = wall.v0 + t * (wall.v[0] * x[k] + wall.v[1] * y[k] + wall.v[2] * z[k]);
+        const bool hit = (towards < 0.0f) & (t < near[k]) & (a >= 0.0f) & (b >= 0.0f) & (a <= wall.width) &
+                         (b <= wall.height);
+        near[k] = hit ? t : near[k];
+        index[k] = hit ? static_cast<int>(w) : index[k];
+      }
+    }
+  }
+
+  void paint(const PictureCamera& camera, std::ptrdiff_t first, float* grey) const {
+    const float *x = &camera.x_[0] + first, *y = &camera.y_[0] + first, *z = &camera.z_[0] + first;
+    const auto texels = static_cast<float>(1.0 / scene_.texel());
+    const auto pixel = static_cast<float>(2.0 / (camera.camera_.fu + camera.camera_.fv));  // [rad]
+    for (std::size_t k = 0; k < nearest_.size(); ++k) {
+      if (which_[k] < 0) {
+        grey[k] = x[k] == 0.0f && z[k] == 0.0f && y[k] == 0.0f ? 0.0f : kSky;
+        continue;
+      }
+      const SeenWall& wall = walls_[static_cast<std::size_t>(which_[k])];
+      const Eigen::Vector3f bearing(x[k], y[k], z[k]);
+      const float a = wall.u0 + nearest_[k] * wall.u.dot(bearing),
+                  b = wall.v0 + nearest_[k] * wall.v.dot(bearing);
+      const float slant = std::max(0.05f, -wall.normal.dot(bearing));
+      const float footprint = nearest_[k] * pixel * texels / std::sqrt(slant);
+      grey[k] = wall.texture->at(a * texels + wall.offset_x, b * texels + wall.offset_y,
+                                 footprint > 1.0f ? std::log2(footprint) : 0.0f);
+    }
+  }
+
+  const Scene& scene_;
+  std::vector<SeenWall> walls_;
+  std::vector<float> nearest_;  ///< of the pixels of a row: lengths of the bearing
+  std::vector<int> which_;      ///< of walls_; -1 for none
+};
 
 PictureCamera::PictureCamera(const Camera& camera) : camera_(camera) {
   const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
@@ -47,51 +118,23 @@ PictureCamera::PictureCamera(const Camera& camera) : camera_(camera) {
   }
 }
 
-std::vector<float> PictureCamera::light(const Scene& scene, const Pose& T_world_cam) const {
+std::vector<float> PictureCamera::light(const Scene& scene, const View& view) const {
   const auto width = static_cast<std::size_t>(camera_.width);
-  std::vector<float> grey(x_.size()), nearest(width);
-  std::vector<int> which(width);
-  std::vector<SeenWall> walls;
-  for (const Wall& wall : scene.walls()) walls.push_back(seen_from(wall, T_world_cam));
-  const auto texels = static_cast<float>(1.0 / scene.texel());
-  const auto pixel = static_cast<float>(2.0 / (camera_.fu + camera_.fv));  // [rad]
-  for (std::size_t row = 0; row < grey.size(); row += width) {
-    const float *x = &x_[row], *y = &y_[row], *z = &z_[row];
-    std::fill(nearest.begin(), nearest.end(), std::numeric_limits<float>::max());
-    std::fill(which.begin(), which.end(), -1);
-    for (std::size_t w = 0; w < walls.size(); ++w) {
-      const SeenWall wall = walls[w];
-      if (wall.distance >= 0.0f) continue;  // from behind
-      float* near = nearest.data();
-      int* index = which.data();
-      for (std::size_t k = 0; k < width; ++k) {  // becomes vector instructions
-        const float towards = wall.normal[0] * x[k] + wall.normal[1] * y[k] + wall.normal[2] * z[k];
-        const float t = wall.distance / towards;
-        const float a = wall.u0 + t * (wall.u[0] * x[k] + wall.u[1] * y[k] + wall.u[2] * z[k]);
-        const float b = wall.v0 + t * (wall.v[0] * x[k] + wall.v[1] * y[k] + wall.v[2] * z[k]);
-        const bool hit = (towards < 0.0f) & (t < near[k]) & (a >= 0.0f) & (b >= 0.0f) & (a <= wall.width) &
-                         (b <= wall.height);
-        near[k] = hit ? t : near[k];
-        index[k] = hit ? static_cast<int>(w) : index[k];
-      }
-    }
-    for (std::size_t k = 0; k < width; ++k) {
-      if (which[k] < 0) {
-        grey[row + k] = x[k] == 0.0f && z[k] == 0.0f && y[k] == 0.0f ? 0.0f : kSky;
-        continue;
-      }
-      const auto w = static_cast<std::size_t>(which[k]);
-      const SeenWall& seen = walls[w];
-      const Wall& wall = scene.walls()[w];
-      const Eigen::Vector3f bearing(x[k], y[k], z[k]);
-      const float a = seen.u0 + nearest[k] * seen.u.dot(bearing),
-                  b = seen.v0 + nearest[k] * seen.v.dot(bearing);
-      const float slant = std::max(0.05f, -seen.normal.dot(bearing));
-      const float footprint = nearest[k] * pixel * texels / std::sqrt(slant);
-      grey[row + k] = scene.textures()[wall.texture].at(a * texels + static_cast<float>(wall.offset.x()),
-                                                        b * texels + static_cast<float>(wall.offset.y()),
-                                                        footprint > 1.0f ? std::log2(footprint) : 0.0f);
-    }
+  std::vector<float> grey(x_.size());
+  SeenScene seen(scene);
+  seen.look(view);
+  for (std::size_t v = 0; v * width < grey.size(); ++v) seen.expose(*this, v, &grey[v * width]);
+  return grey;
+}
+
+std::vector<float> PictureCamera::light(const Scene& scene,
+                                        const std::function<View(std::size_t row)>& view_of) const {
+  const auto width = static_cast<std::size_t>(camera_.width);
+  std::vector<float> grey(x_.size());
+  SeenScene seen(scene);
+  for (std::size_t v = 0; v * width < grey.size(); ++v) {
+    seen.look(view_of(v));
+    seen.expose(*this, v, &grey[v * width]);
   }
   return grey;
 }

@@ -3,48 +3,39 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <future>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "limber/core/errors.hpp"
-#include "limber/datasets/interpolate.hpp"
+#include "limber/core/random.hpp"
 #include "limber/datasets/track_log.hpp"
-#include "limber/measure/rig.hpp"
+#include "render/truth_files.hpp"
 
 namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
+using detail::FramePictures;
+using detail::write_text;
 
 constexpr int kBlurSteps = 8;         ///< instants of an exposure
 constexpr double kSwingPeriod = 7.0;  ///< [s] of the exposure of both cameras
-
-void require_sensible(const PictureOptions& options) {
-  const auto require = [](bool holds, const char* what) {
-    if (!holds) throw std::invalid_argument(fmt::format("render_recording: expected {}", what));
-  };
-  require(options.noise >= 0.0 && options.noise <= 100.0, "0 <= noise <= 100");
-  require(options.gain_difference >= 0.0 && options.gain_difference < 1.0, "0 <= gain_difference < 1");
-  require(options.vignetting >= 0.0 && options.vignetting <= 1.0, "0 <= vignetting <= 1");
-  require(options.exposure >= 0.0 && options.exposure <= 1.0, "0 <= exposure <= 1 s");
-}
 
 /// A scenario in front of the lens.
 class Studio {
  public:
   Studio(const Scenario& scenario, std::uint64_t seed, std::uint64_t run, const PictureOptions& options)
-      : scenario_(scenario),
-        options_(options),
-        trajectory_(make_trajectory(scenario, seed, run)),
-        decalibration_(scenario.decalibration, scenario.duration, seed, run),
-        scene_(make_scene(scenario, options.scene, seed, run)),
-        calibration_(nominal_calibration(scenario)),
-        cameras_{PictureCamera(calibration_.cam0), PictureCamera(calibration_.cam1)} {}
+      : options_(options),
+        truth_(scenario, options, seed, run),
+        cameras_{PictureCamera(truth_.nominal().cam0), PictureCamera(truth_.nominal().cam1)} {}
+
+  [[nodiscard]] const Scene& scene() const { return truth_.scene(); }
+  [[nodiscard]] const Camera& lens(std::size_t camera) const {
+    return camera == 0 ? truth_.nominal().cam0 : truth_.nominal().cam1;
+  }
 
   /// Grey values of one camera in frame n.
   [[nodiscard]] std::vector<std::uint8_t> picture(std::size_t camera, std::int64_t t_ns,
@@ -52,9 +43,7 @@ class Studio {
     std::vector<float> light;
     const int steps = options_.exposure > 0.0 ? kBlurSteps : 1;
     for (int k = 0; k < steps; ++k) {
-      const double shift = options_.exposure * ((k + 0.5) / steps - 0.5);
-      const double t = std::clamp(1e-9 * static_cast<double>(t_ns) + shift, 0.0, scenario_.duration);
-      const auto part = cameras_[camera].light(scene_, camera_pose(camera, t));
+      const auto part = instant(camera, t_ns, options_.exposure * ((k + 0.5) / steps - 0.5));
       light.resize(part.size());
       for (std::size_t i = 0; i < part.size(); ++i) light[i] += part[i] / static_cast<float>(steps);
     }
@@ -62,23 +51,21 @@ class Studio {
     const double darker = camera == 1 ? options_.gain_difference : 0.0;
     const SensorEffects effects{options_.noise, 1.0 - darker + 0.5 * options_.gain_difference * swing,
                                 options_.vignetting};
-    return develop(light, camera == 0 ? calibration_.cam0 : calibration_.cam1, effects, 2 * n + camera);
+    return develop(light, lens(camera), effects, 2 * n + camera);
   }
 
  private:
-  [[nodiscard]] Pose camera_pose(std::size_t camera, double t) const {
-    StereoCalibration rig = calibration_;
-    rig.theta += decalibration_.at(std::llround(1e9 * t));
-    const Pose T_world_cam0 = trajectory_.at(t).T_world_body * body_from_cam0(rig);
-    return camera == 0 ? T_world_cam0 : T_world_cam0 * pose_from_rig(rig.theta).inverse();
+  /// The light at one instant of every row's exposure.
+  [[nodiscard]] std::vector<float> instant(std::size_t camera, std::int64_t t_ns, double shift) const {
+    const auto view_of = [&](std::size_t row) {
+      return truth_.view(camera, truth_.time_of_row(camera, t_ns, static_cast<double>(row)) + shift);
+    };
+    return options_.rolling_shutter > 0.0 ? cameras_[camera].light(scene(), view_of)
+                                          : cameras_[camera].light(scene(), view_of(0));
   }
 
-  const Scenario& scenario_;
   const PictureOptions& options_;
-  SplineTrajectory trajectory_;
-  Decalibration decalibration_;
-  Scene scene_;
-  StereoCalibration calibration_;
+  PictureTruth truth_;
   std::array<PictureCamera, 2> cameras_;
 };
 
@@ -89,67 +76,86 @@ void write_png(const fs::path& file, const Camera& camera, std::vector<std::uint
   }
 }
 
-void write_text(const fs::path& file, const std::string& text) {
-  fs::create_directories(file.parent_path());
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) throw DataError(file.string(), 0, "room to write the file", "a write that failed");
+std::vector<FramePictures> draw_faults(std::size_t frames, const PictureOptions& options, std::uint64_t seed,
+                                       std::uint64_t run) {
+  const RandomStream dropped(seed, run, "dropped pictures"), swapped(seed, run, "swapped pictures");
+  std::vector<FramePictures> drawn(frames);
+  for (std::size_t n = 0; n < frames; ++n) {
+    drawn[n].swapped = swapped.uniform(n) < options.swapped;
+    if (n == 0 || dropped.uniform(n) >= options.dropped) continue;
+    drawn[n].has[dropped.uniform(n, 1) < 0.5 ? 0 : 1] = false;
+  }
+  return drawn;
 }
 
-/// The walls: with poses and theta they say where any pixel is seen by any other camera.
-std::string walls_text(const Scene& scene) {
-  std::string text = "#corner x,y,z [m],u x,y,z,v x,y,z,width [m],height [m]; seen from the side of u x v\n";
-  for (const Wall& w : scene.walls()) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", w.corner.x(), w.corner.y(), w.corner.z(),
-                        w.u.x(), w.u.y(), w.u.z(), w.v.x(), w.v.y(), w.v.z(), w.width, w.height);
+/// Writes pictures of both cameras at once.
+class PictureWriter {
+ public:
+  PictureWriter(const Studio& studio, const fs::path& mav0) : studio_(studio), mav0_(mav0) {
+    for (const char* camera : kNames) fs::create_directories(mav0 / camera / "data");
   }
-  return text;
+
+  void write(std::int64_t t_ns, std::size_t n, const FramePictures& pictures) {
+    auto right = std::async(std::launch::async, [&] { write(1, t_ns, n, pictures); });
+    write(0, t_ns, n, pictures);
+    right.get();
+  }
+
+  void write_lists() const {
+    for (std::size_t camera : {0, 1}) {
+      write_text(mav0_ / kNames[camera] / "data.csv", "#timestamp [ns],filename\n" + lists_[camera]);
+    }
+  }
+
+ private:
+  static constexpr std::array<const char*, 2> kNames = {"cam0", "cam1"};
+
+  void write(std::size_t camera, std::int64_t t_ns, std::size_t n, const FramePictures& pictures) {
+    if (!pictures.has[camera]) return;
+    const std::size_t shown = pictures.swapped ? 1 - camera : camera;
+    const std::string name = fmt::format("{:019}.png", t_ns);
+    write_png(mav0_ / kNames[camera] / "data" / name, studio_.lens(shown), studio_.picture(shown, t_ns, n));
+    lists_[camera] += fmt::format("{},{}\n", t_ns, name);
+  }
+
+  const Studio& studio_;
+  fs::path mav0_;
+  std::array<std::string, 2> lists_;
+};
+
+std::vector<std::int64_t> times_of(const auto& samples) {
+  std::vector<std::int64_t> times;
+  for (const auto& sample : samples) times.push_back(sample.t_ns);
+  return times;
 }
 
 }  // namespace
-
-Scene make_scene(const Scenario& scenario, SceneKind kind, std::uint64_t seed, std::uint64_t run) {
-  const SplineTrajectory trajectory = make_trajectory(scenario, seed, run);
-  Eigen::AlignedBox3d free;
-  for (double t = 0.0; t <= scenario.duration; t += 0.05) free.extend(trajectory.at(t).T_world_body.p);
-  // Room for the rig, which may point anywhere.
-  const double reach = 0.5 + 1.5 * scenario.rig.theta.tail<3>().norm() + scenario.rig.T_imu_cam0.p.norm();
-  return {kind, {free.min().array() - reach, free.max().array() + reach}, seed};
-}
 
 std::size_t render_recording(const Scenario& scenario, std::uint64_t seed, std::uint64_t run,
                              const PictureOptions& options, const fs::path& folder,
                              const std::function<void(std::size_t)>& progress,
                              const std::function<bool()>& stop) {
-  require_sensible(options);
+  const Studio studio(scenario, seed, run, options);
   Recording recording = simulate(scenario, seed, run);
   recording.pixel_noise.reset();
   recording.landmarks_true.clear();
   write_track_log(recording, folder);
   const fs::path mav0 = folder / "mav0";
   fs::remove_all(mav0 / "tracks0");
-  const Studio studio(scenario, seed, run, options);
-  write_text(mav0 / "scene0" / "data.csv", walls_text(make_scene(scenario, options.scene, seed, run)));
-  std::string list = "#timestamp [ns],filename\n";
-  for (const char* camera : {"cam0", "cam1"}) fs::create_directories(mav0 / camera / "data");
-  for (std::size_t n = 0; n < recording.frames.size(); ++n) {
+  detail::write_scene(studio.scene(), times_of(recording.groundtruth), mav0 / "scene0");
+  const std::vector<std::int64_t> times = times_of(recording.frames);
+  const std::vector<FramePictures> pictures = draw_faults(times.size(), options, seed, run);
+  if (options.dropped > 0.0 || options.swapped > 0.0) {
+    detail::write_faulty_frames(times, pictures, mav0 / "scene0" / "faulty_frames.csv");
+  }
+  PictureWriter writer(studio, mav0);
+  for (std::size_t n = 0; n < times.size(); ++n) {
     if (stop && stop()) throw std::runtime_error("stopped: nothing is written");
-    const std::int64_t t_ns = recording.frames[n].t_ns;
-    const std::string name = fmt::format("{:019}.png", t_ns);
-    const auto take = [&](std::size_t camera) {
-      write_png(mav0 / (camera == 0 ? "cam0" : "cam1") / "data" / name,
-                camera == 0 ? recording.calibration.cam0 : recording.calibration.cam1,
-                studio.picture(camera, t_ns, n));
-    };
-    auto right = std::async(std::launch::async, take, 1);
-    take(0);
-    right.get();
-    list += fmt::format("{},{}\n", t_ns, name);
+    writer.write(times[n], n, pictures[n]);
     if (progress) progress(n + 1);
   }
-  for (const char* camera : {"cam0", "cam1"}) write_text(mav0 / camera / "data.csv", list);
-  return recording.frames.size();
+  writer.write_lists();
+  return times.size();
 }
 
 }  // namespace limber

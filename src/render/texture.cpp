@@ -84,6 +84,14 @@ Texture::Texture(std::uint64_t seed) {
   for (int side = kSide; side > 1; side /= 2) levels_.push_back(halved(levels_.back(), side));
 }
 
+Texture Texture::faded(float contrast, float mean) const {
+  Texture pale = *this;
+  for (std::vector<float>& level : pale.levels_) {
+    for (float& value : level) value = mean + contrast * (value - 128.0f);
+  }
+  return pale;
+}
+
 float Texture::bilinear(std::size_t level, float x, float y) const {
   const int mask = (kSide >> level) - 1;
   const float fx0 = std::floor(x), fy0 = std::floor(y);

@@ -66,7 +66,7 @@ bool on_an_edge(const Scene& scene, const Pose& T_world_cam, const Camera& camer
   const auto range = [&](const Eigen::Vector2d& at) {
     const auto bearing = unproject(camera, at);
     const auto seen = bearing ? scene.hit(T_world_cam.p, T_world_cam.R * *bearing) : std::nullopt;
-    return seen ? (*seen - T_world_cam.p).norm() : 1e9;
+    return seen ? (seen->p - T_world_cam.p).norm() : 1e9;
   };
   const double here = range(uv);
   for (const Eigen::Vector2d& by :
@@ -83,7 +83,7 @@ TEST_P(RenderedScene, IsTrackedToLessThanASixthOfAPixel) {
   const testing::TemporaryFolder scratch;
   const Scenario scenario = small_drone(0.6);
   ASSERT_EQ(render_recording(scenario, 5, 0, {.scene = GetParam()}, scratch.path()), 13u);
-  const Scene scene = make_scene(scenario, GetParam(), 5, 0);
+  const Scene scene = PictureTruth(scenario, {.scene = GetParam()}, 5, 0).scene();
   const Recording recording = read_recording(scratch.path());
   StereoTracker tracker(recording.calibration);  // assumes the nominal rig
   std::map<std::int64_t, Eigen::Vector3d> places;
@@ -100,11 +100,11 @@ TEST_P(RenderedScene, IsTrackedToLessThanASixthOfAPixel) {
         ++edges;
         continue;
       }
-      const auto [place, is_new] = places.try_emplace(point.track_id, *seen);
+      const auto [place, is_new] = places.try_emplace(point.track_id, seen->p);
       const auto expected0 =
           project(recording.calibration.cam0, poses.T_world_cam0.inverse() * place->second);
       if (!is_new && expected0) left.push_back((expected0->uv - point.uv_cam0).norm());
-      const auto expected1 = project(recording.calibration.cam1, poses.T_world_cam1.inverse() * *seen);
+      const auto expected1 = project(recording.calibration.cam1, poses.T_world_cam1.inverse() * seen->p);
       if (point.in_cam1 && expected1) right.push_back((expected1->uv - point.uv_cam1).norm());
     }
   }
@@ -124,18 +124,19 @@ INSTANTIATE_TEST_SUITE_P(Scenes, RenderedScene,
 
 TEST(PictureCamera, SeesTheSamePaintOfAPlaceFromEverywhere) {
   const Scenario scenario = small_drone(0.6);
-  const Scene scene = make_scene(scenario, SceneKind::kRoom, 2, 0);
+  const Scene scene = PictureTruth(scenario, {}, 2, 0).scene();
   const Camera& camera = scenario.rig.cam0;
   const PictureCamera pictures(camera);
   const SplineTrajectory trajectory = make_trajectory(scenario, 2, 0);
   const Pose a = trajectory.at(0.0).T_world_body * scenario.rig.T_imu_cam0;
   const Pose b = trajectory.at(0.05).T_world_body * scenario.rig.T_imu_cam0;
-  const std::vector<float> in_a = pictures.light(scene, a), in_b = pictures.light(scene, b);
+  const std::vector<float> in_a = pictures.light(scene, View{0.0, a}),
+                           in_b = pictures.light(scene, View{0.05, b});
   std::vector<double> differences;
   for (int v = 20; v < 220; v += 7) {
     for (int u = 20; u < 356; u += 7) {
       const auto seen = scene.hit(a.p, a.R * *unproject(camera, Eigen::Vector2d(u, v)));
-      const auto again = project(camera, b.inverse() * *seen);
+      const auto again = project(camera, b.inverse() * seen->p);
       if (!again || !in_image(camera, again->uv, 2.0)) continue;
       const Eigen::Vector2d whole = again->uv.array().floor(), part = again->uv - whole;
       const auto at = [&](int du, int dv) {

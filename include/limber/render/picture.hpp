@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "limber/core/pose.hpp"
@@ -10,6 +11,12 @@
 
 namespace limber {
 
+/// From where, and when [s], light is taken in.
+struct View {
+  double t = 0.0;
+  Pose T_world_cam;
+};
+
 /// @brief Takes pictures of a scene: one ray through the centre of each pixel of any lens, exact to single
 /// precision; the texture's pyramid keeps what is far from flickering.
 class PictureCamera {
@@ -17,9 +24,15 @@ class PictureCamera {
   explicit PictureCamera(const Camera& camera);
 
   /// Light at each pixel, row by row: grey levels, 0 where the lens shows nothing.
-  [[nodiscard]] std::vector<float> light(const Scene& scene, const Pose& T_world_cam) const;
+  [[nodiscard]] std::vector<float> light(const Scene& scene, const View& view) const;
+
+  /// The same through a rolling shutter: every row has a view of its own.
+  [[nodiscard]] std::vector<float> light(const Scene& scene,
+                                         const std::function<View(std::size_t row)>& view_of) const;
 
  private:
+  class SeenScene;
+
   Camera camera_;
   std::vector<float> x_, y_, z_;  ///< unit bearings of the pixels; zero where there is none
 };

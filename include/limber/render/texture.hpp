@@ -14,6 +14,9 @@ class Texture {
 
   explicit Texture(std::uint64_t seed);
 
+  /// The same picture with its contrast times `contrast`, around the grey level `mean`.
+  [[nodiscard]] Texture faded(float contrast, float mean) const;
+
   /// Grey value at (x, y) [texels], seen by a pixel that is 2^lod texels wide: linear between texels, and
   /// between the levels of a pyramid of means.
   [[nodiscard]] float at(float x, float y, float lod) const;
