@@ -53,7 +53,9 @@ PictureTruth::PictureTruth(const Scenario& scenario, const PictureOptions& optio
       decalibration_(scenario.decalibration, scenario.duration, seed, run),
       calibration_(nominal_calibration(scenario)),
       scene_(scene_around(trajectory_, scenario, options, seed)) {
-  const auto cameras = [this](double t) { return std::array{view(0, t).T_world_cam, view(1, t).T_world_cam}; };
+  const auto cameras = [this](double t) {
+    return std::array{view(0, t).T_world_cam, view(1, t).T_world_cam};
+  };
   detail::add_moving_boxes(scene_, options.scene, options.moving_objects, {cameras, duration_}, seed, run);
 }
 

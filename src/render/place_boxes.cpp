@@ -14,11 +14,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kTries = 2000;             ///< places tried for a box
-constexpr double kLookEvery = 0.05;      ///< [s]: no box moves further than its own size meanwhile
-constexpr double kLeastToCamera = 0.3;   ///< [m]
-constexpr double kLeastSwing = 0.4;      ///< [m]
-constexpr double kFastestSwing = 2.0;    ///< [rad/s]
+constexpr int kTries = 2000;            ///< places tried for a box
+constexpr double kLookEvery = 0.05;     ///< [s]: no box moves further than its own size meanwhile
+constexpr double kLeastToCamera = 0.3;  ///< [m]
+constexpr double kLeastSwing = 0.4;     ///< [m]
+constexpr double kFastestSwing = 2.0;   ///< [rad/s]
 
 /// From the least to the most.
 struct Range {
@@ -56,9 +56,11 @@ MovingBox draw(const Habit& habit, const Visit& visit, int box, int count, int a
   const Pose T_world_cam = visit.cameras(at)[0];
   MovingBox made;
   made.half_size = size.unaryExpr([&](double share) { return habit.half_size.at(share); });
-  made.middle = T_world_cam * (habit.distance.at(where.z()) * Vector3d(0.8 * where.x() - 0.4, 0.5 * where.y() - 0.25, 1.0));
+  made.middle = T_world_cam *
+                (habit.distance.at(where.z()) * Vector3d(0.8 * where.x() - 0.4, 0.5 * where.y() - 0.25, 1.0));
   const double direction = 2.0 * M_PI * how.x();
-  const double length = std::max(kLeastSwing, habit.swing.at(how.y()) * (1.0 - static_cast<double>(attempt) / kTries));
+  const double length =
+      std::max(kLeastSwing, habit.swing.at(how.y()) * (1.0 - static_cast<double>(attempt) / kTries));
   made.swing = length * Vector3d(std::cos(direction), std::sin(direction), 0.1);
   made.angular_frequency = std::min(kFastestSwing, habit.speed.at(how.z()) / length);
   made.at = at;
@@ -102,8 +104,8 @@ void add_moving_boxes(Scene& scene, SceneKind kind, int count, const Visit& visi
       if (placed) scene.add(made);
     }
     if (!placed) {
-      throw std::invalid_argument(fmt::format(
-          "expected room for {} moving objects, found it for {}", count, box));
+      throw std::invalid_argument(
+          fmt::format("expected room for {} moving objects, found it for {}", count, box));
     }
   }
 }

@@ -10,42 +10,16 @@
 #include <map>
 
 #include "datasets/files.hpp"
-#include "limber/datasets/interpolate.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/frontend/stereo_tracker.hpp"
-#include "limber/measure/rig.hpp"
+#include "render/small_drone.hpp"
 
 namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A small rig with lenses that differ, which bends by two degrees.
-Scenario small_drone(double seconds) {
-  Scenario scenario;
-  scenario.duration = seconds;
-  scenario.trajectory = FigureEightTrajectory{.half_length = 3.0, .min_speed = 0.8, .max_speed = 1.2};
-  scenario.rig.cam0 = {230.0, 229.0, 186.0, 121.0, 376, 240, RadialTangential{-0.28, 0.07, 2e-4, 1e-4}};
-  scenario.rig.cam1 = {228.0, 231.0, 190.0, 118.0, 376, 240, RadialTangential{-0.27, 0.06, -1e-4, 2e-4}};
-  scenario.rig.theta << 0.0, 0.0, 0.0, -0.15, 0.0, 0.0;
-  scenario.rig.T_imu_cam0.R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  DecalibrationSignal bend;
-  bend.amplitude << 0.02, -0.03, 0.035, 0.01, 0.0, 0.0;
-  scenario.decalibration = {bend};
-  return scenario;
-}
-
-/// Where both cameras are at a frame of a rendered recording.
-struct TruePoses {
-  TruePoses(const Recording& recording, std::int64_t t_ns) {
-    StereoCalibration rig = recording.calibration;
-    rig.theta = calibration_at(recording.calibration_true, t_ns);
-    const auto body = groundtruth_at(recording.groundtruth, t_ns).value();
-    T_world_cam0 = Pose{body.R_world_body, body.p_world_body} * body_from_cam0(rig);
-    T_world_cam1 = T_world_cam0 * pose_from_rig(rig.theta).inverse();
-  }
-  Pose T_world_cam0, T_world_cam1;
-};
+using testing::small_drone;
 
 double rms(const std::vector<double>& values) {
   double sum = 0.0;
@@ -59,14 +33,13 @@ double share_above(const std::vector<double>& values, double limit) {
          static_cast<double>(values.size());
 }
 
-/// Whether the picture around a pixel shows two things, one behind the other: what is tracked there is no
-/// place.
-bool on_an_edge(const Scene& scene, const Pose& T_world_cam, const Camera& camera,
-                const Eigen::Vector2d& uv) {
+/// Whether the picture around a pixel of the left camera shows two things, one behind the other: what is
+/// tracked there is no place.
+bool on_an_edge(const PictureTruth& truth, std::int64_t t_ns, const Eigen::Vector2d& uv) {
+  const Eigen::Vector3d eye = truth.view(0, 1e-9 * static_cast<double>(t_ns)).T_world_cam.p;
   const auto range = [&](const Eigen::Vector2d& at) {
-    const auto bearing = unproject(camera, at);
-    const auto seen = bearing ? scene.hit(T_world_cam.p, T_world_cam.R * *bearing) : std::nullopt;
-    return seen ? (seen->p - T_world_cam.p).norm() : 1e9;
+    const auto seen = truth.place(0, t_ns, at);
+    return seen ? (seen->p - eye).norm() : 1e9;
   };
   const double here = range(uv);
   for (const Eigen::Vector2d& by :
@@ -77,37 +50,45 @@ bool on_an_edge(const Scene& scene, const Pose& T_world_cam, const Camera& camer
   return false;
 }
 
-class RenderedScene : public ::testing::TestWithParam<SceneKind> {};
+/// How far the tracker's pixels are from the truth [px].
+struct TrackingErrors {
+  std::vector<double> left, right;    ///< of points of the world
+  std::vector<double> left_on_boxes;  ///< of points on boxes that move
+  int edges = 0;                      ///< points that are not judged
+};
 
-TEST_P(RenderedScene, IsTrackedToLessThanASixthOfAPixel) {
+TrackingErrors tracking_errors(const Scenario& scenario, const PictureOptions& options) {
   const testing::TemporaryFolder scratch;
-  const Scenario scenario = small_drone(0.6);
-  ASSERT_EQ(render_recording(scenario, 5, 0, {.scene = GetParam()}, scratch.path()), 13u);
-  const Scene scene = PictureTruth(scenario, {.scene = GetParam()}, 5, 0).scene();
+  EXPECT_EQ(render_recording(scenario, 5, 0, options, scratch.path()), 13u);
+  const PictureTruth truth(scenario, options, 5, 0);
   const Recording recording = read_recording(scratch.path());
   StereoTracker tracker(recording.calibration);  // assumes the nominal rig
-  std::map<std::int64_t, Eigen::Vector3d> places;
-  std::vector<double> left, right;
-  int edges = 0;
+  std::map<std::int64_t, Place> places;
+  TrackingErrors errors;
   for (const ImagePair& pair : recording.images) {
-    const TruePoses poses(recording, pair.t_ns);
     for (const StereoObservation& point : tracker.process(pair.t_ns, pair.cam0, pair.cam1).observations) {
-      const auto seen = scene.hit(
-          poses.T_world_cam0.p, poses.T_world_cam0.R * *unproject(recording.calibration.cam0, point.uv_cam0));
+      const auto seen = truth.place(0, pair.t_ns, point.uv_cam0);
       if (!seen) continue;
-      if (on_an_edge(scene, poses.T_world_cam0, recording.calibration.cam0, point.uv_cam0)) {
+      if (on_an_edge(truth, pair.t_ns, point.uv_cam0)) {
         places.erase(point.track_id);
-        ++edges;
+        ++errors.edges;
         continue;
       }
-      const auto [place, is_new] = places.try_emplace(point.track_id, seen->p);
-      const auto expected0 =
-          project(recording.calibration.cam0, poses.T_world_cam0.inverse() * place->second);
-      if (!is_new && expected0) left.push_back((expected0->uv - point.uv_cam0).norm());
-      const auto expected1 = project(recording.calibration.cam1, poses.T_world_cam1.inverse() * seen->p);
-      if (point.in_cam1 && expected1) right.push_back((expected1->uv - point.uv_cam1).norm());
+      const auto [place, is_new] = places.try_emplace(point.track_id, *seen);
+      const auto expected0 = truth.pixel(0, pair.t_ns, place->second);
+      auto& left = place->second.box ? errors.left_on_boxes : errors.left;
+      if (!is_new && expected0) left.push_back((*expected0 - point.uv_cam0).norm());
+      const auto expected1 = truth.pixel(1, pair.t_ns, *seen);
+      if (point.in_cam1 && expected1) errors.right.push_back((*expected1 - point.uv_cam1).norm());
     }
   }
+  return errors;
+}
+
+class RenderedScene : public ::testing::TestWithParam<PictureOptions> {};
+
+TEST_P(RenderedScene, IsTrackedToLessThanASixthOfAPixel) {
+  const auto [left, right, on_boxes, edges] = tracking_errors(small_drone(0.6), GetParam());
   std::printf(
       "left %.4f px rms, right %.4f px rms, beyond 1 px %.4f and %.4f, %zu and %zu points, %d on edges\n",
       rms(left), rms(right), share_above(left, 1.0), share_above(right, 1.0), left.size(), right.size(),
@@ -120,7 +101,20 @@ TEST_P(RenderedScene, IsTrackedToLessThanASixthOfAPixel) {
   EXPECT_LT(share_above(right, 1.0), 0.005);
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, RenderedScene,
-                         ::testing::Values(SceneKind::kRoom, SceneKind::kHall, SceneKind::kStreet));
+                         ::testing::Values(PictureOptions{.scene = SceneKind::kRoom},
+                                           PictureOptions{.scene = SceneKind::kHall},
+                                           PictureOptions{.scene = SceneKind::kStreet},
+                                           PictureOptions{.rolling_shutter = 0.03}));
+
+TEST(MovingBoxes, AreTrackedWhereTheyGoAndTheWorldBesideThem) {
+  auto [left, right, on_boxes, edges] = tracking_errors(small_drone(0.6), {.moving_objects = 3});
+  ASSERT_GT(left.size(), 500u);
+  ASSERT_GT(on_boxes.size(), 30u);
+  EXPECT_LT(rms(left), 0.15);
+  EXPECT_LT(rms(right), 0.15);
+  std::sort(on_boxes.begin(), on_boxes.end());
+  EXPECT_LT(on_boxes[on_boxes.size() / 2], 0.15);  // some slide along the edges of boxes
+}
 
 TEST(PictureCamera, SeesTheSamePaintOfAPlaceFromEverywhere) {
   const Scenario scenario = small_drone(0.6);
@@ -173,6 +167,9 @@ TEST(RenderRecording, GivesTheSameBitsAgainAndOthersWithEverySwitch) {
   EXPECT_NE(plain, last_right("corners", 1, {.vignetting = 0.3}));
   EXPECT_NE(plain, last_right("blur", 1, {.exposure = 0.02}));
   EXPECT_TRUE(fs::exists(scratch.path() / "plain" / "mav0" / "scene0" / "data.csv"));
+  EXPECT_NE(plain, last_right("rolling", 1, {.rolling_shutter = 0.02}));
+  EXPECT_NE(plain, last_right("plain walls", 1, {.low_texture = 0.5}));
+  EXPECT_NE(plain, last_right("swapped", 1, {.swapped = 1.0}));
   EXPECT_THROW(last_right("wrong", 1, {.noise = -1.0}), std::invalid_argument);
 }
 

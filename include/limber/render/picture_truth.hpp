@@ -18,11 +18,12 @@ struct PictureOptions {
       0.0;                  ///< the right camera is darker by this share; both swing by half of it within 7 s
   double vignetting = 0.0;  ///< light lost in the corners, 0 to 1
   double exposure = 0.0;    ///< [s], around the instant of the row: motion blur
-  double rolling_shutter = 0.0;  ///< [s] from the first row to the one below the last; the stamp is its middle
-  int moving_objects = 0;        ///< boxes that move
-  double low_texture = 0.0;      ///< share of the area of all walls that is nearly plain, 0 to 1
-  double dropped = 0.0;          ///< share of frames without the picture of one camera; never the first frame
-  double swapped = 0.0;          ///< share of frames whose pictures are exchanged
+  double rolling_shutter =
+      0.0;                   ///< [s] from the first row to the one below the last; the stamp is its middle
+  int moving_objects = 0;    ///< boxes that move
+  double low_texture = 0.0;  ///< share of the area of all walls that is nearly plain, 0 to 1
+  double dropped = 0.0;      ///< share of frames without the picture of one camera; never the first frame
+  double swapped = 0.0;      ///< share of frames whose pictures are exchanged
 };
 
 /// @brief What the pictures of a scenario show, exactly: where the cameras are at any time, what is at any
