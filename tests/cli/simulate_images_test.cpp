@@ -13,18 +13,18 @@ using testing::run_limber;
 class SimulateImages : public testing::SmallLog {
  protected:
   [[nodiscard]] testing::ProgramResult render(std::vector<std::string> options) const {
-    const auto scenario = testing::write_text(
-        folder() / "small.yaml",
-        "duration: 0.2\n"
-        "rig: {theta: [0, 0, 0, -0.15, 0, 0], cam0: {resolution: [94, 60], intrinsics: [57, 57, 46, 30]}}\n");
+    const auto scenario = testing::write_text(folder() / "small.yaml",
+                                              "duration: 0.2\n"
+                                              "rig: {theta: [0, 0, 0, -0.15, 0, 0], cam0: {resolution: [188, "
+                                              "120], intrinsics: [115, 115, 93, 60]}}\n");
     options.insert(options.begin(), {"simulate", scenario.string(), "--out", out().string()});
     return run_limber(options);
   }
 };
 
 TEST_F(SimulateImages, TakesEverySwitch) {
-  const auto result = render({"--images", "--rolling-shutter", "0.02", "--moving-objects", "2", "--low-texture",
-                              "0.5", "--dropped", "1", "--swapped", "1"});
+  const auto result = render({"--images", "--rolling-shutter", "0.02", "--moving-objects", "2",
+                              "--low-texture", "0.5", "--dropped", "1", "--swapped", "1"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto scene = out() / "mav0" / "scene0";
   EXPECT_THAT(testing::read_text(scene / "faulty_frames.csv"), HasSubstr("0,right,left\n50000000,"));

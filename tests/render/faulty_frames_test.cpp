@@ -52,9 +52,8 @@ TEST(FaultyFrames, AreThoseOfTheTruthAndAsManyAsAsked) {
   for (const ImagePair& pair : read_recording(sound).images) {
     const std::string t_ns = std::to_string(pair.t_ns);
     const auto fault = faults.find(t_ns);
-    const std::map<std::string, std::string> pictures = {{"nothing", ""},
-                                                         {"left", picture(sound, "cam0", t_ns)},
-                                                         {"right", picture(sound, "cam1", t_ns)}};
+    const std::map<std::string, std::string> pictures = {
+        {"nothing", ""}, {"left", picture(sound, "cam0", t_ns)}, {"right", picture(sound, "cam1", t_ns)}};
     const auto [left, right] =
         fault == faults.end() ? std::array<std::string, 2>{"left", "right"} : fault->second;
     EXPECT_TRUE(picture(faulty, "cam0", t_ns) == pictures.at(left)) << t_ns;

@@ -88,10 +88,8 @@ TEST(PictureTruth, FindsAPlaceAgainInEveryPicture) {
 TEST(MovingBoxes, CarryTheirPaintAndHideWhatIsBehind) {
   const Scenario scenario = small_drone(0.3);
   const PictureTruth truth(scenario, {.moving_objects = 3}, 3, 0);
-  const std::vector<float> before =
-      PictureCamera(scenario.rig.cam0).light(truth.scene(), truth.view(0, 0.1));
-  const std::vector<float> after =
-      PictureCamera(scenario.rig.cam1).light(truth.scene(), truth.view(1, 0.2));
+  const std::vector<float> before = PictureCamera(scenario.rig.cam0).light(truth.scene(), truth.view(0, 0.1));
+  const std::vector<float> after = PictureCamera(scenario.rig.cam1).light(truth.scene(), truth.view(1, 0.2));
   const std::int64_t later = 2 * kStamp;
   const auto grey = [](const std::vector<float>& picture, const Eigen::Vector2d& uv) {
     const Eigen::Vector2d whole = uv.array().floor(), part = uv - whole;
@@ -146,7 +144,8 @@ TEST(MovingBoxes, AreToldInTheTruthAndDrawnFromTheSeed) {
   const testing::TemporaryFolder scratch;
   const Scenario scenario = small_drone(0.05);
   render_recording(scenario, 3, 0, {.moving_objects = 2}, scratch.path());
-  const PictureTruth truth(scenario, {.moving_objects = 2}, 3, 0), other(scenario, {.moving_objects = 2}, 4, 0);
+  const PictureTruth truth(scenario, {.moving_objects = 2}, 3, 0),
+      other(scenario, {.moving_objects = 2}, 4, 0);
   EXPECT_GT((truth.scene().boxes()[0].half_size - other.scene().boxes()[0].half_size).norm(), 1e-3);
   std::ifstream table(scratch.path() / "mav0" / "scene0" / "moving_box_poses.csv");
   std::string line;
@@ -182,7 +181,8 @@ TEST_P(PlainWallsOf, HaveTheirShareOfTheAreaAndNextToNoTexture) {
   }
   const auto change_from_pixel_to_pixel = [&](double share) {
     const PictureTruth truth(scenario, {.scene = GetParam(), .low_texture = share}, 6, 0);
-    const std::vector<float> light = PictureCamera(scenario.rig.cam0).light(truth.scene(), truth.view(0, 0.0));
+    const std::vector<float> light =
+        PictureCamera(scenario.rig.cam0).light(truth.scene(), truth.view(0, 0.0));
     std::vector<float> changes;
     for (std::size_t k = 1; k < light.size(); ++k) {
       if (light[k] != 200.0f) changes.push_back(std::abs(light[k] - light[k - 1]));  // not the sky
