@@ -19,6 +19,11 @@ constexpr double kSignificant = 5.0;                      // standard deviations
 constexpr double kLeastCam1 = 1e-3, kLeastCamera = 3e-3;  // ... that is at least that large [s]
 
 std::string advice(const Diagnosis& diagnosis) {
+  if (diagnosis.mistakes.empty() && diagnosis.health && diagnosis.health->present.moves()) {
+    return "find what lets the cameras move against each other (mount, screws, vibration): no calibration "
+           "fits "
+           "them all the time; until then --method lcekf or adaptive";
+  }
   switch (verdict_of(diagnosis)) {
     case HealthVerdict::kOk:
       return "nothing; --method ekf gets the most out of a sound rig";
@@ -91,6 +96,8 @@ void add_state(Out out, const CalibrationState& state, const Tolerance& toleranc
                  "wrong");
   add_effect(out, "off the epipolar line", state.effect.epipolar_px, tolerance.epipolar_px, 1.0, "px",
              state.by_epipolar);
+  add_effect(out, "moves from frame to frame", state.movement.px, tolerance.epipolar_px, 1.0, "px",
+             state.by_movement);
   add_effect(out, fmt::format("depth at {:g} baselines", tolerance.baselines).c_str(), state.effect.depth,
              tolerance.depth, 100.0, "%", state.by_depth);
   add_axes(out, state, "true - assumed");

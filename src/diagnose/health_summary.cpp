@@ -62,6 +62,7 @@ Json json_of(const CalibrationState& state, const HealthSummary& summary, const 
               {"from_s", summary.seconds(state.from_ns)},
               {"to_s", summary.seconds(state.to_ns)}};
   out.update(sizes_of(state, tolerance));
+  out["movement_px"] = json_of(state.movement.px, tolerance.epipolar_px, state.by_movement, 1.0);
   return out;
 }
 
@@ -74,6 +75,27 @@ std::string sizes_in_words(const CalibrationState& state, const Tolerance& toler
   return fmt::format("{} off the epipolar lines, {} of the depth at {:g} baselines",
                      range(state.effect.epipolar_px, 1.0, "px"), range(state.effect.depth, 100.0, "%"),
                      tolerance.baselines);
+}
+
+/// On average there is nothing wrong.
+bool only_moves(const CalibrationState& state) {
+  return state.moves() && !is_wrong(state.by_epipolar) && !is_wrong(state.by_depth);
+}
+
+std::string why_not(const CalibrationState& state) {
+  const bool epipolar = state.by_epipolar == HealthVerdict::kCannotTell,
+             depth = state.by_depth == HealthVerdict::kCannotTell;
+  if (state.deep == 0) {
+    return "the rig hardly moved, so that nothing but stereo tells a depth";
+  }
+  if (epipolar && depth) {
+    return "the intervals reach over a limit";
+  }
+  if (epipolar || depth) {
+    return depth ? "the depth is not known well enough" : "the epipolar lines are not known well enough";
+  }
+  return fmt::format("on average within the tolerance, but it may move from frame to frame by {}",
+                     range(state.movement.px, 1.0, "px"));
 }
 
 }  // namespace
@@ -118,6 +140,12 @@ std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frame
 std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
   const CalibrationState& state = summary.present;
   const std::string sizes = sizes_in_words(state, tolerance);
+  if (only_moves(state)) {
+    return fmt::format(
+        "the cameras move against each other, mostly in {}: {} from frame to frame; on average {}",
+        axis_in_words(static_cast<std::size_t>(state.movement.axis)), range(state.movement.px, 1.0, "px"),
+        sizes);
+  }
   if (summary.comes_and_goes()) {
     return "it is within the tolerance now, but was not all the time: it comes and goes; now " + sizes;
   }
@@ -132,17 +160,7 @@ std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
     case HealthVerdict::kCannotTell:
       break;
   }
-  std::string why;
-  if (state.deep == 0) {
-    why = "the rig hardly moved, so that nothing but stereo tells a depth";
-  } else if (state.by_epipolar == HealthVerdict::kCannotTell &&
-             state.by_depth == HealthVerdict::kCannotTell) {
-    why = "the intervals reach over a limit";
-  } else {
-    why = state.by_depth == HealthVerdict::kCannotTell ? "the depth is not known well enough"
-                                                       : "the epipolar lines are not known well enough";
-  }
-  return why + ": " + sizes;
+  return why_not(state) + ": " + sizes;
 }
 
 std::string change_in_words(const CalibrationState& change, const Tolerance& tolerance) {

@@ -88,7 +88,7 @@ std::optional<std::string> rectification_mistake(const StereoCalibration& calibr
   }
   if (!std::holds_alternative<NoDistortion>(calibration.cam0.distortion)) {
     const double without = left_over_px(with_lens(calibration, NoDistortion{}), pairs);
-    if (kRatio * without > given) {
+    if (!(kRatio * without < given)) {
       return std::nullopt;
     }
     return "the images look rectified, and the calibration is that of raw ones: the left camera's points " +
@@ -96,7 +96,7 @@ std::optional<std::string> rectification_mistake(const StereoCalibration& calibr
   }
   const RadialLens coarse = best_lens(calibration, pairs, 0.0, kLargestK1, kStepK1);
   const RadialLens lens = best_lens(calibration, pairs, coarse.k1, kStepK1, kFineK1);
-  if (kRatio * lens.left_px > given) {
+  if (!(kRatio * lens.left_px < given)) {
     return std::nullopt;
   }
   return "the images look raw, and the calibration is that of rectified ones: the left camera's points " +

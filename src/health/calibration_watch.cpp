@@ -37,6 +37,9 @@ void merge(const RigEvidence& other, RigEvidence& into) {
   into.track_count += other.track_count;
   into.deep += other.deep;
   into.scale_sigma = std::max(into.scale_sigma, other.scale_sigma);
+  for (std::size_t k = 0; k < into.blocks.size() && k < other.blocks.size(); ++k) {
+    into.blocks[k] += other.blocks[k];
+  }
 }
 
 void halve(std::vector<RigEvidence>& windows) {
@@ -76,7 +79,28 @@ double t_survival(double t, double dof) {
   return chi_square_survival(factor * factor * z2, 1.0);
 }
 
+void judge_movement(const std::vector<RigEvidence>& windows, const Tolerance& tolerance,
+                    CalibrationState& out) {
+  std::vector<FrameHalves> blocks;
+  for (const RigEvidence& window : windows) {
+    blocks.insert(blocks.end(), window.blocks.begin(), window.blocks.end());
+  }
+  out.movement = movement_of(blocks, out.whole.epipolar);
+  out.by_movement = judge(out.movement.px, tolerance.epipolar_px);
+  if (out.tracks < kFewestTracks) {
+    return;
+  }
+  out.verdict = worst(out.verdict, out.by_movement);
+  if (!out.named && out.moves()) {
+    out.named = static_cast<std::size_t>(out.movement.axis);
+  }
+}
+
 }  // namespace
+
+bool CalibrationState::moves() const {
+  return by_movement == HealthVerdict::kDegraded || by_movement == HealthVerdict::kDecalibrated;
+}
 
 CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
                           const Tolerance& tolerance) {
@@ -90,6 +114,7 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
     out.deep += window.deep;
   }
   judge_estimate(robust_estimate(windows, theta, metric), theta, metric, tolerance, out);
+  judge_movement(windows, tolerance, out);
   return out;
 }
 

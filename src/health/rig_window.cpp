@@ -29,7 +29,9 @@ constexpr std::size_t kShortestTrack = 4;  // frames
 constexpr int kPixelSteps = 4;             // of Gauss-Newton on a point
 constexpr double kHuberLimit = 1.345, kTukeyLimit = 4.685;
 constexpr double kLeastNoise_px = 0.02;
-constexpr Eigen::Index kVergence = 1, kLens = 6;  // in beta
+constexpr Eigen::Index kVergence = NormalEquations::kVergence, kLens = NormalEquations::kLens;
+constexpr std::size_t kBlocks = 5;  // of a window
+constexpr int kFewestOfAHalf = 8;   // rows
 /// What a window is taken to vary by, in variances within it, and how many windows that belief is worth.
 constexpr double kOfAWindow = 3.0, kWorthWindows = 2.0;
 constexpr int kHuberSteps = 6, kTukeySteps = 4;
@@ -171,7 +173,8 @@ void RigWindow::triangulate() {
   }
 }
 
-void RigWindow::add_rows(const Frame& frame, const Seen& seen, std::vector<Row>& rows) const {
+void RigWindow::add_rows(std::size_t index, const Seen& seen, std::vector<Row>& rows) const {
+  const Frame& frame = frames_[index];
   const Pose assumed = pose_from_rig(calibration_.theta);
   std::array<std::pair<Pose, Pose>, 6> moved;
   for (Eigen::Index k = 0; k < 6; ++k) {
@@ -190,7 +193,8 @@ void RigWindow::add_rows(const Frame& frame, const Seen& seen, std::vector<Row>&
   const auto across = [&](const Pose& rig) { return line_of(seen.d0, rig).dot(seen.d1); };
   Vector J_across = -derivative(across);
   std::swap(J_across(kVergence), J_across(kLens));
-  rows.push_back({J_across, focal_px_ * across(assumed), 1.0, 1.0, seen.track.first, seen.cell, false});
+  rows.push_back(
+      {J_across, focal_px_ * across(assumed), 1.0, 1.0, seen.track.first, seen.cell, false, index});
   const auto point = points_.find(seen.track);
   if (point == points_.end()) {
     return;
@@ -211,7 +215,7 @@ void RigWindow::add_rows(const Frame& frame, const Seen& seen, std::vector<Row>&
   const Vector3d along(normal.y(), -normal.x(), 0.0);
   rows.push_back({derivative([&](const Pose& rig) { return along.dot(predicted(rig)); }),
                   focal_px_ * along.dot(seen.d1 - predicted(assumed)), std::hypot(1.0, noise), 1.0,
-                  seen.track.first, seen.cell, true});
+                  seen.track.first, seen.cell, true, index});
 }
 
 std::optional<RigEvidence> RigWindow::close() {
@@ -227,9 +231,9 @@ std::optional<RigEvidence> RigWindow::evidence() {
   triangulate();
   std::vector<Row> rows;
   rows.reserve(2 * seen_);
-  for (const Frame& frame : frames_) {
-    for (const Seen& seen : frame.points) {
-      add_rows(frame, seen, rows);
+  for (std::size_t n = 0; n < frames_.size(); ++n) {
+    for (const Seen& seen : frames_[n].points) {
+      add_rows(n, seen, rows);
     }
   }
   Vector delta = Vector::Zero();
@@ -290,6 +294,34 @@ std::optional<RigEvidence> RigWindow::evidence() {
     out.both.noalias() += score * score.transpose();
   }
   out.track_count = tracks.size();
+  out.blocks = blocks(rows);
+  return out;
+}
+
+std::vector<FrameHalves> RigWindow::blocks(const std::vector<Row>& rows) const {
+  struct Half {
+    NormalEquations normal{kPrior * Matrix::Identity(), Vector::Zero()};
+    int rows = 0;
+  };
+  // Weights that fall with the distance from the mean would make every movement look smaller: all or nothing.
+  std::vector<std::array<Half, 2>> halves(frames_.size());
+  for (const Row& row : rows) {
+    if (!row.along && row.weight > 0.0) {
+      Half& half = halves[row.frame][static_cast<std::size_t>(row.track & 1)];
+      half.normal += {row.J * row.J.transpose(), row.y * row.J};
+      ++half.rows;
+    }
+  }
+  std::vector<FrameHalves> out(kBlocks);
+  for (std::size_t n = 0; n < halves.size(); ++n) {
+    const auto& [a, b] = halves[n];
+    if (std::min(a.rows, b.rows) >= kFewestOfAHalf) {
+      Vector first, second;
+      solve(a.normal, first);
+      solve(b.normal, second);
+      out[n * kBlocks / halves.size()].add(first, second);
+    }
+  }
   return out;
 }
 

@@ -53,6 +53,9 @@ ReportTable tolerance_table(const Json& state) {
                           cell_of(effect.value("verdict", ""))});
   };
   add("off the epipolar line", state.at("epipolar_px"), "px");
+  if (state.contains("movement_px")) {
+    add("moves from frame to frame", state.at("movement_px"), "px");
+  }
   add(fmt::format("depth at {} baselines", number(state.at("depth_percent"), "baselines", "{:g}")),
       state.at("depth_percent"), "%");
   return table;

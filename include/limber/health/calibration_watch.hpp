@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "limber/health/rig_movement.hpp"
 #include "limber/health/rig_window.hpp"
 #include "limber/health/tolerance.hpp"
 
@@ -30,7 +31,12 @@ struct CalibrationState {
   RigEstimate estimate;
   BetaEstimate whole;  ///< what `estimate` is a part of
   CalibrationEffect effect;
+  RigMovement movement;  ///< about the mean, from frame to frame
+  HealthVerdict by_movement = HealthVerdict::kCannotTell;
   std::size_t windows = 0, tracks = 0, points = 0, deep = 0;
+
+  /// From frame to frame, by more than what is ok.
+  [[nodiscard]] bool moves() const;
 };
 
 /// The state of one stretch of windows.

@@ -10,29 +10,13 @@
 #include <vector>
 
 #include "limber/core/pose.hpp"
+#include "limber/health/frame_halves.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/sensors/samples.hpp"
 
 /// @file
 /// What the right pixels of a stretch of frames say of the rig, with errors that are not white.
 namespace limber {
-
-/// @brief Weighted normal equations, information beta = vector.
-///
-/// beta: the rig's error in plausible errors (0.1 deg, 5 % of the baseline), and seventh what vergence would
-/// do across the epipolar lines (x y). That is what a wrong lens does too, so that it says nothing of ay,
-/// which shows in depths alone.
-struct NormalEquations {
-  static constexpr int kSize = 7;
-  using Matrix = Eigen::Matrix<double, kSize, kSize>;
-  using Vector = Eigen::Matrix<double, kSize, 1>;
-  Matrix information = Matrix::Zero();
-  Vector vector = Vector::Zero();
-
-  NormalEquations& operator+=(const NormalEquations& other);
-  /// Sum of the rows' scores at beta.
-  [[nodiscard]] Vector score(const Vector& beta) const { return vector - information * beta; }
-};
 
 /// A stretch of frames, summed up.
 struct RigEvidence {
@@ -44,8 +28,9 @@ struct RigEvidence {
   Matrix both = Matrix::Zero();          ///< the same over tracks within cells
   Matrix epipolar = Matrix::Zero();      ///< sum of J Jᵀ, J the px that a point leaves its epipolar line by
   std::size_t points = 0, track_count = 0;
-  std::size_t deep = 0;      ///< points whose depth is known from motion
-  double scale_sigma = 0.0;  ///< relative standard deviation of the trajectory's scale
+  std::size_t deep = 0;             ///< points whose depth is known from motion
+  double scale_sigma = 0.0;         ///< relative standard deviation of the trajectory's scale
+  std::vector<FrameHalves> blocks;  ///< fifths of it
 };
 
 /// The rig's error, true minus assumed theta [rad, m], and a covariance that counts tracks and places in the
@@ -105,9 +90,12 @@ class RigWindow {
     std::int64_t track;
     int cell;
     bool along;
+    std::size_t frame;
   };
 
-  void add_rows(const Frame& frame, const Seen& seen, std::vector<Row>& rows) const;
+  void add_rows(std::size_t frame, const Seen& seen, std::vector<Row>& rows) const;
+  /// What the frames alone say, without the outliers of the whole window.
+  [[nodiscard]] std::vector<FrameHalves> blocks(const std::vector<Row>& rows) const;
   void triangulate();
 
   struct Point {
