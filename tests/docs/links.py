@@ -43,6 +43,7 @@ def dead_links(file, root):
 def main():
     root = Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else SOURCE
     pages = [root / "README.md", root / "CONTRIBUTING.md", root / "CHANGELOG.md", root / "scenarios/README.md",
+             root / "benchmarks/peers/README.md",
              *sorted((root / "docs").rglob("*.md"))]
     dead = [link for page in pages if page.exists() for link in dead_links(page, root)]
     print(f"{len(pages)} pages, {len(dead)} dead links")

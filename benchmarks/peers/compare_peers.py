@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""limber and OpenVINS on the same images, bent and not, scored by `limber evaluate`.
+
+  benchmarks/peers/compare_peers.py RECORDING --openvins SOURCE --runner PROGRAM --out NEW_FOLDER
+
+RECORDING is an EuRoC folder. README.md beside this file says how to build the peer and what the columns mean.
+"""
+import argparse
+import hashlib
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+import euroc
+import openvins
+import peers_table
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BENDS = ["ay=0.3", "ay=1", "ay=2", "ay=3", "ay=0.5,shape=vibration,frequency=1", "ay=2,shape=ramp,end=8"]
+SYSTEMS = ["openvins", "openvins-calib", "ekf", "lcekf", "adaptive"]
+
+
+def measured(command, log):
+    """Runs a program: (exit code, CPU seconds of user and system, peak memory in MB)."""
+    with open(log, "w") as file:
+        process = subprocess.Popen([str(word) for word in command], stdout=file, stderr=subprocess.STDOUT)
+        _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return process.returncode, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+
+
+def poses_from(lines, first_s):
+    """Lines of a TUM file that are no earlier than first_s, comments left out."""
+    return [line for line in lines if line.strip() and line[0] != "#" and float(line.split()[0]) >= first_s - 1e-6]
+
+
+def causal_poses(folder, stamps):
+    """limber smooths the wait of a start from sensors: poses before its end know the future and are left out."""
+    waited = (json.loads((folder / "summary.json").read_text()).get("sensor_start") or {}).get("waited_s") or 0
+    return poses_from((folder / "trajectory.tum").read_text().splitlines(), 1e-9 * stamps[0] + waited)
+
+
+def run_limber(arguments, recording, folder, method, start):
+    command = [arguments.limber, "run", recording, "--method", method, "--init", "groundtruth" if start == "truth" else "auto",
+               "--out", folder / "run", "--threads", "1"]
+    command += ["--max-tracks", str(arguments.points)] if arguments.points else []
+    settings = " ".join(map(str, command[4:8] + command[10:])) + digest(arguments.limber)
+    code, cpu_s, peak_mb = measured(command, folder / "log.txt")
+    done = (folder / "run/trajectory.tum").exists() and (folder / "run/summary.json").exists()
+    poses = causal_poses(folder / "run", euroc.stereo_stamps(recording)) if done else []
+    return {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": hashed(settings)}, poses
+
+
+def run_openvins(arguments, recording, folder, system, start):
+    calibrate = system == "openvins-calib"
+    config, state, changed = openvins.write_settings(arguments.openvins, recording, folder, calibrate, start, arguments.points)
+    trajectory = folder / "trajectory.txt"
+    code, cpu_s, peak_mb = measured([arguments.runner, "run", config, recording, trajectory, *([state] if state else [])],
+                                    folder / "log.txt")
+    settings = "".join(file.read_text() for file in sorted(folder.glob("*.yaml"))) + digest(arguments.runner)
+    result = {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": hashed(settings), "changed": changed}
+    if code == 0:
+        result.update(json.loads((folder / "log.txt").read_text().splitlines()[-1]))
+    return result, poses_from(trajectory.read_text().splitlines(), 0) if trajectory.exists() else []
+
+
+def digest(path):
+    return hashlib.sha256(pathlib.Path(path).read_bytes()).hexdigest()
+
+
+def hashed(text):
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def run(arguments, recording, folder, system, start):
+    """One run of one system, scored."""
+    folder.mkdir(parents=True)
+    one = run_openvins if system.startswith("openvins") else run_limber
+    result, poses = one(arguments, recording, folder, system, start)
+    result.update({"system": system, "start": start, "recording": recording.name, "poses": len(poses), "ate": None})
+    result["frames"] = len(euroc.stereo_stamps(recording))
+    if len(poses) < 3:
+        return result
+    scored = folder / "causal.tum"
+    scored.write_text("\n".join(poses) + "\n")
+    done = subprocess.run([arguments.limber, "evaluate", scored, recording, "--json"], capture_output=True, text=True, check=False)
+    if done.returncode == 0:
+        result["ate"] = json.loads(done.stdout)["ate_m"]["se3"]
+    return result
+
+
+def bend(arguments, profile):
+    """The recording, bent once."""
+    if not profile:
+        return arguments.recording
+    folder = arguments.out / "recordings" / profile
+    if not folder.exists():
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        subprocess.run([arguments.limber, "decalibrate", arguments.recording, "--as", profile, "--out", folder], check=True,
+                       stdout=subprocess.DEVNULL)
+    return folder
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("recording", type=pathlib.Path)
+    parser.add_argument("--openvins", type=pathlib.Path, required=True, help="source tree of OpenVINS, for its EuRoC settings")
+    parser.add_argument("--runner", type=pathlib.Path, required=True, help="openvins_runner, built")
+    parser.add_argument("--limber", type=pathlib.Path, default=ROOT / "build/release/limber")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="new folder for recordings, runs and results.json")
+    parser.add_argument("--bend", action="append", metavar="PROFILE", help="as in limber decalibrate --as; may be repeated; "
+                        f"'' bends nothing; default: '' and {' '.join(BENDS)}")
+    parser.add_argument("--systems", default=",".join(SYSTEMS), help="default: %(default)s")
+    parser.add_argument("--start", choices=["truth", "own", "both"], default="both", help="default: %(default)s")
+    parser.add_argument("--points", type=int, help="points a camera, for all; default: what each system has for EuRoC")
+    parser.add_argument("--repeat", type=int, default=5, help="default: %(default)s")
+    arguments = parser.parse_args()
+    for path in (arguments.recording / "mav0", arguments.limber, arguments.runner, arguments.openvins / "config/euroc_mav"):
+        if not path.exists():
+            parser.error(f"{path} is not there")
+    unknown = set(arguments.systems.split(",")) - set(SYSTEMS)
+    if unknown:
+        parser.error(f"--systems: {', '.join(sorted(unknown))}: expected some of {', '.join(SYSTEMS)}")
+    if arguments.repeat < 1:
+        parser.error("--repeat: expected 1 or more")
+    if arguments.out.exists() and any(arguments.out.iterdir()):
+        parser.error(f"{arguments.out} is not empty: nothing is ever replaced")
+    for name in ("recording", "out", "limber", "runner", "openvins"):
+        setattr(arguments, name, getattr(arguments, name).resolve())
+    return arguments
+
+
+def main():
+    arguments = parse()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    profiles = arguments.bend if arguments.bend is not None else ["", *BENDS]
+    starts = ["truth", "own"] if arguments.start == "both" else [arguments.start]
+    columns = [(system, start) for start in starts for system in arguments.systems.split(",")]
+    results = []
+    for profile in profiles:
+        recording = bend(arguments, profile)
+        for repetition in range(arguments.repeat):
+            for system, start in columns:
+                folder = arguments.out / "runs" / (profile or "nothing") / f"{system}-{start}-{repetition}"
+                results.append({"bend": profile, **run(arguments, recording, folder, system, start)})
+                (arguments.out / "results.json").write_text(json.dumps(results, indent=1) + "\n")
+    print(peers_table.tables(results))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (euroc.Malformed, OSError, subprocess.CalledProcessError) as error:
+        sys.exit(f"compare_peers: {error}")

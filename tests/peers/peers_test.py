@@ -1,0 +1,193 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""benchmarks/peers without a peer: files written for it, its start from the truth, causal poses, the tables."""
+import json
+import math
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "benchmarks/peers"))
+import compare_peers  # noqa: E402
+import euroc  # noqa: E402
+import openvins  # noqa: E402
+import peers_table  # noqa: E402
+
+CONFIG = """%YAML:1.0
+calib_cam_extrinsics: true # says what
+calib_cam_intrinsics: true
+calib_cam_timeoffset: true
+init_max_features: 50
+init_dyn_use: false # if
+init_dyn_use_more: 1
+num_pts: 200 # points
+num_opencv_threads: 4
+gravity_mag: 9.81 # here
+"""
+SENSOR = """# comment
+sensor_type: camera
+T_BS:
+  cols: 4
+  rows: 4
+  data: [0.0, -1.0, 0.0, 0.1,
+         1.0, 0.0, 0.0, 0.2,
+         0.0, 0.0, 1.0, 0.3,
+         0.0, 0.0, 0.0, 1.0]
+resolution: [752, 480]
+camera_model: pinhole
+intrinsics: [458.5, 457.0, 367.0, 248.0] #fu, fv, cu, cv
+distortion_model: radial-tangential
+distortion_coefficients: [-0.28, 0.07, 0.0002, 1.7e-05]
+"""
+
+
+def write(folder, path, text):
+    file = pathlib.Path(folder) / path
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(text)
+    return file
+
+
+def turning_recording(folder, gyro_bias, accelerometer_bias, biases_in_truth=False):
+    """A rig on a circle of 2 m, a turn in 10 s, tilted by 30 degrees about its own x; sensors are exact but for the biases."""
+    rate, radius = 2 * math.pi / 10, 2.0
+    tilt = [math.cos(math.pi / 12), math.sin(math.pi / 12), 0, 0]
+    truth, imu = [], []
+    for k in range(401):
+        t_ns, angle = 10**18 + 5_000_000 * k, rate * 0.005 * k
+        q = euroc.product([math.cos(angle / 2), 0, 0, math.sin(angle / 2)], tilt)
+        p = [radius * math.cos(angle), radius * math.sin(angle), 0]
+        v = [-radius * rate * math.sin(angle), radius * rate * math.cos(angle), 0]
+        force = [-radius * rate**2 * math.cos(angle), -radius * rate**2 * math.sin(angle), 9.81]
+        w = [x + b for x, b in zip(euroc.rotate(euroc.conjugate(q), [0, 0, rate]), gyro_bias)]
+        a = [x + b for x, b in zip(euroc.rotate(euroc.conjugate(q), force), accelerometer_bias)]
+        columns = [*p, *q, *v, *([1, 2, 3, 4, 5, 6] if biases_in_truth else [])]
+        truth.append(f"{t_ns}," + ",".join(map(repr, columns)))
+        imu.append(f"{t_ns}," + ",".join(map(repr, w + a)))
+    write(folder, "mav0/state_groundtruth_estimate0/data.csv", "# t\n" + "\n".join(truth) + "\n")
+    write(folder, "mav0/imu0/data.csv", "# t\n" + "\n".join(imu) + "\n")
+    stamps = "# t\n" + "".join(f"{10**18 + 52_000_000 * k},{k}.png\n" for k in range(1, 9))
+    write(folder, "mav0/cam0/data.csv", stamps)
+    write(folder, "mav0/cam1/data.csv", stamps.replace("\n1000000000104000000,2.png", ""))
+    return pathlib.Path(folder)
+
+
+class Settings(unittest.TestCase):
+    def test_a_value_changes_and_nothing_else(self):
+        self.assertEqual(openvins.with_settings(CONFIG, {"init_dyn_use": "true"}),
+                         CONFIG.replace("init_dyn_use: false ", "init_dyn_use: true "))
+
+    def test_a_key_that_is_not_there_is_an_error(self):
+        with self.assertRaisesRegex(euroc.Malformed, "num_points"):
+            openvins.with_settings(CONFIG, {"num_points": 1})
+
+    def test_calibration_is_switched_off_all_of_it_or_left_as_it_is(self):
+        self.assertEqual([openvins.changes(CONFIG, False, "own", None).get(key) for key in openvins.CALIBRATION], ["false"] * 3)
+        self.assertFalse(set(openvins.CALIBRATION) & set(openvins.changes(CONFIG, True, "own", None)))
+
+    def test_points_after_a_start_from_the_truth_are_those_of_the_estimator(self):
+        self.assertEqual(openvins.changes(CONFIG, True, "truth", None)["init_max_features"], "200")
+        self.assertEqual(openvins.changes(CONFIG, True, "truth", 120)["init_max_features"], 240)
+        self.assertEqual(openvins.changes(CONFIG, True, "truth", 120)["num_pts"], 240)
+        self.assertEqual(openvins.changes(CONFIG, True, "own", None)["init_dyn_use"], "true")
+
+
+class Calibration(unittest.TestCase):
+    def test_sensor_yaml_becomes_a_camchain(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("cam0", "cam1"):
+                write(folder, f"mav0/{name}/sensor.yaml", SENSOR)
+            chain = openvins.camchain([euroc.camera(pathlib.Path(folder), name) for name in ("cam0", "cam1")])
+        self.assertIn("cam1:\n  T_imu_cam:\n    - [0.0, -1.0, 0.0, 0.1]\n    - [1.0, 0.0, 0.0, 0.2]\n", chain)
+        self.assertIn("  distortion_coeffs: [-0.28, 0.07, 0.0002, 1.7e-05]\n  distortion_model: radtan\n", chain)
+        self.assertIn("  intrinsics: [458.5, 457.0, 367.0, 248.0]\n  resolution: [752, 480]\n", chain)
+
+    def test_no_distortion_is_radial_tangential_with_zeros(self):
+        sensor = SENSOR.replace("radial-tangential", "none").replace("[-0.28, 0.07, 0.0002, 1.7e-05]", "[]")
+        with tempfile.TemporaryDirectory() as folder:
+            write(folder, "mav0/cam0/sensor.yaml", sensor)
+            chain = openvins.camchain([euroc.camera(pathlib.Path(folder), "cam0")])
+        self.assertIn("  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n  distortion_model: radtan\n", chain)
+
+    def test_a_lens_the_peer_lacks_is_an_error(self):
+        for old, new, expected in (("radial-tangential", "double-sphere", "double-sphere"), ("1.7e-05]", "0, 0.1]", "four")):
+            with tempfile.TemporaryDirectory() as folder:
+                write(folder, "mav0/cam0/sensor.yaml", SENSOR.replace(old, new))
+                with self.assertRaisesRegex(euroc.Malformed, expected):
+                    openvins.camchain([euroc.camera(pathlib.Path(folder), "cam0")])
+
+    def test_biases_that_do_not_walk_walk_a_little(self):
+        chain = openvins.imu_chain(dict(zip(euroc.NOISE, (1e-4, 0.0, 2e-3, 3e-3))))
+        self.assertIn(f"  gyroscope_random_walk: {openvins.LEAST_WALK!r}\n", chain)
+        self.assertIn("  accelerometer_random_walk: 0.003\n", chain)
+
+    def test_an_imu_away_from_the_body_is_an_error(self):
+        with tempfile.TemporaryDirectory() as folder:
+            write(folder, "mav0/imu0/sensor.yaml", SENSOR + "".join(f"{key}: 1e-3\n" for key in euroc.NOISE))
+            with self.assertRaisesRegex(euroc.Malformed, "identity"):
+                euroc.imu_noise(pathlib.Path(folder))
+
+
+class Start(unittest.TestCase):
+    def test_biases_come_from_the_first_second_where_the_truth_has_none(self):
+        gyro, accelerometer = [0.01, -0.02, 0.08], [0.1, -0.2, 0.05]
+        with tempfile.TemporaryDirectory() as folder:
+            state = openvins.start(turning_recording(folder, gyro, accelerometer), 9.81)
+        self.assertAlmostEqual(state[0], 1e9 + 0.05, places=6)  # the truth at or before the first image, 2 ms later
+        angle = 2 * math.pi / 10 * 0.05
+        self.assertAlmostEqual(state[5], 2 * math.cos(angle))
+        self.assertAlmostEqual(state[4], math.cos(angle / 2) * math.cos(math.pi / 12))  # w comes last
+        for found, true in zip(state[11:], gyro + accelerometer):
+            self.assertAlmostEqual(found, true, delta=3e-3)
+
+    def test_biases_of_the_truth_are_taken(self):
+        with tempfile.TemporaryDirectory() as folder:
+            state = openvins.start(turning_recording(folder, [0] * 3, [0] * 3, biases_in_truth=True), 9.81)
+        self.assertEqual(state[11:], [1, 2, 3, 4, 5, 6])
+
+
+class Results(unittest.TestCase):
+    def test_pairs_are_stamps_of_both_cameras(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(len(euroc.stereo_stamps(turning_recording(folder, [0] * 3, [0] * 3))), 7)
+
+    def test_poses_that_were_smoothed_are_left_out(self):
+        poses = "# t x y z\n" + "".join(f"{100 + 0.5 * k} 0 0 0 0 0 0 1\n" for k in range(6))
+        with tempfile.TemporaryDirectory() as folder:
+            write(folder, "trajectory.tum", poses)
+            for start, left in (({"waited_s": 1.0}, 4), (None, 6)):
+                write(folder, "summary.json", json.dumps({"sensor_start": start}))
+                self.assertEqual(len(compare_peers.causal_poses(pathlib.Path(folder), [100 * 10**9])), left)
+
+    def test_a_cell_says_range_completeness_and_failures(self):
+        def runs(*errors, poses=80):
+            return [{"ate": ate, "poses": poses, "frames": 100} for ate in errors]
+        self.assertEqual(peers_table.accuracy_cell(runs(0.0123, 0.0123)), "0.0123 · 80 %")
+        self.assertEqual(peers_table.accuracy_cell(runs(0.5, 1.0, 2.0)), "1 (0.5–2) · 80 %")
+        self.assertEqual(peers_table.accuracy_cell(runs(0.5, None)), "0.5 · 80 % · 1 of 2 without")
+        self.assertEqual(peers_table.accuracy_cell(runs(None, poses=0)), "none · 0 %")
+
+    def test_tables_have_a_row_a_profile_and_a_column_a_system(self):
+        def one(bend, system, ate, **more):
+            return {"bend": bend, "system": system, "start": "own", "ate": ate, "poses": 10, "frames": 10, "cpu_s": 0.3,
+                    "peak_mb": 99.6, **more}
+        text = peers_table.tables([one("", "openvins", 0.1, decode_ms=5, estimate_ms=7.25), one("", "ekf", 0.2),
+                                   one("ay=1", "ekf", 0.3)])
+        self.assertEqual(text.splitlines(), [
+            "| bent by | openvins, own | ekf, own |", "| --- | --- | --- |", "| nothing | 0.1 · 100 % | 0.2 · 100 % |",
+            "| ay=1 |  | 0.3 · 100 % |", "", "| system, start | CPU of the process [s] | a frame, with decoding [ms] | without [ms] "
+            "| peak memory [MB] |", "| --- | --- | --- | --- | --- |", "| openvins, own | 0.30 | 30.0 | 7.2 | 100 |",
+            "| ekf, own | 0.30 | 30.0 | ≤ 25.0 | 100 |"])
+
+    def test_cpu_and_memory_are_those_of_the_child(self):
+        with tempfile.TemporaryDirectory() as folder:
+            program = "x = bytearray(150 * 2**20)\nwhile __import__('time').process_time() < 0.2: pass\nraise SystemExit(3)"
+            code, cpu_s, peak_mb = compare_peers.measured([sys.executable, "-c", program], pathlib.Path(folder) / "log")
+        self.assertEqual(code, 3)
+        self.assertGreater(cpu_s, 0.19)
+        self.assertGreater(peak_mb, 150)
+
+
+if __name__ == "__main__":
+    unittest.main()
