@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kRowIterations = 20;
 constexpr double kSameRow = 1e-9;  ///< [px]
+constexpr double kEdge = 0.2;      ///< change of the distance
 
 const PictureOptions& require_sensible(const PictureOptions& options) {
   const auto require = [](bool holds, const char* what) {
@@ -90,6 +91,23 @@ std::optional<Eigen::Vector2d> PictureTruth::pixel(std::size_t camera, std::int6
     row = seen->uv.y();
   }
   return std::nullopt;
+}
+
+bool PictureTruth::on_an_edge(std::size_t camera, std::int64_t stamp_ns, const Eigen::Vector2d& uv,
+                              double radius) const {
+  const auto distance = [&](const Eigen::Vector2d& at) {
+    const auto seen = place(camera, stamp_ns, at);
+    return seen ? (seen->p - view(camera, seen->t).T_world_cam.p).norm() : 1e9;
+  };
+  const double here = distance(uv), diagonal = 0.75 * radius;
+  for (const Eigen::Vector2d& by :
+       {Eigen::Vector2d(diagonal, diagonal), Eigen::Vector2d(-diagonal, diagonal),
+        Eigen::Vector2d(diagonal, -diagonal), Eigen::Vector2d(-diagonal, -diagonal),
+        Eigen::Vector2d(radius, 0), Eigen::Vector2d(-radius, 0), Eigen::Vector2d(0, radius),
+        Eigen::Vector2d(0, -radius)}) {
+    if (std::abs(distance(uv + by) / here - 1.0) > kEdge) return true;
+  }
+  return false;
 }
 
 }  // namespace limber

@@ -33,23 +33,6 @@ double share_above(const std::vector<double>& values, double limit) {
          static_cast<double>(values.size());
 }
 
-/// Whether the picture around a pixel of the left camera shows two things, one behind the other: what is
-/// tracked there is no place.
-bool on_an_edge(const PictureTruth& truth, std::int64_t t_ns, const Eigen::Vector2d& uv) {
-  const Eigen::Vector3d eye = truth.view(0, 1e-9 * static_cast<double>(t_ns)).T_world_cam.p;
-  const auto range = [&](const Eigen::Vector2d& at) {
-    const auto seen = truth.place(0, t_ns, at);
-    return seen ? (seen->p - eye).norm() : 1e9;
-  };
-  const double here = range(uv);
-  for (const Eigen::Vector2d& by :
-       {Eigen::Vector2d(6, 6), Eigen::Vector2d(-6, 6), Eigen::Vector2d(6, -6), Eigen::Vector2d(-6, -6),
-        Eigen::Vector2d(8, 0), Eigen::Vector2d(-8, 0), Eigen::Vector2d(0, 8), Eigen::Vector2d(0, -8)}) {
-    if (std::abs(range(uv + by) / here - 1.0) > 0.2) return true;
-  }
-  return false;
-}
-
 /// How far the tracker's pixels are from the truth [px].
 struct TrackingErrors {
   std::vector<double> left, right;    ///< of points of the world
@@ -69,7 +52,7 @@ TrackingErrors tracking_errors(const Scenario& scenario, const PictureOptions& o
     for (const StereoObservation& point : tracker.process(pair.t_ns, pair.cam0, pair.cam1).observations) {
       const auto seen = truth.place(0, pair.t_ns, point.uv_cam0);
       if (!seen) continue;
-      if (on_an_edge(truth, pair.t_ns, point.uv_cam0)) {
+      if (truth.on_an_edge(0, pair.t_ns, point.uv_cam0)) {
         places.erase(point.track_id);
         ++errors.edges;
         continue;

@@ -54,6 +54,11 @@ class PictureTruth {
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel(std::size_t camera, std::int64_t stamp_ns,
                                                      const Place& place) const;
 
+  /// Whether one thing stands in front of another within `radius` [px] of a pixel, at a distance that
+  /// differs by a fifth: a point tracked there is no place.
+  [[nodiscard]] bool on_an_edge(std::size_t camera, std::int64_t stamp_ns, const Eigen::Vector2d& uv,
+                                double radius = 8.0) const;
+
  private:
   [[nodiscard]] const Camera& lens(std::size_t camera) const {
     return camera == 0 ? calibration_.cam0 : calibration_.cam1;
