@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How many points of the left image the front end finds in the right one, on rendered pictures of a rig that is
-// not the one it was told.
+// How many points of the left image the front end finds in the right one, on rendered pictures of a rig that
+// is not the one it was told.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -24,8 +24,9 @@ constexpr double kWrong = 1.0;  ///< [px] from the truth
 
 struct Counts {
   double points = 0.0, matches = 0.0;
-  double wrong = 0.0;           ///< matches
-  double wrong_off_edges = 0.0; ///< those of points that do not stand on the edge of a thing in front of another
+  double wrong = 0.0;  ///< matches
+  double wrong_off_edges =
+      0.0;  ///< those of points that do not stand on the edge of a thing in front of another
 
   [[nodiscard]] double share() const { return matches / points; }
 };
@@ -97,14 +98,17 @@ struct Bend {
 
 const std::vector<Bend>& bends() {
   static const std::vector<double> kDegrees = {0.3, 1, 2, 3, 5}, kPercents = {10, 20, 30};
-  static const std::vector<Bend> kAll = {{"nod", 0, true, kDegrees},      {"vergence", 1, true, kDegrees},
-                                         {"roll", 2, true, kDegrees},     {"baseline, tx", 3, false, kPercents},
-                                         {"baseline, ty", 4, false, kPercents}, {"baseline, tz", 5, false, kPercents}};
+  static const std::vector<Bend> kAll = {{"nod", 0, true, kDegrees},
+                                         {"vergence", 1, true, kDegrees},
+                                         {"roll", 2, true, kDegrees},
+                                         {"baseline, tx", 3, false, kPercents},
+                                         {"baseline, ty", 4, false, kPercents},
+                                         {"baseline, tz", 5, false, kPercents}};
   return kAll;
 }
 
-/// Shares in percent: matches of points, that beside the undisturbed rig, wrong ones of matches; of the two signs
-/// the one with fewer matches.
+/// Shares in percent: matches of points, that beside the undisturbed rig, wrong ones of matches; of the two
+/// signs the one with fewer matches.
 void print_row(const Experiment& experiment, const Counts& undisturbed, const Bend& bend, double amount) {
   const double size =
       bend.is_angle ? amount * std::numbers::pi / 180.0 : amount / 100.0 * experiment.baseline();
@@ -115,8 +119,8 @@ void print_row(const Experiment& experiment, const Counts& undisturbed, const Be
     signs[k] = experiment.track(delta);
   }
   const Counts& worse = signs[0].share() < signs[1].share() ? signs[0] : signs[1];
-  fmt::print("| {} {} {} | {:.1f} | {:.1f} | {:.2f} | {:.2f} |\n", bend.name, amount, bend.is_angle ? "°" : "%",
-             100.0 * worse.share(), 100.0 * worse.share() / undisturbed.share(),
+  fmt::print("| {} {} {} | {:.1f} | {:.1f} | {:.2f} | {:.2f} |\n", bend.name, amount,
+             bend.is_angle ? "°" : "%", 100.0 * worse.share(), 100.0 * worse.share() / undisturbed.share(),
              100.0 * worse.wrong / worse.matches, 100.0 * worse.wrong_off_edges / worse.matches);
 }
 
@@ -139,7 +143,9 @@ int main(int argc, char** argv) {
     scenario.decalibration.clear();
     const Experiment experiment(scenario, limber::scene_from_string(scene), seed, noise);
     const Counts undisturbed = experiment.track(RigParameters::Zero());
-    fmt::print("| {} | matches of points, % | beside the undisturbed rig, % | wrong of matches, % | off edges |\n", scene);
+    fmt::print(
+        "| {} | matches of points, % | beside the undisturbed rig, % | wrong of matches, % | off edges |\n",
+        scene);
     fmt::print("| --- | --- | --- | --- | --- |\n| undisturbed | {:.1f} | 100 | {:.2f} | {:.2f} |\n",
                100.0 * undisturbed.share(), 100.0 * undisturbed.wrong / undisturbed.matches,
                100.0 * undisturbed.wrong_off_edges / undisturbed.matches);
