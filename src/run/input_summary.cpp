@@ -90,16 +90,19 @@ std::string in_words(const RunEvent& e) {
 InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
   InputSummary out;
   std::int64_t before_ns = frames.empty() ? 0 : frames.front().t_ns;
+  std::int64_t silent_since_ns = before_ns;  // no sample between this frame and those after it
   for (const FrameReport& frame : frames) {
     count(frame, out);
     const auto add = [&](const std::string& what) -> RunEvent& {
       return event_at(out.events, what, before_ns, frame.t_ns);
     };
+    if (frame.inputs.gap_s < seconds(frame.t_ns - before_ns)) silent_since_ns = frame.t_ns;
     if (frame.inputs.status == InputStatus::kNone && frame.t_ns > before_ns) {
       add("no inputs");
     } else if (frame.inputs.gap_s > 0.0) {
       RunEvent& event = add("gap");
-      event.longest_s = std::max(event.longest_s, frame.inputs.gap_s);
+      event.longest_s =
+          std::max({event.longest_s, frame.inputs.gap_s, seconds(frame.t_ns - silent_since_ns)});
     }
     for (std::size_t k = 0; k < kInputFaults; ++k) {
       if (frame.inputs.faults.count[k] > 0) {
@@ -117,12 +120,6 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
       out.lost_since_ns = out.lost_since_ns.value_or(frame.t_ns);
     }
     before_ns = frame.t_ns;
-  }
-  // A gap is as long as its frames, in one piece, unless samples came between.
-  for (RunEvent& event : out.events) {
-    if (event.what == "gap" && event.frames > 1) {
-      event.longest_s = std::max(event.longest_s, seconds(event.to_ns - event.from_ns));
-    }
   }
   return out;
 }

@@ -54,6 +54,18 @@ TEST(InputSummary, FramesWithTheSameTroubleAreOneEvent) {
               Contains(HasSubstr("from 0.950 s to 1.950 s 200 input samples were stuck")));
 }
 
+TEST(InputSummary, SamplesDroppedHereAndThereAreNoLongGap) {
+  std::vector<FrameReport> frames = sound_frames(200);
+  for (std::size_t k = 20; k < 100; k += k < 60 ? 7 : 1) {
+    frames[k].inputs.status = InputStatus::kGap;
+    frames[k].inputs.gap_s = 0.01;
+  }
+  const InputSummary summary = summarize_inputs(frames);
+  ASSERT_EQ(summary.events.size(), 1U);
+  EXPECT_NEAR(summary.events[0].longest_s, 0.01, 1e-9);
+  EXPECT_THAT(remarks_on_inputs(summary), IsEmpty());
+}
+
 TEST(InputSummary, SaysSinceWhenARunIsLost) {
   std::vector<FrameReport> frames = sound_frames(100);
   frames[60].status = UpdateStatus::kSingularInnovation;
