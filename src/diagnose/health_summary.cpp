@@ -57,11 +57,40 @@ Json sizes_of(const CalibrationState& state, const Tolerance& tolerance) {
       {"points_with_depth", state.deep}};
 }
 
+Json json_of(const std::optional<RigDrift>& drift) {
+  if (!drift) {
+    return nullptr;
+  }
+  const double minutes = drift->seconds / 60.0;
+  const RigParameters rate = in_degrees_and_mm(drift->change.delta) / minutes;
+  const RigParameters sigma = in_degrees_and_mm(drift->change.sigma()) / minutes;
+  Json axes;
+  for (std::size_t k = 0; k < 6; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    axes[std::string(kParameterNames[k])] = {
+        {"per_minute", rate(i)}, {"sigma", sigma(i)}, {"unit", k < 3 ? "deg" : "mm"}};
+  }
+  return {{"most_likely_axis", kParameterNames[drift->named]}, {"axes", axes}};
+}
+
+/// "; it drifts: roll, about z by +0.24 ± 0.03 deg a minute"
+std::string drift_in_words(const CalibrationState& state) {
+  if (!state.drift) {
+    return "";
+  }
+  const auto k = static_cast<Eigen::Index>(state.drift->named);
+  const double unit = in_degrees_and_mm(RigParameters::Ones())(k) * 60.0 / state.drift->seconds;
+  return fmt::format("; it drifts, mostly in {}: by {:+.3g} ± {:.2g} {} a minute",
+                     axis_in_words(state.drift->named), unit * state.drift->change.delta(k),
+                     unit * state.drift->change.sigma()(k), k < 3 ? "deg" : "mm");
+}
+
 Json json_of(const CalibrationState& state, const HealthSummary& summary, const Tolerance& tolerance) {
   Json out = {{"verdict", to_string(state.verdict)},
               {"from_s", summary.seconds(state.from_ns)},
               {"to_s", summary.seconds(state.to_ns)}};
   out.update(sizes_of(state, tolerance));
+  out["drift"] = json_of(state.drift);
   out["movement_px"] = json_of(state.movement.px, tolerance.epipolar_px, state.by_movement, 1.0);
   return out;
 }
@@ -139,7 +168,7 @@ std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frame
 
 std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
   const CalibrationState& state = summary.present;
-  const std::string sizes = sizes_in_words(state, tolerance);
+  const std::string sizes = sizes_in_words(state, tolerance) + drift_in_words(state);
   if (only_moves(state)) {
     return fmt::format(
         "the cameras move against each other, mostly in {}: {} from frame to frame; on average {}",

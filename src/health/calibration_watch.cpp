@@ -19,6 +19,9 @@ constexpr std::size_t kMostWindows = 400;            // that are kept; then neig
 constexpr std::size_t kNew = 2;                      // windows that a change has to last
 constexpr double kRelevant = 0.5;                    // share of what is ok
 constexpr int kMainWays = 4;                         // to leave the epipolar lines
+constexpr double kTests = 2.0;                       // after a window: for a change, for a drift
+constexpr std::size_t kFewestOfADrift = 5;           // windows
+constexpr double kDoubt = 0.01;                      // p-value of a drift that is reckoned with
 constexpr std::array kEarlyLooks = {0.2, 0.4, 0.7};  // at the first window, as shares of its length
 constexpr std::size_t kFewestTracks = 30;
 /// Relative errors of a metre: no sensor is believed to know it better, and none to be worse.
@@ -96,6 +99,37 @@ void judge_movement(const std::vector<RigEvidence>& windows, const Tolerance& to
   }
 }
 
+/// p-value below which a test after a window has found something.
+double alarm_limit(const WatchOptions& options) {
+  return options.false_alarms_per_hour * options.window_s / 3600.0 / kTests;
+}
+
+/// More than chance, and relevant: in depth, or in one of the main ways to leave the epipolar lines.
+/// @param limit  of the p-value
+bool is_a_change(const BetaEstimate& step, double dof, const RigParameters& theta, bool metric,
+                 const Tolerance& tolerance, double limit) {
+  const auto differs = [&](double value, double variance) {
+    return t_survival(value / std::sqrt(std::max(variance, 1e-30)), dof) < limit / (1.0 + kMainWays);
+  };
+  const CalibrationEffect effect = effect_of(step, theta, visible_slope(theta, metric, tolerance));
+  const double depth_sigma = (effect.depth.high - effect.depth.size) / 1.96;
+  if (effect.depth.size > kRelevant * tolerance.depth.ok &&
+      differs(effect.depth.size, depth_sigma * depth_sigma)) {
+    return true;
+  }
+  const Eigen::SelfAdjointEigenSolver<NormalEquations::Matrix> ways(step.epipolar);
+  for (Eigen::Index k = 0; k < kMainWays; ++k) {
+    const NormalEquations::Vector way = ways.eigenvectors().col(NormalEquations::kSize - 1 - k);
+    const double px = std::sqrt(std::max(ways.eigenvalues()(NormalEquations::kSize - 1 - k), 0.0));
+    const double size = way.dot(step.beta);
+    if (px * std::abs(size) > kRelevant * tolerance.epipolar_px.ok &&
+        differs(size, way.dot(step.covariance * way))) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 bool CalibrationState::moves() const {
@@ -103,7 +137,7 @@ bool CalibrationState::moves() const {
 }
 
 CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
-                          const Tolerance& tolerance) {
+                          const WatchOptions& options) {
   CalibrationState out;
   out.from_ns = windows.front().from_ns;
   out.to_ns = windows.back().to_ns;
@@ -113,8 +147,25 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
     out.tracks += window.track_count;
     out.deep += window.deep;
   }
-  judge_estimate(robust_estimate(windows, theta, metric), theta, metric, tolerance, out);
-  judge_movement(windows, tolerance, out);
+  BetaEstimate estimate = robust_estimate(windows, theta, metric);
+  if (windows.size() >= kFewestOfADrift) {
+    const BetaTrend trend = robust_trend(windows, theta, metric);
+    const auto drifts = [&](double limit) {
+      return is_a_change(trend.change, static_cast<double>(windows.size()) - 1.0, theta, metric,
+                         options.tolerance, limit);
+    };
+    if (drifts(kDoubt)) {
+      estimate = trend.now;
+    }
+    if (drifts(alarm_limit(options))) {
+      out.drift = RigDrift{trend.change.rig(theta), trend.seconds, 0};
+    }
+  }
+  judge_estimate(estimate, theta, metric, options.tolerance, out);
+  if (out.drift) {
+    out.drift->named = static_cast<std::size_t>(most_likely_axis(out.drift->change, out.bands));
+  }
+  judge_movement(windows, options.tolerance, out);
   return out;
 }
 
@@ -180,7 +231,7 @@ void CalibrationWatch::add(const StereoFrame& frame, const Pose& T_world_cam0,
     end_window(*evidence);
   } else {
     auto report = std::make_shared<CalibrationReport>();
-    report->state = report->window = state_of({*evidence}, theta_, metric_, options_.tolerance);
+    report->state = report->window = state_of({*evidence}, theta_, metric_, options_);
     report_ = std::move(report);
   }
 }
@@ -194,34 +245,13 @@ bool CalibrationWatch::changed() const {
   const BetaEstimate before = robust_estimate({windows_.begin(), split}, theta_, metric_);
   const BetaEstimate now = robust_estimate({split, windows_.end()}, theta_, metric_);
   const BetaEstimate step{now.beta - before.beta, before.covariance + now.covariance, now.epipolar};
-  const double dof = static_cast<double>(windows_.size() - kNew) + 1.0;
-  const double limit = options_.false_alarms_per_hour * options_.window_s / 3600.0 / (1.0 + kMainWays);
-  const auto differs = [&](double value, double variance) {
-    return t_survival(value / std::sqrt(std::max(variance, 1e-30)), dof) < limit;
-  };
-  const CalibrationEffect effect =
-      effect_of(step, theta_, visible_slope(theta_, metric_, options_.tolerance));
-  const double depth_sigma = (effect.depth.high - effect.depth.size) / 1.96;
-  if (effect.depth.size > kRelevant * options_.tolerance.depth.ok &&
-      differs(effect.depth.size, depth_sigma * depth_sigma)) {
-    return true;
-  }
-  const Eigen::SelfAdjointEigenSolver<NormalEquations::Matrix> ways(step.epipolar);
-  for (Eigen::Index k = 0; k < kMainWays; ++k) {
-    const NormalEquations::Vector way = ways.eigenvectors().col(NormalEquations::kSize - 1 - k);
-    const double px = std::sqrt(std::max(ways.eigenvalues()(NormalEquations::kSize - 1 - k), 0.0));
-    const double size = way.dot(step.beta);
-    if (px * std::abs(size) > kRelevant * options_.tolerance.epipolar_px.ok &&
-        differs(size, way.dot(step.covariance * way))) {
-      return true;
-    }
-  }
-  return false;
+  return is_a_change(step, static_cast<double>(windows_.size() - kNew) + 1.0, theta_, metric_,
+                     options_.tolerance, alarm_limit(options_));
 }
 
 void CalibrationWatch::end_window(const RigEvidence& evidence) {
   const auto judged = [&](const std::vector<RigEvidence>& windows) {
-    return state_of(windows, theta_, metric_, options_.tolerance);
+    return state_of(windows, theta_, metric_, options_);
   };
   auto report = std::make_shared<CalibrationReport>();
   report->window = judged({evidence});

@@ -2,7 +2,6 @@
 #include "limber/health/rig_window.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,7 +16,7 @@ using Vector = NormalEquations::Vector;
 
 namespace {
 
-constexpr double kPrior = 1e-2;  // of beta: ten plausible errors
+constexpr double kPrior = NormalEquations::kPrior;
 constexpr std::size_t kFewestPoints = 100;
 constexpr std::size_t kMostPoints = 12000;  // of a window
 constexpr double kCell_px = 150.0, kCellHeight_px = 120.0;
@@ -32,8 +31,6 @@ constexpr double kLeastNoise_px = 0.02;
 constexpr Eigen::Index kVergence = NormalEquations::kVergence, kLens = NormalEquations::kLens;
 constexpr std::size_t kBlocks = 5;  // of a window
 constexpr int kFewestOfAHalf = 8;   // rows
-/// What a window is taken to vary by, in variances within it, and how many windows that belief is worth.
-constexpr double kOfAWindow = 3.0, kWorthWindows = 2.0;
 constexpr int kHuberSteps = 6, kTukeySteps = 4;
 
 /// Unit normal (a, b, c), a² + b² = 1, of the epipolar line of a left bearing.
@@ -323,70 +320,6 @@ std::vector<FrameHalves> RigWindow::blocks(const std::vector<Row>& rows) const {
     }
   }
   return out;
-}
-
-namespace {
-
-Matrix positive_part(const Matrix& M) {
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (M + M.transpose()));
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-         eigen.eigenvectors().transpose();
-}
-
-/// The larger of two covariances in every direction: a + positive part of (b − a).
-Matrix larger(const Matrix& a, const Matrix& b) { return a + positive_part(b - a); }
-
-}  // namespace
-
-BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows, const RigParameters& theta,
-                             bool metric) {
-  const RigParameters scale = plausible_error(theta.tail<3>().norm());
-  const Matrix prior = kPrior * Matrix::Identity();
-  const auto n = static_cast<double>(windows.size());
-  NormalEquations all{prior, Vector::Zero()};
-  std::map<int, NormalEquations> cells;
-  Matrix tracks = Matrix::Zero(), both = Matrix::Zero();
-  BetaEstimate out;
-  double trajectory = 0.0, points = 0.0;
-  for (const RigEvidence& window : windows) {
-    all += window.all;
-    tracks += window.tracks;
-    both += window.both;
-    for (const auto& [cell, sums] : window.cells) {
-      cells[cell] += sums;
-    }
-    trajectory += window.scale_sigma * window.scale_sigma / n;
-    out.epipolar += window.epipolar;
-    points += static_cast<double>(window.points);
-  }
-  out.epipolar /= std::max(points, 1.0);
-  const Matrix inverse = solve(all, out.beta);
-  Matrix by_cell = Matrix::Zero(), by_window = Matrix::Zero();
-  const double few =
-      static_cast<double>(cells.size()) / std::max(static_cast<double>(cells.size()) - 1.0, 1.0);
-  for (const auto& [cell, sums] : cells) {
-    const Vector score = sums.score(out.beta);
-    by_cell += few * score * score.transpose();
-  }
-  for (const RigEvidence& window : windows) {
-    const Vector score = window.all.score(out.beta);
-    by_window += n / std::max(n - 1.0, 1.0) * score * score.transpose();
-  }
-  const Matrix within = positive_part(larger(tracks, tracks + by_cell - both));
-  const Matrix expected = kOfAWindow * within;
-  const Matrix meat =
-      larger(within, (kWorthWindows * expected + (n - 1.0) * by_window) / (kWorthWindows + n - 1.0));
-  out.covariance = inverse * (meat + prior) * inverse;
-  Vector length = Vector::Zero();
-  length.segment<3>(3) = theta.tail<3>().cwiseQuotient(scale.tail<3>());
-  out.covariance += (metric ? trajectory : 0.25) * length * length.transpose();
-  return out;
-}
-
-RigEstimate BetaEstimate::rig(const RigParameters& theta) const {
-  const RigParameters scale = plausible_error(theta.tail<3>().norm());
-  return {scale.cwiseProduct(beta.head<6>()),
-          scale.asDiagonal() * covariance.topLeftCorner<6, 6>() * scale.asDiagonal()};
 }
 
 }  // namespace limber

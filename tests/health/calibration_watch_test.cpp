@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
 
@@ -71,6 +72,47 @@ TEST(CalibrationWatch, AnErrorThatIsOverIsOver) {
   const Judged judged = judge_world(with_step(5.0, 0.4, 12.0));
   EXPECT_EQ(judged.last->state.verdict, kOk);
   EXPECT_EQ(judged.past.size(), 2u);
+}
+
+/// Nod that grows from 0 to so many degrees over the whole recording.
+WorldOptions with_ramp(double degrees, unsigned seed) {
+  WorldOptions options;
+  options.seconds = 30.0;
+  options.points = 40;
+  options.per_track_px = 0.3;
+  options.per_cell_px = 0.1;
+  options.seed = seed;
+  options.error = [=](double t) {
+    return RigParameters(t / options.seconds * degrees * kDegree * RigParameters::Unit(0));
+  };
+  return options;
+}
+
+TEST(CalibrationWatch, JudgesADriftAtItsEndAndGivesItsRate) {
+  int held = 0, drifts = 0;
+  constexpr int kSeeds = 20;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const CalibrationState state = judge_world(with_ramp(0.08, seed)).last->state;
+    if (!state.drift) {
+      continue;
+    }
+    ++drifts;
+    EXPECT_EQ(state.drift->named, 0u);
+    EXPECT_NE(state.verdict, kOk);  // 0.6 px at the end
+    const double rate = state.drift->change.delta(0) / state.drift->seconds;
+    const double sigma = state.drift->change.sigma()(0) / state.drift->seconds;
+    held += std::abs(rate - 0.08 * kDegree / 30.0) < 1.96 * sigma ? 1 : 0;
+  }
+  EXPECT_GE(drifts, 18);
+  EXPECT_GE(held, drifts - 3);
+}
+
+TEST(CalibrationWatch, ASoundRigDoesNotDrift) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const CalibrationState state = judge_world(with_ramp(0.0, seed)).last->state;
+    EXPECT_FALSE(state.drift);
+    EXPECT_NE(state.verdict, kDegraded);
+  }
 }
 
 TEST(CalibrationWatch, StandingStillItCannotTell) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "health/stereo_world.hpp"
+#include "limber/health/robust_estimate.hpp"
 
 namespace limber {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "limber/health/rig_window.hpp"
+#include "limber/health/robust_estimate.hpp"
 
 namespace limber {
 

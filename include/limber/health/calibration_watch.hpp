@@ -20,6 +20,13 @@ struct WatchOptions {
   double false_alarms_per_hour = 0.1;  ///< of changes, of a rig that does not change; > 0
 };
 
+/// How the rig's error grew over a stretch of windows.
+struct RigDrift {
+  RigEstimate change;     ///< from the first window to the last
+  double seconds = 0.0;   ///< between their middles
+  std::size_t named = 0;  ///< the axis that explains it best
+};
+
 /// What is known of the calibration since it changed last.
 struct CalibrationState {
   std::int64_t from_ns = 0, to_ns = 0;  ///< first and last frame
@@ -31,6 +38,8 @@ struct CalibrationState {
   RigEstimate estimate;
   BetaEstimate whole;  ///< what `estimate` is a part of
   CalibrationEffect effect;
+  /// The error grew from the first window on, beyond doubt; `estimate` is that of the last one.
+  std::optional<RigDrift> drift;
   RigMovement movement;  ///< about the mean, from frame to frame
   HealthVerdict by_movement = HealthVerdict::kCannotTell;
   std::size_t windows = 0, tracks = 0, points = 0, deep = 0;
@@ -39,9 +48,11 @@ struct CalibrationState {
   [[nodiscard]] bool moves() const;
 };
 
-/// The state of one stretch of windows.
+/// @brief The state of one stretch of windows: a constant error, or that at its end, where a line over time
+/// explains the windows better (p < 1 %) and by more than half of what the tolerance calls ok. It is said to
+/// drift where that is no chance (`false_alarms_per_hour`).
 [[nodiscard]] CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta,
-                                        bool metric, const Tolerance& tolerance);
+                                        bool metric, const WatchOptions& options);
 
 /// @brief Fills in what follows from an estimate: effect, bands and verdicts. With fewer than 30 tracks
 /// (`out.tracks`) nothing can be told.

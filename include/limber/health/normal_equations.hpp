@@ -13,6 +13,8 @@ namespace limber {
 struct NormalEquations {
   static constexpr int kSize = 7;
   static constexpr Eigen::Index kVergence = 1, kLens = 6;  ///< in beta
+  static constexpr double kPrior =
+      1e-2;  ///< information on beta before anything is seen: ten plausible errors
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
   using Vector = Eigen::Matrix<double, kSize, 1>;
   Matrix information = Matrix::Zero();

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "limber/health/rig_window.hpp"
+#include "limber/health/robust_estimate.hpp"
 
 /// @file
 /// Verdicts by equivalence: an interval against a band, not a test against zero.

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "limber/health/robust_estimate.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <map>
+
+#include "limber/core/time.hpp"
+
+namespace limber {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr Index kSize = NormalEquations::kSize;
+/// What a window is taken to vary by, in variances within it, and how many windows that belief is worth.
+constexpr double kOfAWindow = 3.0, kWorthWindows = 2.0;
+constexpr double kUnknownScale = 0.25;  // variance of the relative length of a metre that no input knows
+
+MatrixXd positive_part(const MatrixXd& M) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (M + M.transpose()));
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+/// The larger of two covariances in every direction: a + positive part of (b − a).
+MatrixXd larger(const MatrixXd& a, const MatrixXd& b) { return a + positive_part(b - a); }
+
+/// Errors of a window: beta = sum over p of basis(p) x_p. Kronecker products with its basis.
+MatrixXd spread(const VectorXd& basis, const NormalEquations::Matrix& M) {
+  const Index n = basis.size();
+  MatrixXd out(n * kSize, n * kSize);
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < n; ++j) {
+      out.block<kSize, kSize>(i * kSize, j * kSize) = basis(i) * basis(j) * M;
+    }
+  }
+  return out;
+}
+
+VectorXd spread(const VectorXd& basis, const NormalEquations::Vector& v) {
+  VectorXd out(basis.size() * kSize);
+  for (Index i = 0; i < basis.size(); ++i) {
+    out.segment<kSize>(i * kSize) = basis(i) * v;
+  }
+  return out;
+}
+
+NormalEquations::Vector at(const VectorXd& basis, const VectorXd& x) {
+  NormalEquations::Vector out = NormalEquations::Vector::Zero();
+  for (Index i = 0; i < basis.size(); ++i) {
+    out += basis(i) * x.segment<kSize>(i * kSize);
+  }
+  return out;
+}
+
+struct Fit {
+  VectorXd x;
+  MatrixXd covariance;
+};
+
+/// Scores summed over clusters, V_track + V_cell − V_both, and windows as clusters as they become many.
+/// @param basis  of each window; all alike in size
+Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& basis) {
+  const Index size = basis.front().size() * kSize;
+  const MatrixXd prior = NormalEquations::kPrior * MatrixXd::Identity(size, size);
+  MatrixXd information = prior, tracks = MatrixXd::Zero(size, size), both = tracks;
+  VectorXd vector = VectorXd::Zero(size);
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    information += spread(basis[k], windows[k].all.information);
+    vector += spread(basis[k], windows[k].all.vector);
+    tracks += spread(basis[k], windows[k].tracks);
+    both += spread(basis[k], windows[k].both);
+  }
+  const MatrixXd inverse = information.llt().solve(MatrixXd::Identity(size, size));
+  const VectorXd x = inverse * vector;
+  std::map<int, VectorXd> cells;
+  MatrixXd by_cell = MatrixXd::Zero(size, size), by_window = by_cell;
+  const double dof =
+      std::max(static_cast<double>(windows.size()) - static_cast<double>(basis.front().size()), 0.0);
+  const auto n = static_cast<double>(windows.size());
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    const NormalEquations::Vector beta = at(basis[k], x);
+    for (const auto& [cell, sums] : windows[k].cells) {
+      cells.try_emplace(cell, VectorXd::Zero(size)).first->second += spread(basis[k], sums.score(beta));
+    }
+    const VectorXd score = spread(basis[k], windows[k].all.score(beta));
+    by_window += n / std::max(dof, 1.0) * score * score.transpose();
+  }
+  const auto count = static_cast<double>(cells.size());
+  for (const auto& [cell, score] : cells) {
+    by_cell += count / std::max(count - 1.0, 1.0) * score * score.transpose();
+  }
+  const MatrixXd within = positive_part(larger(tracks, tracks + by_cell - both));
+  const MatrixXd expected = kOfAWindow * within;
+  const MatrixXd meat = larger(within, (kWorthWindows * expected + dof * by_window) / (kWorthWindows + dof));
+  return {x, inverse * (meat + prior) * inverse};
+}
+
+/// Mean of J Jᵀ over the points seen.
+NormalEquations::Matrix mean_epipolar(const std::vector<RigEvidence>& windows) {
+  NormalEquations::Matrix out = NormalEquations::Matrix::Zero();
+  double points = 0.0;
+  for (const RigEvidence& window : windows) {
+    out += window.epipolar;
+    points += static_cast<double>(window.points);
+  }
+  return out / std::max(points, 1.0);
+}
+
+/// What the trajectory's scale may be wrong by is along the baseline.
+NormalEquations::Matrix by_scale(const std::vector<RigEvidence>& windows, const RigParameters& theta,
+                                 bool metric) {
+  double variance = 0.0;
+  for (const RigEvidence& window : windows) {
+    variance += window.scale_sigma * window.scale_sigma / static_cast<double>(windows.size());
+  }
+  NormalEquations::Vector length = NormalEquations::Vector::Zero();
+  length.segment<3>(3) = theta.tail<3>().cwiseQuotient(plausible_error(theta.tail<3>().norm()).tail<3>());
+  return (metric ? variance : kUnknownScale) * length * length.transpose();
+}
+
+double middle(const RigEvidence& window, std::int64_t origin_ns) {
+  return 0.5 * (seconds_between(origin_ns, window.from_ns) + seconds_between(origin_ns, window.to_ns));
+}
+
+}  // namespace
+
+BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows, const RigParameters& theta,
+                             bool metric) {
+  const Fit found = fit(windows, std::vector<VectorXd>(windows.size(), VectorXd::Ones(1)));
+  return {found.x, found.covariance + by_scale(windows, theta, metric), mean_epipolar(windows)};
+}
+
+BetaTrend robust_trend(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric) {
+  const std::int64_t origin = windows.front().from_ns;
+  const double first = middle(windows.front(), origin), last = middle(windows.back(), origin);
+  std::vector<VectorXd> basis;
+  for (const RigEvidence& window : windows) {
+    basis.emplace_back(Eigen::Vector2d(1.0, (middle(window, origin) - last) / (last - first)));
+  }
+  const Fit found = fit(windows, basis);
+  const NormalEquations::Matrix epipolar = mean_epipolar(windows);
+  return {{found.x.head<kSize>(),
+           found.covariance.topLeftCorner<kSize, kSize>() + by_scale(windows, theta, metric), epipolar},
+          {found.x.tail<kSize>(), found.covariance.bottomRightCorner<kSize, kSize>(), epipolar},
+          last - first};
+}
+
+RigEstimate BetaEstimate::rig(const RigParameters& theta) const {
+  const RigParameters scale = plausible_error(theta.tail<3>().norm());
+  return {scale.cwiseProduct(beta.head<6>()),
+          scale.asDiagonal() * covariance.topLeftCorner<6, 6>() * scale.asDiagonal()};
+}
+
+}  // namespace limber
