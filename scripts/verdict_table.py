@@ -2,11 +2,14 @@
 # SPDX-License-Identifier: MIT
 """Verdicts of limber health on simulated rigs whose error is known, and the coverage of its 95 % intervals.
 
-  scripts/verdict_table.py [--runs N] [--seed N] [--scenarios NAME,...] [--limber PROGRAM]
+  scripts/verdict_table.py [--runs N] [--seed N] [--scenarios NAME,...] [--shapes NAME,...] [--limber PROGRAM]
 
 Each run simulates a sound rig and assumes it wrong by shares of the tolerance, each on one axis in turn: 0 (sound), half of
 what is ok (inside), between ok and wrong (between), twice what is wrong (outside). Automatic start, default options.
 An axis is covered if its true error lies within 1.96 of the sigmas that limber states.
+
+Shapes but `constant` bend the recording over time (limber decalibrate), inside and outside: `step` at 40 % of it, `ramp` over all of it,
+`vibration` of 3.3 Hz (that amplitude), and `pulse`, from 30 to 60 %. Covered is the rig at its end (of a vibration the mean).
 """
 import argparse
 import collections
@@ -39,6 +42,16 @@ def error_of(axis, size, unit):
     return ",".join(f"{-size * UNITS[unit]:.9g}" if name == axis else "0" for name in AXES)
 
 
+def profile(shape, axis, size, unit, duration):
+    """A scenario that bends one axis by `size` over time."""
+    amplitude = ", ".join(f"{size * (1.0 if unit == 'deg' else 1e-3):.9g}" if name == axis else "0" for name in AXES)
+    keys = {"step": f"shape: steps, steps: [{{at: {0.4 * duration}, value: 1}}]",
+            "ramp": f"shape: ramp, start: 0, end: {duration}",
+            "vibration": "shape: vibration, frequency: 3.3",
+            "pulse": f"shape: steps, steps: [{{at: {0.3 * duration}, value: 1}}, {{at: {0.6 * duration}, value: 0}}]"}
+    return f"decalibration:\n  - {{{keys[shape]}, amplitude: [{amplitude}]}}\n"
+
+
 class Tally:
     def __init__(self):
         self.verdicts = collections.Counter()
@@ -63,7 +76,22 @@ class Tally:
         return [*(str(self.verdicts[v]) for v in VERDICTS), share, named, str(self.mistakes)]
 
 
-def judge(limber, scenario, pixels, seed, tallies):
+def judge_shapes(limber, recording, folder, shapes, name, sound, tallies):
+    axis = sound["health"]["present"]["axes"][name]
+    for shape in shapes:
+        for level in ("inside", "outside"):
+            size = SIZES[level](axis["ok"], axis["wrong"])
+            scenario = folder / "profile.yaml"
+            scenario.write_text(profile(shape, name, size, axis["unit"], sound["duration_s"]))
+            bent = folder / f"{shape}_{level}"
+            done = run(limber, "decalibrate", recording, "--as", scenario, "--out", bent)
+            if done.returncode:
+                raise SystemExit(f"{recording}: {done.stderr.strip()}")
+            at_end = size if shape in ("step", "ramp") else 0.0
+            tallies[f"{shape}, {level}"].add(health(limber, bent, ""), {name: at_end}, name if level == "outside" else "")
+
+
+def judge(limber, scenario, pixels, seed, shapes, tallies):
     with tempfile.TemporaryDirectory() as folder:
         recording = pathlib.Path(folder) / "recording"
         run(limber, "simulate", ROOT / f"scenarios/{scenario}.yaml", "--seed", seed, "--pixels", pixels, "--out", recording)
@@ -72,6 +100,9 @@ def judge(limber, scenario, pixels, seed, tallies):
         axes = sound["health"]["present"]["axes"]
         name = AXES[seed % 6]
         axis = axes[name]
+        judge_shapes(limber, recording, pathlib.Path(folder), [s for s in shapes if s != "constant"], name, sound, tallies)
+        if "constant" not in shapes:
+            return
         for level in ("inside", "between", "outside"):
             size = SIZES[level](axis["ok"], axis["wrong"])
             found = health(limber, recording, error_of(name, size, axis["unit"]))
@@ -83,15 +114,16 @@ def main():
     parser.add_argument("--runs", type=int, default=50)
     parser.add_argument("--seed", type=int, default=1, help="of the first run; the axis is that of seed modulo 6")
     parser.add_argument("--scenarios", default="paper_i,drone_none")
+    parser.add_argument("--shapes", default="constant", help="constant, step, ramp, vibration, pulse")
     parser.add_argument("--limber", type=pathlib.Path, default=ROOT / "build/release/limber")
     arguments = parser.parse_args()
     print("| scenario, pixels | rig | " + " | ".join(VERDICTS) + " | 95 % covers | axis named | mistakes claimed |")
     print("| --- " * 9 + "|")
     for scenario in arguments.scenarios.split(","):
         for pixels in ("white", "realistic"):
-            tallies = {level: Tally() for level in SIZES}
+            tallies = collections.defaultdict(Tally)
             for seed in range(arguments.seed, arguments.seed + arguments.runs):
-                judge(arguments.limber, scenario, pixels, seed, tallies)
+                judge(arguments.limber, scenario, pixels, seed, arguments.shapes.split(","), tallies)
             for level, tally in tallies.items():
                 print(f"| {scenario}, {pixels} | {level} | " + " | ".join(tally.row()) + " |", flush=True)
 
