@@ -14,7 +14,6 @@ constexpr int kBorder = 12;                ///< [px] along the edges of the imag
 constexpr double kMaxCoarseShiftPx = 6.0;  ///< on each level of the pyramid
 constexpr std::size_t kLongLag = 8;        ///< [frames] over which slow sliding shows
 constexpr double kMaxAlignShiftPx = 3.0;   ///< between the search and the final alignment
-constexpr double kStillAlikeNcc = 0.9;     ///< below it a track's reference patch is renewed
 
 }  // namespace
 
@@ -63,15 +62,10 @@ Eigen::Vector2d LeftTracker::coarse_place(const LeftTrack& track, const Pyramid&
 /// Moves a track to its sub-pixel place near `start` in the next image; false if it is lost.
 bool LeftTracker::advance(LeftTrack& track, const Eigen::Vector2d& start, const Pyramid& next) const {
   const GreyImage image = view_of(next[0]);
-  // The reference holds the track in place; it gives way to the latest view once it no longer resembles.
-  auto fit = track.reference.find(image, {start, track.shape}, PatchMotion::kAffine, kMaxAlignShiftPx);
-  if (!fit || fit->ncc < kStillAlikeNcc) {
-    const auto latest = Patch::cut(view_of(image_[0]), track.uv());
-    if (!latest) return false;
-    fit = latest->find(image, {start}, PatchMotion::kAffine, kMaxAlignShiftPx);
-    if (!fit || fit->ncc < options_.min_ncc) return false;
-    track.reference = *latest;
-  }
+  // The first view holds the track in place. Followed from view to view beyond it, points slide along edges
+  // of things by more than a pixel in the end, and the filter takes that for motion.
+  const auto fit = track.reference.find(image, {start, track.shape}, PatchMotion::kAffine, kMaxAlignShiftPx);
+  if (!fit || fit->ncc < options_.min_ncc) return false;
   if (!in_image(camera_, fit->uv, kBorder)) return false;
   track.shape = fit->A;
   track.path.push_back(fit->uv);

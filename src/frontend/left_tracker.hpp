@@ -17,15 +17,16 @@ namespace limber::frontend {
 struct LeftTrack {
   std::int64_t id = 0;
   std::vector<Eigen::Vector2d> path;                    ///< [px] in the latest frames, this one last
-  Patch reference;                                      ///< what it looks like; renewed only when it must be
+  Patch reference;                                      ///< what it looked like at first
   Eigen::Matrix2d shape = Eigen::Matrix2d::Identity();  ///< of the reference in this frame
 
   [[nodiscard]] const Eigen::Vector2d& uv() const { return path.back(); }
 };
 
 /// @brief Follows corners through the images of one camera. Knows nothing of the other one.
-/// Pyramidal alignment of the latest view [Lucas1981, Bouguet2001, Baker2004], then of a reference patch;
-/// what disagrees with the motion that most tracks show, from frame to frame or over several, is dropped.
+/// Pyramidal alignment of the latest view [Lucas1981, Bouguet2001, Baker2004], then of the first one, which a
+/// track does not outlive; what disagrees with the motion that most tracks show, from frame to frame or over
+/// several, is dropped.
 class LeftTracker {
  public:
   LeftTracker(const Camera& camera, const TrackerOptions& options) : camera_(camera), options_(options) {}
