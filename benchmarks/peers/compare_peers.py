@@ -32,15 +32,32 @@ def measured(command, log):
     return process.returncode, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
 
 
-def poses_from(lines, first_s):
-    """Lines of a TUM file that are no earlier than first_s, comments left out."""
-    return [line for line in lines if line.strip() and line[0] != "#" and float(line.split()[0]) >= first_s - 1e-6]
-
-
-def causal_poses(folder, stamps):
+def first_causal_ns(folder, first_ns):
     """limber smooths the wait of a start from sensors: poses before its end know the future and are left out."""
     waited = (json.loads((folder / "summary.json").read_text()).get("sensor_start") or {}).get("waited_s") or 0
-    return poses_from((folder / "trajectory.tum").read_text().splitlines(), 1e-9 * stamps[0] + waited)
+    return first_ns + round(1e9 * waited) - 1000
+
+
+def poses_from(trajectory, first_ns=0):
+    """Header and rows of a trajectory.csv that are no earlier than first_ns; nothing where there is no such file."""
+    lines = trajectory.read_text().splitlines() if trajectory.exists() else []
+    return lines[:1] + [line for line in lines[1:] if int(line.split(",")[0]) >= first_ns]
+
+
+def limber_poses(folder, first_ns):
+    """The causal ones of a run's folder, as poses_from gives them."""
+    done = (folder / "summary.json").exists()
+    return poses_from(folder / "trajectory.csv", first_causal_ns(folder, first_ns)) if done else []
+
+
+def evaluation(limber, poses, folder, recording):
+    """What `limber evaluate` says of these poses, written to the folder; None of fewer than three."""
+    if len(poses) < 4:
+        return None
+    scored = folder / "causal.csv"
+    scored.write_text("\n".join(poses) + "\n")
+    done = subprocess.run([limber, "evaluate", scored, recording, "--json"], capture_output=True, text=True, check=False)
+    return json.loads(done.stdout) if done.returncode == 0 else None
 
 
 def run_limber(arguments, recording, folder, method, start):
@@ -49,22 +66,22 @@ def run_limber(arguments, recording, folder, method, start):
     command += ["--max-tracks", str(arguments.points)] if arguments.points else []
     settings = " ".join(map(str, command[4:8] + command[10:])) + digest(arguments.limber)
     code, cpu_s, peak_mb = measured(command, folder / "log.txt")
-    done = (folder / "run/trajectory.tum").exists() and (folder / "run/summary.json").exists()
-    poses = causal_poses(folder / "run", euroc.stereo_stamps(recording)) if done else []
+    poses = limber_poses(folder / "run", euroc.stereo_stamps(recording)[0])
     return {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": hashed(settings)}, poses
 
 
 def run_openvins(arguments, recording, folder, system, start):
     calibrate = system == "openvins-calib"
-    config, state, changed = openvins.write_settings(arguments.openvins, recording, folder, calibrate, start, arguments.points)
-    trajectory = folder / "trajectory.txt"
+    config, state, changed = openvins.write_settings(arguments.openvins / "config/euroc_mav", recording, folder,
+                                                     calibrate, start, arguments.points)
+    trajectory = folder / "trajectory.csv"
     code, cpu_s, peak_mb = measured([arguments.runner, "run", config, recording, trajectory, *([state] if state else [])],
                                     folder / "log.txt")
     settings = "".join(file.read_text() for file in sorted(folder.glob("*.yaml"))) + digest(arguments.runner)
     result = {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": hashed(settings), "changed": changed}
     if code == 0:
         result.update(json.loads((folder / "log.txt").read_text().splitlines()[-1]))
-    return result, poses_from(trajectory.read_text().splitlines(), 0) if trajectory.exists() else []
+    return result, poses_from(trajectory)
 
 
 def digest(path):
@@ -80,15 +97,9 @@ def run(arguments, recording, folder, system, start):
     folder.mkdir(parents=True)
     one = run_openvins if system.startswith("openvins") else run_limber
     result, poses = one(arguments, recording, folder, system, start)
-    result.update({"system": system, "start": start, "recording": recording.name, "poses": len(poses), "ate": None})
-    result["frames"] = len(euroc.stereo_stamps(recording))
-    if len(poses) < 3:
-        return result
-    scored = folder / "causal.tum"
-    scored.write_text("\n".join(poses) + "\n")
-    done = subprocess.run([arguments.limber, "evaluate", scored, recording, "--json"], capture_output=True, text=True, check=False)
-    if done.returncode == 0:
-        result["ate"] = json.loads(done.stdout)["ate_m"]["se3"]
+    scored = evaluation(arguments.limber, poses, folder, recording)
+    result.update({"system": system, "start": start, "recording": recording.name, "poses": max(0, len(poses) - 1)})
+    result.update({"frames": len(euroc.stereo_stamps(recording)), "ate": scored["ate_m"]["se3"] if scored else None})
     return result
 
 

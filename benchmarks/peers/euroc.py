@@ -22,7 +22,10 @@ def rows(path, fewest):
 
 
 def stereo_stamps(recording):
-    """Stamps [ns] that both cameras have, ascending."""
+    """Stamps [ns] that both cameras have, or those of a track log's frames; ascending."""
+    tracks = recording / "mav0/tracks0/data.csv"
+    if tracks.exists():
+        return sorted({int(row[0]) for row in rows(tracks, 6)})
     left, right = ({int(row[0]) for row in rows(recording / f"mav0/{camera}/data.csv", 2)} for camera in ("cam0", "cam1"))
     return sorted(left & right)
 

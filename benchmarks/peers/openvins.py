@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Files that OpenVINS reads, made from its own EuRoC settings and from a recording."""
+"""Files that OpenVINS reads, made from one of its own folders of settings and from a recording."""
 import re
 
 import euroc
 
 CALIBRATION = ("calib_cam_extrinsics", "calib_cam_intrinsics", "calib_cam_timeoffset")
+IMU_CALIBRATION = ("calib_imu_intrinsics", "calib_imu_g_sensitivity")
 MODELS = {"none": "radtan", "radial-tangential": "radtan", "radtan": "radtan", "equidistant": "equidistant"}
 
 
@@ -22,8 +23,9 @@ def setting(text, key):
 
 
 def changes(text, calibrate, start, points):
-    """What differs from OpenVINS' config/euroc_mav, all of it."""
+    """What differs from OpenVINS' own settings, all of it."""
     changed = {"num_opencv_threads": 0}  # serial: its own advice for results that repeat
+    changed.update({key: "false" for key in IMU_CALIBRATION if re.search(rf"^{key}: *true", text, re.M)})
     if not calibrate:
         changed.update({key: "false" for key in CALIBRATION})
     if points:
@@ -79,10 +81,11 @@ def start(recording, gravity):
     return [1e-9 * t_ns, q[1], q[2], q[3], q[0], *p, *v, *gyro, *accelerometer]
 
 
-def write_settings(source, recording, folder, calibrate, start_from, points):
-    """Writes what a run needs into a folder; returns (estimator config, start file or None, changes)."""
+def write_settings(settings, recording, folder, calibrate, start_from, points):
+    """Writes what a run needs into a folder, from a folder of OpenVINS' settings; returns (estimator config, start file
+    or None, changes)."""
     folder.mkdir(parents=True, exist_ok=True)
-    text = (source / "config/euroc_mav/estimator_config.yaml").read_text()
+    text = (settings / "estimator_config.yaml").read_text()
     changed = changes(text, calibrate, start_from, points)
     config = folder / "estimator_config.yaml"
     config.write_text(with_settings(text, changed))

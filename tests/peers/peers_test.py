@@ -10,6 +10,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "benchmarks/peers"))
 import compare_peers  # noqa: E402
+import compare_simulator  # noqa: E402
 import euroc  # noqa: E402
 import openvins  # noqa: E402
 import peers_table  # noqa: E402
@@ -86,6 +87,12 @@ class Settings(unittest.TestCase):
         self.assertEqual([openvins.changes(CONFIG, False, "own", None).get(key) for key in openvins.CALIBRATION], ["false"] * 3)
         self.assertFalse(set(openvins.CALIBRATION) & set(openvins.changes(CONFIG, True, "own", None)))
 
+    def test_calibration_of_the_imu_is_off_in_every_row(self):
+        config = CONFIG + "calib_imu_intrinsics: true # if\ncalib_imu_g_sensitivity: false\n"
+        for calibrate in (True, False):
+            changed = openvins.changes(config, calibrate, "truth", None)
+            self.assertEqual([changed.get(key) for key in openvins.IMU_CALIBRATION], ["false", None])
+
     def test_points_after_a_start_from_the_truth_are_those_of_the_estimator(self):
         self.assertEqual(openvins.changes(CONFIG, True, "truth", None)["init_max_features"], "200")
         self.assertEqual(openvins.changes(CONFIG, True, "truth", 120)["init_max_features"], 240)
@@ -153,12 +160,15 @@ class Results(unittest.TestCase):
             self.assertEqual(len(euroc.stereo_stamps(turning_recording(folder, [0] * 3, [0] * 3))), 7)
 
     def test_poses_that_were_smoothed_are_left_out(self):
-        poses = "# t x y z\n" + "".join(f"{100 + 0.5 * k} 0 0 0 0 0 0 1\n" for k in range(6))
+        rows = "t_ns,px [m]\n" + "".join(f"{100 * 10**9 + 500_000_000 * k},0\n" for k in range(6))
         with tempfile.TemporaryDirectory() as folder:
-            write(folder, "trajectory.tum", poses)
+            write(folder, "trajectory.csv", rows)
+            self.assertEqual(compare_peers.limber_poses(pathlib.Path(folder), 100 * 10**9), [])  # no summary: not done
             for start, left in (({"waited_s": 1.0}, 4), (None, 6)):
                 write(folder, "summary.json", json.dumps({"sensor_start": start}))
-                self.assertEqual(len(compare_peers.causal_poses(pathlib.Path(folder), [100 * 10**9])), left)
+                poses = compare_peers.limber_poses(pathlib.Path(folder), 100 * 10**9)
+                self.assertEqual((poses[0], len(poses)), ("t_ns,px [m]", 1 + left))
+                self.assertEqual(poses[1], f"{102_500_000_000 - 500_000_000 * (left - 1)},0")
 
     def test_a_cell_says_range_completeness_and_failures(self):
         def runs(*errors, poses=80):
@@ -180,6 +190,11 @@ class Results(unittest.TestCase):
             "| peak memory [MB] |", "| --- | --- | --- | --- | --- |", "| openvins, own | 0.30 | 30.0 | 7.2 | 100 |",
             "| ekf, own | 0.30 | 30.0 | ≤ 25.0 | 100 |"])
 
+    def test_frames_of_a_track_log_are_counted_once(self):
+        with tempfile.TemporaryDirectory() as folder:
+            write(folder, "mav0/tracks0/data.csv", "# t\n7,1,2,3,4,5\n7,2,2,3,,\n9,,,,,\n")
+            self.assertEqual(euroc.stereo_stamps(pathlib.Path(folder)), [7, 9])
+
     def test_cpu_and_memory_are_those_of_the_child(self):
         with tempfile.TemporaryDirectory() as folder:
             program = "x = bytearray(150 * 2**20)\nwhile __import__('time').process_time() < 0.2: pass\nraise SystemExit(3)"
@@ -187,6 +202,28 @@ class Results(unittest.TestCase):
         self.assertEqual(code, 3)
         self.assertGreater(cpu_s, 0.19)
         self.assertGreater(peak_mb, 150)
+
+
+class Simulator(unittest.TestCase):
+    EVALUATION = {"ate_m": {"se3": 0.1}, "ape": {"none": {"translation_m": {"rmse": 9}}, "first_pose": {"translation_m": {"rmse": 3}}},
+                  "anees": {"none": {"pose": 8, "position": 7}, "first_pose": {"pose": 2, "position": 1}}}
+
+    def test_a_start_from_the_truth_is_judged_unaligned_another_from_its_first_pose(self):
+        for start, expected in (("truth", (0.1, 9, 8, 7)), ("groundtruth", (0.1, 9, 8, 7)), ("auto", (0.1, 3, 2, 1))):
+            self.assertEqual(tuple(compare_simulator.scores(self.EVALUATION, start).values()), expected)
+        self.assertEqual(set(compare_simulator.scores(None, "auto").values()), {None})
+
+    def test_a_cell_has_median_range_and_failures(self):
+        self.assertEqual(compare_simulator.spread([0.04]), "0.04")
+        self.assertEqual(compare_simulator.spread([0.3, 0.1, 0.2]), "0.2 (0.1–0.3)")
+        self.assertEqual(compare_simulator.spread([0.1, None]), "0.1, 1 without")
+        self.assertEqual(compare_simulator.spread([None]), "–")
+
+    def test_the_table_has_a_row_a_bend(self):
+        results = [{"bend": bend, "system": "lcekf", "start": "auto", "ate": ate, "anees": 1.5}
+                   for bend, ate in (("exact", 0.1), ("exact", 0.3), ("wave", 0.2))]
+        self.assertEqual(compare_simulator.table(results, "ate", "anees").splitlines()[2:],
+                         ["| exact | 0.2 (0.1–0.3) · 1.5 (1.5–1.5) |", "| wave | 0.2 · 1.5 |"])
 
 
 if __name__ == "__main__":

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Feeds an EuRoC folder to OpenVINS by its public API, without ROS: every stereo pair, in the order of time.
-// Writes the pose of the IMU after each pair, before the next is read (causal), and what that took.
+// Feeds an EuRoC folder or a track log to OpenVINS by its public API, without ROS: every stereo pair, in the order
+// of time. Writes the pose of the IMU after each pair, before the next is read (causal), and what that took.
 // benchmarks/peers/README.md says more.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <ctime>
 #include <exception>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -16,11 +18,13 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/VioManager.h"
 #include "core/VioManagerOptions.h"
 #include "state/State.h"
+#include "state/StateHelper.h"
 #include "track/TrackKLT.h"
 #include "utils/opencv_yaml_parse.h"
 #include "utils/print.h"
@@ -115,22 +119,77 @@ Eigen::Matrix<double, 17, 1> read_start(const std::string& path) {
   return start;
 }
 
+/// The matched points of a frame, as OpenVINS' simulator hands them over.
+struct TrackedFrame {
+  std::int64_t t_ns = 0;
+  std::vector<std::vector<std::pair<std::size_t, Eigen::VectorXf>>> points{2};
+};
+
+std::string tracks_of(const std::string& recording) { return recording + "/mav0/tracks0/data.csv"; }
+
+std::vector<TrackedFrame> read_tracks(const std::string& recording) {
+  std::vector<TrackedFrame> frames;
+  for (auto& row : read_csv(tracks_of(recording))) {
+    row.resize(6);  // the last fields of a point that the right camera does not see are empty
+    if (frames.empty() || frames.back().t_ns != std::stoll(row[0])) {
+      frames.emplace_back();
+      frames.back().t_ns = std::stoll(row[0]);
+    }
+    for (const std::size_t camera : {0, 1}) {
+      const std::string &u = row[2 + 2 * camera], &v = row[3 + 2 * camera];
+      if (u.empty() || v.empty()) continue;
+      frames.back().points[camera].emplace_back(std::stoull(row[1]),
+                                                Eigen::Vector2f(std::stof(u), std::stof(v)));
+    }
+  }
+  return frames;
+}
+
 struct Totals {
   std::size_t frames = 0, poses = 0, points_left = 0, points_right = 0;
   double decode_s = 0, estimate_s = 0;
 };
 
-void write_pose(std::ofstream& out, std::int64_t t_ns, const ov_type::IMU& imu, Totals& totals) {
+/// The columns of limber's trajectory.csv.
+std::string header() {
+  std::string text =
+      "t_ns,px [m],py [m],pz [m],qw [-],qx [-],qy [-],qz [-],vx [m/s],vy [m/s],vz [m/s],bgx [rad/s],"
+      "bgy [rad/s],bgz [rad/s],bax [m/s^2],bay [m/s^2],baz [m/s^2]";
+  const std::array<std::string, 6> errors{"px", "py", "pz", "rx", "ry", "rz"};
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = i; j < 6; ++j)
+      text += ",P_" + errors[i] + "_" + errors[j] + (j < 3 ? " [m^2]" : i < 3 ? " [m rad]" : " [rad^2]");
+  return text;
+}
+
+/// Position and attitude, and their covariance, in limber's order: OpenVINS' has the attitude first, both local to
+/// the IMU.
+void write_row(std::ofstream& out, std::int64_t t_ns, const std::shared_ptr<ov_msckf::State>& state,
+               Totals& totals) {
+  const auto imu = state->_imu;
   const Eigen::Vector4d q =
-      imu.quat();  // x y z w by JPL of world to IMU: the Hamilton quaternion of IMU to world
-  const Eigen::Vector3d p = imu.pos();
-  if (!q.allFinite() || !p.allFinite()) return;
-  char line[256];
-  std::snprintf(line, sizeof line, "%lld.%09lld %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
-                static_cast<long long>(t_ns / 1000000000), static_cast<long long>(t_ns % 1000000000), p(0),
-                p(1), p(2), q(0), q(1), q(2), q(3));
-  out << line;
+      imu->quat();  // x y z w by JPL of world to IMU: the Hamilton quaternion of IMU to world
+  const Eigen::Matrix<double, 6, 6> P = ov_msckf::StateHelper::get_marginal_covariance(state, {imu->pose()});
+  if (!q.allFinite() || !imu->pos().allFinite() || !P.allFinite()) return;
+  out << t_ns;
+  for (int i = 0; i < 3; ++i) out << ',' << imu->pos()(i);
+  for (const int i : {3, 0, 1, 2}) out << ',' << q(i);
+  for (int i = 0; i < 3; ++i) out << ',' << imu->vel()(i);
+  for (int i = 0; i < 3; ++i) out << ',' << imu->bias_g()(i);
+  for (int i = 0; i < 3; ++i) out << ',' << imu->bias_a()(i);
+  const std::array<int, 6> order{3, 4, 5, 0, 1, 2};
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = i; j < 6; ++j) out << ',' << P(order[i], order[j]);
+  out << '\n';
   ++totals.poses;
+}
+
+std::ofstream new_trajectory(const std::string& path) {
+  std::ofstream out(path);
+  if (!out) throw std::runtime_error(path + ": cannot be written");
+  out.precision(12);
+  out << header() << '\n';
+  return out;
 }
 
 ov_msckf::VioManagerOptions read_options(const std::string& config) {
@@ -144,34 +203,69 @@ ov_msckf::VioManagerOptions read_options(const std::string& config) {
   return options;
 }
 
-/// The whole estimator. A pair is processed when the IMU has passed it, as in OpenVINS' own reader.
-Totals navigate(const std::string& config, const std::string& recording, const std::string& out_path,
-                const std::string& start) {
-  ov_msckf::VioManagerOptions options = read_options(config);
-  ov_msckf::VioManager system(options);
-  const auto imu = read_imu(recording);
-  if (!start.empty()) system.initialize_with_gt(read_start(start));
-  std::ofstream out(out_path);
-  if (!out) throw std::runtime_error(out_path + ": cannot be written");
-  Totals totals;
-  std::size_t next = 0;
-  for (const ImagePair& pair : read_pairs(recording)) {
-    double begin = cpu_seconds();
-    const ov_core::CameraData data = load(pair);
-    totals.decode_s += cpu_seconds() - begin;
-    begin = cpu_seconds();
-    const double until = data.timestamp + system.get_state()->_calib_dt_CAMtoIMU->value()(0);
-    while (next < imu.size()) {
-      system.feed_measurement_imu(imu[next]);
-      if (imu[next++].timestamp > until) break;
+/// Steps through the IMU's samples beside the frames: a frame is processed when the IMU has passed it, as in
+/// OpenVINS' own reader.
+class Estimator {
+ public:
+  Estimator(ov_msckf::VioManagerOptions options, const std::string& recording, const std::string& out_path,
+            const std::string& start)
+      : system_(options), imu_(read_imu(recording)), out_(new_trajectory(out_path)) {
+    if (!start.empty()) system_.initialize_with_gt(read_start(start));
+  }
+
+  /// Feeds the IMU up to the frame, then what `feed` feeds, and writes the pose.
+  template <typename Feed>
+  void step(std::int64_t t_ns, Totals& totals, Feed&& feed) {
+    const double begin = cpu_seconds(), t = seconds(t_ns);
+    const double until = t + system_.get_state()->_calib_dt_CAMtoIMU->value()(0);
+    while (next_ < imu_.size()) {
+      system_.feed_measurement_imu(imu_[next_]);
+      if (imu_[next_++].timestamp > until) break;
     }
-    system.feed_measurement_camera(data);
+    feed(system_);
     totals.estimate_s += cpu_seconds() - begin;
     ++totals.frames;
-    if (std::abs(system.get_state()->_timestamp - data.timestamp) < 1e-6)
-      write_pose(out, pair.t_ns, *system.get_state()->_imu, totals);
+    if (std::abs(system_.get_state()->_timestamp - t) < 1e-6) write_row(out_, t_ns, system_.get_state(), totals);
+  }
+
+ private:
+  ov_msckf::VioManager system_;
+  std::vector<ov_core::ImuData> imu_;
+  std::ofstream out_;
+  std::size_t next_ = 0;
+};
+
+Totals navigate_images(Estimator& estimator, const std::string& recording) {
+  Totals totals;
+  for (const ImagePair& pair : read_pairs(recording)) {
+    const double begin = cpu_seconds();
+    const ov_core::CameraData data = load(pair);
+    totals.decode_s += cpu_seconds() - begin;
+    estimator.step(pair.t_ns, totals, [&](ov_msckf::VioManager& system) { system.feed_measurement_camera(data); });
   }
   return totals;
+}
+
+Totals navigate_tracks(Estimator& estimator, const std::string& recording) {
+  Totals totals;
+  for (const TrackedFrame& frame : read_tracks(recording)) {
+    estimator.step(frame.t_ns, totals, [&](ov_msckf::VioManager& system) {
+      system.feed_measurement_simulation(seconds(frame.t_ns), {0, 1}, frame.points);
+    });
+    totals.points_left += frame.points[0].size();
+    totals.points_right += frame.points[1].size();
+  }
+  return totals;
+}
+
+/// The whole estimator.
+Totals navigate(const std::string& config, const std::string& recording, const std::string& out_path,
+                const std::string& start) {
+  const bool has_tracks = std::filesystem::exists(tracks_of(recording));
+  if (has_tracks && start.empty())
+    throw std::runtime_error(recording + ": OpenVINS takes matched points only after a given START");
+  Estimator estimator(read_options(config), recording, out_path, start);
+  return has_tracks ? navigate_tracks(estimator, recording) : navigate_images(estimator, recording);
 }
 
 /// TrackKLT alone, with `points` a camera.
