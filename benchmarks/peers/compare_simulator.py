@@ -65,7 +65,8 @@ def run_openvins(arguments, recording, folder, system):
 def run_limber(arguments, recording, folder, method, start):
     """The same; the time is the median of a frame on the clock."""
     if not (folder / "run/summary.json").exists():
-        compare_peers.measured([arguments.limber, "run", recording, "--method", method, "--init", start, "--out",
+        points = ["--max-points", str(arguments.points)] if arguments.points else []
+        compare_peers.measured([arguments.limber, "run", recording, "--method", method, "--init", start, *points, "--out",
                                 folder / "run"], folder / "log.txt")
     poses = compare_peers.limber_poses(folder / "run", euroc.stereo_stamps(recording)[0])
     return poses, json.loads((folder / "run/summary.json").read_text())["ms_per_frame"]["p50"] if poses else None
@@ -83,7 +84,8 @@ def scores(evaluation, start):
 
 def run(arguments, seed, name, system, start):
     recording = bent(arguments, seed, name)
-    folder = arguments.out / "runs" / f"{recording.name}-{system}-{start}"
+    points = f"-{arguments.points}" if arguments.points and not system.startswith("openvins") else ""
+    folder = arguments.out / "runs" / f"{recording.name}-{system}-{start}{points}"
     folder.mkdir(parents=True, exist_ok=True)
     if system.startswith("openvins"):
         poses, frame_ms = run_openvins(arguments, recording, folder, system)
@@ -132,6 +134,7 @@ def parse():
     parser.add_argument("--trajectory", default="udel_gore", help="of OpenVINS' ov_data/sim; default: %(default)s")
     parser.add_argument("--seeds", default="1,2,3", help="of map and noise; default: %(default)s")
     parser.add_argument("--bends", default=",".join(BENDS), help="default: %(default)s")
+    parser.add_argument("--points", type=int, help="limber's --max-points, of 260 that the simulator gives; default: its own")
     parser.add_argument("--systems", default=",".join(f"{system}:{start}" for system, start in COLUMNS),
                         help="SYSTEM:START,...; starts are auto and groundtruth, of OpenVINS truth; default: %(default)s")
     arguments = parser.parse_args()

@@ -25,11 +25,13 @@ constexpr double kLongestStep = 0.5;       // [s], after a longer one anything m
 constexpr double kNoise = 5e-3;            // [rad], about 3 px: a smaller change may be noise
 constexpr double kPixel = 1.5e-3;          // [rad], about 1 px: how well a jump of the rig has to fit
 constexpr double kExplained = 0.95;        // share of the points that a jump of the rig moves as it must
+constexpr double kSpread = 4.0;            // medians that hardly a misfit of mere noise exceeds
 constexpr double kDepthChange = 0.15;      // from frame to frame, relative, of most points
 constexpr int kIterations = 10;
 // What a jump may be: beyond it the fit is held by a prior, in rotation [rad] and in baselines.
 constexpr double kRotationSigma = 0.05, kTranslationSigma = 0.2;
-constexpr double kLargestTranslation = 0.5;  // [baselines]: what doubles the baseline is no jump of it
+constexpr double kLargestTranslation =
+    0.8;  // [baselines]: 25 % short to 25 % long is 2/3; what doubles is no rig
 
 double ratio(double a, double b) { return std::max(a, b) / std::min(a, b); }
 
@@ -111,9 +113,9 @@ Vector6d fit(const std::vector<Say>& says, double baseline) {
   return x;
 }
 
-}  // namespace
-
-bool one_rig_explains(const StereoSights& before, const StereoSights& after, const Pose& T_cam1_cam0) {
+/// How far each point is from where the best change of the rig moves it, in sigmas; none if points are too
+/// few or no rig changes so much.
+std::vector<double> misfits(const StereoSights& before, const StereoSights& after, const Pose& T_cam1_cam0) {
   std::vector<Say> says;
   for (const auto& [track, sight] : after) {
     if (const auto it = before.find(track); it != before.end()) {
@@ -123,16 +125,37 @@ bool one_rig_explains(const StereoSights& before, const StereoSights& after, con
     }
   }
   if (says.size() < kFewestLeaping) {
-    return false;
+    return {};
   }
   const Vector6d x = fit(says, T_cam1_cam0.p.norm());
   if (x.tail<3>().norm() > kLargestTranslation * T_cam1_cam0.p.norm()) {
-    return false;
+    return {};
   }
-  const auto explained = std::count_if(says.begin(), says.end(), [&](const Say& say) {
-    return (say.residual - say.J * x).cwiseQuotient(say.sigma).cwiseAbs().maxCoeff() < 1.0;
-  });
-  return static_cast<double>(explained) >= kExplained * static_cast<double>(says.size());
+  std::vector<double> out;
+  for (const Say& say : says) {
+    out.push_back((say.residual - say.J * x).cwiseQuotient(say.sigma).cwiseAbs().maxCoeff());
+  }
+  return out;
+}
+
+}  // namespace
+
+double rig_misfit(const StereoSights& before, const StereoSights& after, const Pose& T_cam1_cam0) {
+  std::vector<double> misfit = misfits(before, after, T_cam1_cam0);
+  if (misfit.empty()) {
+    return 0.0;
+  }
+  const auto middle = misfit.begin() + static_cast<std::ptrdiff_t>(misfit.size() / 2);
+  std::nth_element(misfit.begin(), middle, misfit.end());
+  return *middle;
+}
+
+bool one_rig_explains(const StereoSights& before, const StereoSights& after, const Pose& T_cam1_cam0,
+                      double usual_misfit) {
+  const std::vector<double> misfit = misfits(before, after, T_cam1_cam0);
+  const double tolerance = std::max(1.0, kSpread * usual_misfit);
+  const auto explained = std::count_if(misfit.begin(), misfit.end(), [&](double m) { return m < tolerance; });
+  return !misfit.empty() && static_cast<double>(explained) >= kExplained * static_cast<double>(misfit.size());
 }
 
 LeapingMatches::LeapingMatches(const StereoCalibration& assumed)
@@ -159,7 +182,11 @@ LeapingMatches::Outcome LeapingMatches::end(StereoFrame& frame) {
   StereoSights now = sights_of(frame);
   if (seconds_between(before_ns_, frame.t_ns) <= kLongestStep) {
     const std::vector<std::int64_t> leapt = leaping(before_, now);
-    out.rig_jumped = !leapt.empty() && one_rig_explains(before_, now, T_cam1_cam0_);
+    if (!leapt.empty() && !leapt_before_) {
+      usual_misfit_ = rig_misfit(earlier_, before_, T_cam1_cam0_);
+    }
+    leapt_before_ = !leapt.empty();
+    out.rig_jumped = leapt_before_ && one_rig_explains(before_, now, T_cam1_cam0_, usual_misfit_);
     for (const std::int64_t track : leapt) {
       out.lost += !out.rig_jumped && lost_.insert(track).second ? 1 : 0;
     }
@@ -169,7 +196,7 @@ LeapingMatches::Outcome LeapingMatches::end(StereoFrame& frame) {
       point.in_cam1 = false;
     }
   }
-  before_ = std::move(now);
+  earlier_ = std::exchange(before_, std::move(now));
   before_ns_ = frame.t_ns;
   return out;
 }

@@ -23,11 +23,17 @@ using StereoSights = std::unordered_map<std::int64_t, StereoSight>;  ///< by tra
 
 /// @brief Whether one change of theta explains how the right bearings of shared points moved.
 /// The right bearing of each point in the later frame is predicted from its left one and the parallax that it
-/// had before; a rotation and a change of the baseline are fitted robustly to what is left. Explained: four
-/// points in five lie within 3 px or so of where they should, plus 15 % of the parallax along their epipolar
-/// lines for the change of depth; and the baseline has changed by less than half its length.
+/// had before; a rotation and a change of the baseline are fitted robustly to what is left. Explained: 95 %
+/// of the points lie within a pixel or so of where they should, or as near as `usual_misfit` lets expect of
+/// noisier ones, plus 15 % of the parallax along their epipolar lines for the change of depth; and the
+/// baseline has changed by less than 80 % of its length.
+/// @param usual_misfit  rig_misfit of two frames between which nothing leapt; 0: not known
 [[nodiscard]] bool one_rig_explains(const StereoSights& before, const StereoSights& after,
-                                    const Pose& T_cam1_cam0);
+                                    const Pose& T_cam1_cam0, double usual_misfit);
+
+/// How far from its place the median point is after that fit, in such tolerances; 0 if that cannot be said.
+[[nodiscard]] double rig_misfit(const StereoSights& before, const StereoSights& after,
+                                const Pose& T_cam1_cam0);
 
 /// Ends matches in the right image that leapt to something else; see FrameCleaner.
 class LeapingMatches {
@@ -46,7 +52,9 @@ class LeapingMatches {
   StereoCalibration assumed_;
   Pose T_cam1_cam0_;
   std::unordered_set<std::int64_t> lost_;
-  StereoSights before_;
+  StereoSights earlier_, before_;  // the two frames before
+  double usual_misfit_ = 0.0;      // of the last two frames that came before a leap, and did not leap
+  bool leapt_before_ = false;
   std::int64_t before_ns_ = 0;
 };
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "limber/core/so3.hpp"
 #include "limber/datasets/read_recording.hpp"
@@ -183,6 +184,52 @@ TEST(FrameCleaner, NeverRemovesWhatAJumpOfTheRigExplains) {
         EXPECT_THAT(in_words(out.report), ElementsAre(HasSubstr("one jump of the rig")));
       }
     }
+  }
+}
+
+/// From a quarter too short to a quarter too long and back, as the paper's square wave has it.
+TEST(FrameCleaner, NeverRemovesWhatABaselineThatJumpsByAQuarterEitherWayExplains) {
+  const StereoCalibration assumed = rig_of(0.5);
+  for (const double before : {0.75, 1.25}) {
+    Leap leap;
+    leap.jump(3) = -(2.0 - 2.0 * before) * 0.5;
+    const Cleaned out = cleaned(with_leap(rig_of(0.5 * before), leap), assumed);
+    EXPECT_EQ(out.report.leapt_matches, 0u) << before;
+  }
+}
+
+Frames with_noise(Frames frames, double sigma_px, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> noise(0.0, sigma_px);
+  for (StereoFrame& frame : frames) {
+    for (StereoObservation& point : frame.observations) {
+      for (Vector2d* const uv : {&point.uv_cam0, &point.uv_cam1}) {
+        const double du = noise(generator), dv = noise(generator);
+        *uv += Vector2d(du, dv);
+      }
+    }
+  }
+  return frames;
+}
+
+/// White noise in both images: a jump has to fit as well as frames between which nothing jumps do, no better.
+TEST(FrameCleaner, NeverRemovesWhatAJumpOfTheRigExplainsAmongNoisyPixels) {
+  const StereoCalibration rig = rig_of(0.12);
+  Leap leap;
+  leap.jump(1) = 2.0 * M_PI / 180.0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    Frames frames = with_noise(with_leap(rig, leap), 1.0, seed);
+    const Cleaned out = cleaned(frames, rig);
+    EXPECT_EQ(out.report.leapt_matches, 0u) << seed;
+    EXPECT_EQ(out.report.rig_jumps, 1u) << seed;
+    // Noise does not hide matches that leap to something else: 25 points exchange their right pixels.
+    for (std::size_t k = 2; k < frames.size(); ++k) {
+      const StereoFrame right = frames[k];
+      for (std::size_t i = 0; i < 25; ++i) {
+        frames[k].observations[i].uv_cam1 = right.observations[(i + 7) % 25].uv_cam1;
+      }
+    }
+    EXPECT_GE(cleaned(frames, rig).report.leapt_matches, 20u) << seed;
   }
 }
 

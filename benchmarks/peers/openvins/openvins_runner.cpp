@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Feeds an EuRoC folder or a track log to OpenVINS by its public API, without ROS: every stereo pair, in the order
-// of time. Writes the pose of the IMU after each pair, before the next is read (causal), and what that took.
-// benchmarks/peers/README.md says more.
+// Feeds an EuRoC folder or a track log to OpenVINS by its public API, without ROS: every stereo pair, in the
+// order of time. Writes the pose of the IMU after each pair, before the next is read (causal), and what that
+// took. benchmarks/peers/README.md says more.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -162,8 +162,8 @@ std::string header() {
   return text;
 }
 
-/// Position and attitude, and their covariance, in limber's order: OpenVINS' has the attitude first, both local to
-/// the IMU.
+/// Position and attitude, and their covariance, in limber's order: OpenVINS' has the attitude first, both
+/// local to the IMU.
 void write_row(std::ofstream& out, std::int64_t t_ns, const std::shared_ptr<ov_msckf::State>& state,
                Totals& totals) {
   const auto imu = state->_imu;
@@ -225,7 +225,8 @@ class Estimator {
     feed(system_);
     totals.estimate_s += cpu_seconds() - begin;
     ++totals.frames;
-    if (std::abs(system_.get_state()->_timestamp - t) < 1e-6) write_row(out_, t_ns, system_.get_state(), totals);
+    if (std::abs(system_.get_state()->_timestamp - t) < 1e-6)
+      write_row(out_, t_ns, system_.get_state(), totals);
   }
 
  private:
@@ -241,7 +242,8 @@ Totals navigate_images(Estimator& estimator, const std::string& recording) {
     const double begin = cpu_seconds();
     const ov_core::CameraData data = load(pair);
     totals.decode_s += cpu_seconds() - begin;
-    estimator.step(pair.t_ns, totals, [&](ov_msckf::VioManager& system) { system.feed_measurement_camera(data); });
+    estimator.step(pair.t_ns, totals,
+                   [&](ov_msckf::VioManager& system) { system.feed_measurement_camera(data); });
   }
   return totals;
 }

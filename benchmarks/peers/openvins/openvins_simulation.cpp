@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Writes what OpenVINS' own simulator measures as a track log (docs/formats.md), by its public API, without ROS.
-// benchmarks/peers/README.md says more.
+// Writes what OpenVINS' own simulator measures as a track log (docs/formats.md), by its public API, without
+// ROS. benchmarks/peers/README.md says more.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -73,8 +73,8 @@ void write_camera(const fs::path& folder, const Eigen::VectorXd& extrinsics, ov_
   const Eigen::VectorXd k = camera.get_value();
   out << "]\nresolution: [" << camera.w() << ", " << camera.h() << "]\ncamera_model: pinhole\n"
       << "intrinsics: [" << k(0) << ", " << k(1) << ", " << k(2) << ", " << k(3) << "]\n"
-      << "distortion_model: " << lens << "\ndistortion_coefficients: [" << k(4) << ", " << k(5) << ", " << k(6)
-      << ", " << k(7) << "]\n";
+      << "distortion_model: " << lens << "\ndistortion_coefficients: [" << k(4) << ", " << k(5) << ", "
+      << k(6) << ", " << k(7) << "]\n";
 }
 
 void write_sensors(const fs::path& mav0, const ov_msckf::VioManagerOptions& options) {
@@ -85,7 +85,8 @@ void write_sensors(const fs::path& mav0, const ov_msckf::VioManagerOptions& opti
                  is_fisheye ? "equidistant" : "radial-tangential");
   }
   std::ofstream imu = new_file(mav0 / "imu0/sensor.yaml", "sensor_type: imu");
-  imu << "T_BS:\n  cols: 4\n  rows: 4\n  data: [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, "
+  imu << "T_BS:\n  cols: 4\n  rows: 4\n  data: [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, "
+         "0.0, "
          "0.0, 0.0, 1.0]\n"
       << "rate_hz: " << options.sim_freq_imu << "\ngyroscope_noise_density: " << options.imu_noises.sigma_w
       << "\ngyroscope_random_walk: " << options.imu_noises.sigma_wb
@@ -120,18 +121,19 @@ void write_frame(std::ofstream& out, std::int64_t t_ns, const Points& left, cons
 
 /// The truth at these times, as far as the simulator knows it: EuRoC's 17 columns.
 void write_truth(const fs::path& mav0, ov_msckf::Simulator& simulator, const std::vector<double>& times) {
-  std::ofstream out = new_file(mav0 / "state_groundtruth_estimate0/data.csv",
-                               "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], "
-                               "q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], "
-                               "b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], b_w_RS_S_z [rad s^-1], "
-                               "b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]");
+  std::ofstream out =
+      new_file(mav0 / "state_groundtruth_estimate0/data.csv",
+               "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], "
+               "q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], "
+               "b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], b_w_RS_S_z [rad s^-1], "
+               "b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]");
   for (const double t : times) {
     Eigen::Matrix<double, 17, 1> state;
     if (!simulator.get_state(t, state)) continue;
     // JPL's quaternion of world to IMU is Hamilton's of IMU to world
     const Eigen::Matrix<double, 1, 16> row =
-        (Eigen::Matrix<double, 1, 16>() << state.segment<3>(5).transpose(), state(4), state.segment<3>(1).transpose(),
-         state.segment<9>(8).transpose())
+        (Eigen::Matrix<double, 1, 16>() << state.segment<3>(5).transpose(), state(4),
+         state.segment<3>(1).transpose(), state.segment<9>(8).transpose())
             .finished();
     out << nanoseconds(t);
     write_numbers(out, row);
@@ -157,8 +159,8 @@ void write_recording(ov_msckf::VioManagerOptions& options, const fs::path& folde
   std::ofstream imu = new_file(mav0 / "imu0/data.csv",
                                "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
                                "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]");
-  std::ofstream tracks = new_file(mav0 / "tracks0/data.csv",
-                                  "#timestamp [ns],track_id,u0 [px],v0 [px],u1 [px],v1 [px]");
+  std::ofstream tracks =
+      new_file(mav0 / "tracks0/data.csv", "#timestamp [ns],track_id,u0 [px],v0 [px],u1 [px],v1 [px]");
   std::vector<double> times;
   std::set<size_t> seen;
   while (simulator.ok()) {

@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""ATE and completeness against degrees of decalibration, of one or several results.json of compare_peers.py.
+
+  benchmarks/peers/draw_peers.py RESULTS.json... --out PICTURE.svg
+
+Needs matplotlib (Debian: python3-matplotlib).
+"""
+import argparse
+import json
+import pathlib
+import re
+import statistics
+import sys
+
+STYLES = {"openvins": ("#999999", "s", "OpenVINS"), "openvins-calib": ("#444444", "D", "OpenVINS, online calibration"),
+          "ekf": ("#d55e00", "v", "ekf"), "lcekf": ("#0072b2", "o", "lcekf"), "adaptive": ("#009e73", "^", "adaptive")}
+
+
+def degrees(profile):
+    """Of a constant vergence; None of a profile that moves or turns otherwise."""
+    found = re.fullmatch(r"ay=([\d.]+)", profile)
+    return 0.0 if profile == "" else float(found.group(1)) if found else None
+
+
+def label(profile):
+    """A moving profile in words, short enough for a tick."""
+    keys = dict(pair.split("=") for pair in profile.split(","))
+    if keys.get("shape") == "vibration":
+        return f"±{keys['ay']}°\n{keys['frequency']} Hz"
+    if keys.get("shape") == "ramp":
+        return f"0→{keys['ay']}°\nin {keys['end']} s"
+    return profile.replace(",", "\n")
+
+
+def places(profiles):
+    """[(profile, where on the axis, text of its tick)]: degrees first, then profiles that move, one beside the other."""
+    constant = sorted((degrees(p), p) for p in profiles if degrees(p) is not None)
+    moving = [p for p in profiles if degrees(p) is None]
+    beyond = (constant[-1][0] if constant else 0.0) + 1.0
+    return ([(p, x, f"{x:g}") for x, p in constant]
+            + [(p, beyond + 0.8 * i, label(p)) for i, p in enumerate(moving)])
+
+
+def medians(results, system, start, value):
+    """{profile: median over the repetitions that have the value}"""
+    found = {}
+    for r in results:
+        if (r["system"], r["start"]) == (system, start) and value(r) is not None:
+            found.setdefault(r["bend"], []).append(value(r))
+    return {profile: statistics.median(values) for profile, values in found.items()}
+
+
+def draw_lines(axes, results, start, ticks, value):
+    for system, (colour, marker, name) in STYLES.items():
+        known = medians(results, system, start, value)
+        constant = [(x, known[p]) for p, x, _ in ticks if p in known and degrees(p) is not None]
+        moving = [(x, known[p]) for p, x, _ in ticks if p in known and degrees(p) is None]
+        if known:
+            axes.plot(*zip(*constant), color=colour, marker=marker, markersize=5, linewidth=1.4, label=name)
+        if moving:
+            axes.plot(*zip(*moving), color=colour, marker=marker, markersize=5, linewidth=0)
+    axes.set_xticks([x for _, x, _ in ticks], [text for _, _, text in ticks], fontsize=8)
+    axes.grid(True, color="#dddddd", linewidth=0.6)
+
+
+def draw(results, out):
+    import matplotlib
+    matplotlib.use("Agg")
+    matplotlib.rcParams["svg.hashsalt"] = "limber"
+    from matplotlib import pyplot
+    ticks = places(list(dict.fromkeys(r["bend"] for r in results)))
+    starts = [s for s in ("truth", "own") if any(r["start"] == s for r in results)]
+    figure, rows = pyplot.subplots(2, len(starts), figsize=(4.6 * len(starts), 5.4), sharex=True, sharey="row", squeeze=False,
+                                   height_ratios=[2.2, 1])
+    for i, start in enumerate(starts):
+        draw_lines(rows[0][i], results, start, ticks, lambda r: r["ate"])
+        draw_lines(rows[1][i], results, start, ticks, lambda r: 100 * r["poses"] / r["frames"])
+        rows[0][i].set_yscale("log")
+        rows[0][i].set_title("start from the truth" if start == "truth" else "own start", fontsize=10)
+        rows[1][i].set_ylim(0, 105)
+        rows[1][i].set_xlabel("vergence [°], constant | rigs that move", fontsize=9)
+    rows[0][0].set_ylabel("ATE, SE(3) [m]", fontsize=9)
+    rows[1][0].set_ylabel("frames with a pose [%]", fontsize=9)
+    figure.legend(*rows[0][0].get_legend_handles_labels(), loc="upper center", ncols=5, fontsize=8, frameon=False)
+    figure.tight_layout(rect=(0, 0, 1, 0.95))
+    figure.savefig(out, metadata={"Date": None} if out.suffix == ".svg" else None, dpi=150)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", type=pathlib.Path, nargs="+")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="a name ending with .svg or .png")
+    arguments = parser.parse_args()
+    if arguments.out in arguments.results or arguments.out.suffix not in (".svg", ".png"):
+        parser.error("--out: expected a new name ending with .svg or .png")
+    draw([r for file in arguments.results for r in json.loads(file.read_text())], arguments.out)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        sys.exit(f"draw_peers: {error!r}: expected results.json of compare_peers.py")
