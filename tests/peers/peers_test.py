@@ -11,6 +11,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "benchmarks/peers"))
 import compare_peers  # noqa: E402
 import compare_simulator  # noqa: E402
+import draw_peers  # noqa: E402
 import euroc  # noqa: E402
 import openvins  # noqa: E402
 import peers_table  # noqa: E402
@@ -202,6 +203,20 @@ class Results(unittest.TestCase):
         self.assertEqual(code, 3)
         self.assertGreater(cpu_s, 0.19)
         self.assertGreater(peak_mb, 150)
+
+
+class Picture(unittest.TestCase):
+    def test_constant_angles_come_first_and_in_order_then_rigs_that_move(self):
+        places = draw_peers.places(["", "ay=2", "ay=0.5,shape=vibration,frequency=1", "ay=0.3", "ay=2,shape=ramp,end=8"])
+        self.assertEqual([(profile, text) for profile, _, text in places],
+                         [("", "0"), ("ay=0.3", "0.3"), ("ay=2", "2"), ("ay=0.5,shape=vibration,frequency=1", "±0.5°\n1 Hz"),
+                          ("ay=2,shape=ramp,end=8", "0→2°\nin 8 s")])
+        self.assertEqual([x for _, x, _ in places], [0.0, 0.3, 2.0, 3.0, 3.8])
+
+    def test_a_point_is_the_median_of_what_there_is(self):
+        results = [{"bend": "ay=1", "system": "ekf", "start": "own", "ate": ate} for ate in (0.1, None, 0.3, 0.2)]
+        results.append({"bend": "", "system": "ekf", "start": "own", "ate": None})
+        self.assertEqual(draw_peers.medians(results, "ekf", "own", lambda r: r["ate"]), {"ay=1": 0.2})
 
 
 class Simulator(unittest.TestCase):
