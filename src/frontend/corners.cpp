@@ -47,21 +47,73 @@ struct Grid {
   }
 };
 
+/// Smaller eigenvalue of the mean structure tensor [(grey level / px)^2] of each pixel of `area`, which
+/// must be kBlock / 2 + 1 away from the edges of the image.
+cv::Mat1f corner_strength(const cv::Mat& image, const cv::Rect& area) {
+  constexpr int kAround = kBlock / 2;
+  const int width = area.width, wide = area.width + 2 * kAround;
+  using Row = Eigen::ArrayXf;
+  const auto row_of = [width](cv::Mat1f& sums, int v) { return Eigen::Map<Row>(sums[v], width); };
+  Row slope_u(wide), slope_v(wide), product(wide);
+  cv::Mat1f uu(area.height + 2 * kAround, width), uv(uu.size()), vv(uu.size());  // sums over kBlock columns
+  for (int v = 0; v < uu.rows; ++v) {
+    const int first = area.x - kAround;
+    const auto* above = image.ptr<std::uint8_t>(area.y - kAround + v - 1) + first;
+    const auto* here = above + image.step[0];
+    const auto* below = here + image.step[0];
+    for (int u = 0; u < wide; ++u) {  // the Sobel operator, times 8
+      slope_u[u] = static_cast<float>(above[u + 1] - above[u - 1] + 2 * (here[u + 1] - here[u - 1]) +
+                                      below[u + 1] - below[u - 1]);
+      slope_v[u] = static_cast<float>(below[u - 1] - above[u - 1] + 2 * (below[u] - above[u]) + below[u + 1] -
+                                      above[u + 1]);
+    }
+    const auto add_up = [&](cv::Mat1f& sums) {
+      auto row = row_of(sums, v);
+      row = product.head(width);
+      for (int k = 1; k < kBlock; ++k) row += product.segment(k, width);
+    };
+    product = slope_u * slope_u;
+    add_up(uu);
+    product = slope_u * slope_v;
+    add_up(uv);
+    product = slope_v * slope_v;
+    add_up(vv);
+  }
+  constexpr float kScale = 1.0f / (64.0f * kBlock * kBlock);
+  cv::Mat1f strength(area.size());
+  Row a(width), b(width), c(width);
+  for (int v = 0; v < area.height; ++v) {
+    const auto over_rows = [&](cv::Mat1f& sums, Row& sum) {
+      sum = row_of(sums, v);
+      for (int k = 1; k < kBlock; ++k) sum += row_of(sums, v + k);
+    };
+    over_rows(uu, a);
+    over_rows(uv, b);
+    over_rows(vv, c);
+    row_of(strength, v) = kScale * (0.5f * (a + c) - (0.25f * (a - c).square() + b.square()).sqrt());
+  }
+  return strength;
+}
+
+bool is_largest_of_nine(const cv::Mat1f& values, int u, int v) {
+  const float value = values(v, u);
+  for (int y = v - 1; y <= v + 1; ++y) {
+    const float* row = values[y];
+    if (row[u - 1] > value || row[u] > value || row[u + 1] > value) return false;
+  }
+  return true;
+}
+
 /// Local maxima of the corner strength in `area`, strongest first.
 std::vector<Corner> corners_in(const cv::Mat& image, const cv::Rect& area, double min_strength) {
-  // OpenCV's scale for 8 bit images, Sobel of size 3: strength * (2 / 255)^2 in (grey level / px)^2.
-  constexpr double kOpenCvScale = 4.0 / (255.0 * 255.0);
-  cv::Mat strength, largest;
-  cv::cornerMinEigenVal(image(area), strength, kBlock, 3);
-  cv::dilate(strength, largest, {});
+  if (area.width < 3 || area.height < 3) return {};
+  const cv::Mat1f strength = corner_strength(image, area);
   std::vector<Corner> corners;
   for (int v = 1; v + 1 < area.height; ++v) {
-    const auto* s = strength.ptr<float>(v);
-    const auto* l = largest.ptr<float>(v);
     for (int u = 1; u + 1 < area.width; ++u) {
-      if (s[u] == l[u] && s[u] > min_strength * kOpenCvScale) {
+      if (strength(v, u) > min_strength && is_largest_of_nine(strength, u, v)) {
         corners.push_back(
-            {cv::Point2f(static_cast<float>(area.x + u), static_cast<float>(area.y + v)), s[u]});
+            {cv::Point2f(static_cast<float>(area.x + u), static_cast<float>(area.y + v)), strength(v, u)});
       }
     }
   }
@@ -85,10 +137,7 @@ class Cell {
   /// The strongest corner that is away from the points; none if there is no such corner left.
   std::optional<Corner> next_free(const cv::Mat& image, const std::vector<cv::Point2f>& points,
                                   const CornerOptions& options) {
-    if (!corners_) {
-      const bool has_room = area_.width >= 3 && area_.height >= 3;
-      corners_ = has_room ? corners_in(image, area_, options.min_strength) : std::vector<Corner>();
-    }
+    if (!corners_) corners_ = corners_in(image, area_, options.min_strength);
     while (next_ < corners_->size()) {
       const Corner& corner = (*corners_)[next_++];
       if (is_free(corner.at, points, options.min_distance)) return corner;

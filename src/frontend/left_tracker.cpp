@@ -19,6 +19,7 @@ constexpr double kMaxAlignShiftPx = 3.0;   ///< between the search and the final
 
 void LeftTracker::follow(const Pyramid& image) {
   std::vector<LeftTrack> kept;
+  kept.reserve(tracks_.size());
   std::vector<Eigen::Vector2d> places;  // all before any track moves: they are each other's prediction
   for (const LeftTrack& track : tracks_) places.push_back(coarse_place(track, image));
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
@@ -64,7 +65,7 @@ bool LeftTracker::advance(LeftTrack& track, const Eigen::Vector2d& start, const 
   const GreyImage image = view_of(next[0]);
   // The first view holds the track in place. Followed from view to view beyond it, points slide along edges
   // of things by more than a pixel in the end, and the filter takes that for motion.
-  const auto fit = track.reference.find(image, {start, track.shape}, PatchMotion::kAffine, kMaxAlignShiftPx);
+  const auto fit = track.reference->find(image, {start, track.shape}, PatchMotion::kAffine, kMaxAlignShiftPx);
   if (!fit || fit->ncc < options_.min_ncc) return false;
   if (!in_image(camera_, fit->uv, kBorder)) return false;
   track.shape = fit->A;
@@ -115,7 +116,9 @@ void LeftTracker::add_corners() {
   const CornerOptions options{options_.max_tracks, options_.min_distance_px, options_.min_corner_strength,
                               kBorder};
   for (const Eigen::Vector2d& uv : new_corners(image_[0], taken, options)) {
-    if (const auto patch = Patch::cut(view_of(image_[0]), uv)) tracks_.push_back({next_id_++, {uv}, *patch});
+    if (const auto patch = Patch::cut(view_of(image_[0]), uv)) {
+      tracks_.push_back({next_id_++, {uv}, std::make_unique<const Patch>(*patch)});
+    }
   }
 }
 

@@ -5,6 +5,8 @@
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 namespace limber::frontend {
 namespace {
@@ -23,48 +25,69 @@ float smaller_eigenvalue(const Eigen::Matrix2f& A) {
   return half_trace - std::sqrt(std::max(0.0f, half_trace * half_trace - A.determinant()));
 }
 
-/// Eigen's own mean() adds up in an order that goes with the address of x, so that the same image would give
-/// other bits in another place of the memory. A product is summed from its first element on.
-template <typename Derived>
-float mean_of(const Eigen::MatrixBase<Derived>& x) {
-  return x.dot(Derived::PlainObject::Ones()) / static_cast<float>(x.size());
-}
-
 bool in_shape(const Eigen::Matrix2d& A) {
   const double det = A.determinant();
   return A.allFinite() && A.norm() < kMaxStretch * std::sqrt(2.0) && det > 1.0 / (kMaxStretch * kMaxStretch);
 }
 
-/// Grey values of the upright square of this width (odd) around uv: every pixel is weighed alike.
-template <int Width>
-bool sample_upright(const GreyImage& image, const Eigen::Vector2d& uv,
-                    Eigen::Matrix<float, Width, Width, Eigen::RowMajor>& values) {
+/// Grey values of an upright grid of points a pixel apart, the first at uv: columns u, rows v. The pixels of
+/// one column and one row more are read.
+template <int Columns, int Rows>
+bool sample_grid(const GreyImage& image, const Eigen::Vector2d& uv,
+                 Eigen::Array<float, Columns, Rows>& values) {
   if (!uv.allFinite()) return false;
-  const double left = std::floor(uv.x()) - Width / 2, top = std::floor(uv.y()) - Width / 2;
-  if (left < 0 || top < 0 || left + Width >= image.width || top + Width >= image.height) return false;
-  const auto fu = static_cast<float>(uv.x() - std::floor(uv.x()));
-  const auto fv = static_cast<float>(uv.y() - std::floor(uv.y()));
+  const double left = std::floor(uv.x()), top = std::floor(uv.y());
+  if (left < 0 || top < 0 || left + Columns >= image.width || top + Rows >= image.height) return false;
+  const auto fu = static_cast<float>(uv.x() - left), fv = static_cast<float>(uv.y() - top);
   const std::uint8_t* row =
       image.data + static_cast<std::ptrdiff_t>(top) * image.stride + static_cast<std::ptrdiff_t>(left);
-  std::array<float, Width> above{}, below{};
-  const auto between_columns = [fu](const std::uint8_t* pixels, std::array<float, Width>& out) {
-    for (std::size_t u = 0; u < Width; ++u) {
-      const auto left_pixel = static_cast<float>(pixels[u]);
-      out[u] = left_pixel + fu * (static_cast<float>(pixels[u + 1]) - left_pixel);
+  using Row = std::array<float, Columns>;
+  const auto between_columns = [fu](const std::uint8_t* pixels, Row& out) {
+    for (std::size_t u = 0; u < Columns; ++u) {
+      const auto left_pixel = static_cast<float>(static_cast<int>(pixels[u]));
+      out[u] = left_pixel + fu * (static_cast<float>(static_cast<int>(pixels[u + 1])) - left_pixel);
     }
   };
+  Row above{}, below{};
   between_columns(row, above);
-  for (int v = 0; v < Width; ++v) {
+  for (int v = 0; v < Rows; ++v) {
     row += image.stride;
     between_columns(row, below);
-    float* out = &values(v, 0);
-    for (std::size_t u = 0; u < Width; ++u) out[u] = above[u] + fv * (below[u] - above[u]);
+    float* out = &values(0, v);
+    for (std::size_t u = 0; u < Columns; ++u) out[u] = above[u] + fv * (below[u] - above[u]);
     above = below;
   }
   return true;
 }
 
+/// Sum over all points of the product. Always in the same order: the same image gives the same bits.
+template <int Columns, int Rows>
+float dot(const Eigen::Array<float, Columns, Rows>& x, const Eigen::Array<float, Columns, Rows>& y) {
+  Eigen::Array<float, Columns, 1> sum = x.col(0) * y.col(0);
+  for (int v = 1; v < Rows; ++v) sum += x.col(v) * y.col(v);
+  return sum.sum();
+}
+
 }  // namespace
+
+/// Takes the mean away from the points, and leaves zeros at the ends of the rows.
+template <int Columns>
+void BasicPatch<Columns>::remove_mean(Values& values) {
+  static const Values kInside = [] {
+    Values inside = Values::Ones();
+    inside.row(kWidth).setZero();
+    return inside;
+  }();
+  const float mean = dot(values, kInside) / kArea;
+  values = (values - mean) * kInside;
+}
+
+template <int Columns>
+bool BasicPatch<Columns>::sample_upright(const GreyImage& image, const Eigen::Vector2d& uv, Values& values) {
+  if (!sample_grid(image, uv.array() - kRadius, values)) return false;
+  values.row(kWidth).setZero();
+  return true;
+}
 
 /// Grey values at uv + A x, for the points x of the square.
 template <int Columns>
@@ -75,34 +98,41 @@ bool BasicPatch<Columns>::sample(const GreyImage& image, const Eigen::Vector2d& 
   const Eigen::Vector2d low = uv - reach, high = uv + reach;
   // Half a pixel is left for the rounding of single precision.
   if (low.minCoeff() < 0.5 || high.x() > image.width - 1.5 || high.y() > image.height - 1.5) return false;
+  constexpr std::size_t kLanes = kWidth + 1;
   const Eigen::Matrix2f Af = A.cast<float>();
+  const auto stride = static_cast<int>(image.stride);
   for (int y = -kRadius; y <= kRadius; ++y) {
     const float u0 = static_cast<float>(uv.x()) + Af(0, 1) * static_cast<float>(y);
     const float v0 = static_cast<float>(uv.y()) + Af(1, 1) * static_cast<float>(y);
     // In three loops, of which the first and the last become vector instructions.
-    std::array<int, kWidth> iu{}, iv{};
-    std::array<float, kWidth> fu{}, fv{}, a00{}, a10{}, a01{}, a11{};
-    for (std::size_t k = 0; k < kWidth; ++k) {
-      const float x = static_cast<float>(k) - kRadius;
+    alignas(64) std::array<int, kLanes> offset{};
+    alignas(64) std::array<float, kLanes> fu{}, fv{};
+    alignas(64) std::array<std::uint32_t, kLanes> four{};  // pixels: above left, right, below left, right
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const float x = static_cast<float>(static_cast<int>(k)) - kRadius;
       const float u = u0 + Af(0, 0) * x, v = v0 + Af(1, 0) * x;
-      iu[k] = static_cast<int>(u);
-      iv[k] = static_cast<int>(v);
-      fu[k] = u - static_cast<float>(iu[k]);
-      fv[k] = v - static_cast<float>(iv[k]);
+      const int iu = static_cast<int>(u), iv = static_cast<int>(v);
+      offset[k] = iv * stride + iu;
+      fu[k] = u - static_cast<float>(iu);
+      fv[k] = v - static_cast<float>(iv);
     }
     for (std::size_t k = 0; k < kWidth; ++k) {
-      const std::uint8_t* above = image.data + iv[k] * image.stride + iu[k];
-      const std::uint8_t* below = above + image.stride;
-      a00[k] = above[0];
-      a10[k] = above[1];
-      a01[k] = below[0];
-      a11[k] = below[1];
+      const std::uint8_t* pixel = image.data + offset[k];
+      std::uint16_t above = 0, below = 0;
+      std::memcpy(&above, pixel, 2);
+      std::memcpy(&below, pixel + image.stride, 2);
+      four[k] = above | static_cast<std::uint32_t>(below) << 16;
     }
-    float* out = values.data() + (y + kRadius) * kWidth;
-    for (std::size_t k = 0; k < kWidth; ++k) {
-      const float top = a00[k] + fu[k] * (a10[k] - a00[k]), bottom = a01[k] + fu[k] * (a11[k] - a01[k]);
+    float* out = &values(0, y + kRadius);
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const auto a00 = static_cast<float>(static_cast<int>(four[k] & 255));
+      const auto a10 = static_cast<float>(static_cast<int>(four[k] >> 8 & 255));
+      const auto a01 = static_cast<float>(static_cast<int>(four[k] >> 16 & 255));
+      const auto a11 = static_cast<float>(static_cast<int>(four[k] >> 24));
+      const float top = a00 + fu[k] * (a10 - a00), bottom = a01 + fu[k] * (a11 - a01);
       out[k] = top + fv[k] * (bottom - top);
     }
+    out[kWidth] = 0.0f;
   }
   return true;
 }
@@ -111,8 +141,9 @@ bool BasicPatch<Columns>::sample(const GreyImage& image, const Eigen::Vector2d& 
 template <int Columns>
 typename BasicPatch<Columns>::Values BasicPatch<Columns>::unit_grid(bool along_u) {
   Values values;
-  for (int i = 0; i < kArea; ++i) {
-    values[i] = static_cast<float>((along_u ? i % kWidth : i / kWidth) - kRadius) / kRadius;
+  for (int v = 0; v < kWidth; ++v) {
+    for (int u = 0; u <= kWidth; ++u)
+      values(u, v) = static_cast<float>((along_u ? u : v) - kRadius) / kRadius;
   }
   return values;
 }
@@ -121,40 +152,69 @@ template <int Columns>
 std::optional<BasicPatch<Columns>> BasicPatch<Columns>::cut(const GreyImage& image,
                                                             const Eigen::Vector2d& uv) {
   // With a margin of a pixel, for the gradients.
-  Eigen::Matrix<float, kWidth + 2, kWidth + 2, Eigen::RowMajor> wide;
-  if (!sample_upright(image, uv, wide)) return std::nullopt;
-  BasicPatch patch;
-  const auto square = [](Values& values) { return Eigen::Map<Square>(values.data()); };
-  square(patch.value_) = wide.template block<kWidth, kWidth>(1, 1);
-  patch.value_.array() -= mean_of(patch.value_);
-  const float contrast = patch.value_.norm();
+  Eigen::Array<float, kWidth + 2, kWidth + 2> wide;
+  if (!sample_grid(image, uv.array() - (kRadius + 1), wide)) return std::nullopt;
+  std::optional<BasicPatch> result(std::in_place);
+  BasicPatch& patch = *result;
+  Values& value = patch.value_;
+  auto& descent = patch.descent_;
+  constexpr int kLanes = kWidth + 1;
+  value = wide.template block<kLanes, kWidth>(1, 1);
+  remove_mean(value);
+  const float contrast = std::sqrt(dot(value, value));
   if (contrast * contrast < kMinTexture * kArea) return std::nullopt;
-  patch.value_ /= contrast;
+  value /= contrast;
 
-  Values gradient_u, gradient_v;
-  square(gradient_u) =
-      0.5f * (wide.template block<kWidth, kWidth>(1, 2) - wide.template block<kWidth, kWidth>(1, 0));
-  square(gradient_v) =
+  descent[0].template topRows<kWidth>() =
       0.5f * (wide.template block<kWidth, kWidth>(2, 1) - wide.template block<kWidth, kWidth>(0, 1));
-  if constexpr (Columns == 2) {
-    patch.descent_ << gradient_u, gradient_v;
-  } else {
+  descent[0].row(kWidth).setZero();
+  descent[1] = 0.5f * (wide.template block<kLanes, kWidth>(1, 2) - wide.template block<kLanes, kWidth>(1, 0));
+  if constexpr (Columns == 6) {
     static const Values kX = unit_grid(true), kY = unit_grid(false);
-    patch.descent_ << gradient_u, gradient_v, gradient_u.cwiseProduct(kX), gradient_v.cwiseProduct(kX),
-        gradient_u.cwiseProduct(kY), gradient_v.cwiseProduct(kY);
+    for (const std::size_t k : {0u, 1u}) {
+      descent[2 + k] = descent[k] * kX;
+      descent[4 + k] = descent[k] * kY;
+    }
   }
-  for (auto descent : patch.descent_.colwise()) {
-    descent.array() -= mean_of(descent);
-    descent -= descent.dot(patch.value_) * patch.value_;
+  Eigen::Matrix<float, Columns, Columns> H;
+  for (std::size_t i = 0; i < Columns; ++i) {
+    remove_mean(descent[i]);
+    descent[i] -= dot(descent[i], value) * value;
+    for (std::size_t k = 0; k <= i; ++k) {
+      const auto row = static_cast<Eigen::Index>(i), column = static_cast<Eigen::Index>(k);
+      H(row, column) = H(column, row) = dot(descent[i], descent[k]);
+    }
   }
-  Eigen::Matrix<float, Columns, Columns> H = patch.descent_.transpose().lazyProduct(patch.descent_);
   if (smaller_eigenvalue(H.template topLeftCorner<2, 2>()) < kMinTexture * kArea) return std::nullopt;
   H.diagonal().template tail<Columns - 2>().array() += kSigmaGrey * kSigmaGrey / (kSigmaEdge * kSigmaEdge);
-  patch.descent_ /= contrast;
+  for (Values& step : descent) step /= contrast;
   H /= contrast * contrast;
   patch.H_shift_inverse_ = H.template topLeftCorner<2, 2>().inverse();
   patch.H_inverse_ = H.llt().solve(Eigen::Matrix<float, Columns, Columns>::Identity());
-  return patch;
+  return result;
+}
+
+/// In one pass. The mean of what is seen need not be taken away first: value_ and descent_ have none.
+template <int Columns>
+template <int Steps>
+typename BasicPatch<Columns>::template Sums<Steps> BasicPatch<Columns>::sums(const Values& seen) const {
+  using Row = Eigen::Array<float, kWidth + 1, 1>;
+  Row all = Row::Zero(), square = Row::Zero(), gain = Row::Zero();
+  std::array<Row, Steps> descent;
+  descent.fill(Row::Zero());
+  for (int v = 0; v < kWidth; ++v) {
+    const Row row = seen.col(v);
+    all += row;
+    square += row * row;
+    gain += row * value_.col(v);
+    for (std::size_t k = 0; k < Steps; ++k) descent[k] += row * descent_[k].col(v);
+  }
+  Sums<Steps> result;
+  const double sum = all.template cast<double>().sum();
+  result.contrast_squared = static_cast<float>(square.template cast<double>().sum() - sum * sum / kArea);
+  result.gain = gain.sum();
+  for (std::size_t k = 0; k < Steps; ++k) result.descent[static_cast<Eigen::Index>(k)] = descent[k].sum();
+  return result;
 }
 
 template <int Columns>
@@ -162,29 +222,28 @@ std::optional<PatchFit> BasicPatch<Columns>::find(const GreyImage& image, const 
                                                   PatchMotion motion, double max_shift_px) const {
   PatchFit fit = start;
   Values seen;
-  Square upright;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    if (fit.A.isIdentity(0.0)) {
-      if (!sample_upright(image, fit.uv, upright)) return std::nullopt;
-      seen = Eigen::Map<const Values>(upright.data());
-    } else if (!sample(image, fit.uv, fit.A, seen)) {
+    const bool upright = fit.A.isIdentity(0.0);
+    if (!(upright ? sample_upright(image, fit.uv, seen) : sample(image, fit.uv, fit.A, seen))) {
       return std::nullopt;
     }
-    seen.array() -= mean_of(seen);
-    const float contrast = seen.norm();
-    const float gain = seen.dot(value_);
-    if (gain <= 0.0f || contrast * contrast < kMinTexture * kArea) return std::nullopt;
-    fit.ncc = gain / contrast;
     // seen(x) = gain * value(x + shift + B x) + offset; the warp is composed with the inverse of that.
+    const auto is_alike = [&fit](float gain, float contrast_squared) {
+      if (gain <= 0.0f || contrast_squared < kMinTexture * kArea) return false;
+      fit.ncc = gain / std::sqrt(contrast_squared);
+      return true;
+    };
     double largest_step = 0.0;
     if (Columns == 2 || motion == PatchMotion::kShift) {
-      const Eigen::Vector2f shift =
-          H_shift_inverse_ * (descent_.template leftCols<2>().transpose() * seen) / gain;
+      const Sums<2> sum = sums<2>(seen);
+      if (!is_alike(sum.gain, sum.contrast_squared)) return std::nullopt;
+      const Eigen::Vector2f shift = H_shift_inverse_ * sum.descent / sum.gain;
       fit.uv -= fit.A * shift.cast<double>();
       largest_step = shift.norm();
     } else if constexpr (Columns == 6) {
-      const Eigen::Matrix<double, 6, 1> d =
-          (H_inverse_ * (descent_.transpose() * seen) / gain).template cast<double>();
+      const Sums<6> sum = sums<6>(seen);
+      if (!is_alike(sum.gain, sum.contrast_squared)) return std::nullopt;
+      const Eigen::Matrix<double, 6, 1> d = (H_inverse_ * sum.descent / sum.gain).template cast<double>();
       Eigen::Matrix2d B;
       B << d[2], d[4], d[3], d[5];
       fit.A = fit.A * (Eigen::Matrix2d::Identity() + B / kRadius).inverse();

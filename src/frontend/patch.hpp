@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 
 #include "limber/frontend/grey_image.hpp"
@@ -40,18 +41,29 @@ class BasicPatch {
  private:
   static constexpr int kWidth = 2 * kRadius + 1;
   static constexpr int kArea = kWidth * kWidth;
-  using Values = Eigen::Matrix<float, kArea, 1>;
+  /// Values of the points, row by row. Rows end in a zero: vector instructions take them whole.
+  using Values = Eigen::Array<float, kWidth + 1, kWidth>;
 
-  using Square = Eigen::Matrix<float, kWidth, kWidth, Eigen::RowMajor>;  ///< the same values, row by row
+  /// Sums over the square of what is seen there.
+  template <int Steps>
+  struct Sums {
+    float contrast_squared = 0.0f;  ///< of the values without their mean
+    float gain = 0.0f;              ///< with value_
+    Eigen::Matrix<float, Steps, 1> descent;
+  };
+  template <int Steps>
+  [[nodiscard]] Sums<Steps> sums(const Values& seen) const;
 
   static Values unit_grid(bool along_u);
+  static void remove_mean(Values& values);
+  static bool sample_upright(const GreyImage& image, const Eigen::Vector2d& uv, Values& values);
   static bool sample(const GreyImage& image, const Eigen::Vector2d& uv, const Eigen::Matrix2d& A,
                      Values& values);
 
   Values value_;  ///< grey values without their mean, scaled to unit length
   /// Derivative of value_: shift u, v; A - I by columns, at the edge of the square; orthogonal to value_ and
   /// to 1.
-  Eigen::Matrix<float, kArea, Columns> descent_;
+  std::array<Values, Columns> descent_;
   Eigen::Matrix2f H_shift_inverse_;  ///< inverse Gauss-Newton matrices
   Eigen::Matrix<float, Columns, Columns> H_inverse_;
 };

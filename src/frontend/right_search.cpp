@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
+#include "frontend/correlation.hpp"
 #include "frontend/patch.hpp"
 
 namespace limber::frontend {
@@ -134,8 +135,7 @@ std::vector<Eigen::Vector2d> RightSearch::candidates(const Pyramid& left, const 
       area.height < square.height) {
     return {};
   }
-  cv::Mat map;
-  cv::matchTemplate(to(area), from(square), map, cv::TM_CCOEFF_NORMED);
+  cv::Mat map = correlation(to(area), from(square));
   std::vector<Eigen::Vector2d> places;
   for (const cv::Point& peak : best_peaks(map)) {
     const cv::Point moved = (peak + area.tl() - square.tl()) * kScale;

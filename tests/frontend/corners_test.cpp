@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "frontend/painted_room.hpp"
@@ -67,6 +68,20 @@ TEST(NewCorners, SitOnACornerToAFractionOfAPixel) {
   const auto corners = new_corners(as_matrix(image), {}, kOptions);
   ASSERT_EQ(corners.size(), 1u);
   EXPECT_LT((corners[0] - Eigen::Vector2d(63.5, 47.5)).norm(), 0.1);
+}
+
+TEST(NewCorners, AreAsStrongAsTheStructureTensorSays) {
+  const Image image = room();
+  cv::Mat strength;  // OpenCV's scale for 8 bit images, Sobel of size 3
+  cv::cornerMinEigenVal(as_matrix(image), strength, 5, 3);
+  strength *= 255.0 * 255.0 / 4.0;
+  const cv::Rect inner(20, 20, image.width - 40, image.height - 40);
+  double largest = 0.0;
+  cv::minMaxLoc(strength(inner), nullptr, &largest);
+  const CornerOptions in_one_cell{3, 15.0, 0.999 * largest, 15};
+  EXPECT_EQ(new_corners(as_matrix(image), {}, in_one_cell).size(), 1u);
+  const CornerOptions above{3, 15.0, 1.001 * largest, 15};
+  EXPECT_TRUE(new_corners(as_matrix(image), {}, above).empty());
 }
 
 TEST(NewCorners, AreNotSeenInPlainOrMerelyNoisyImages) {
