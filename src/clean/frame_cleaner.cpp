@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "clean/exchanged_pictures.hpp"
 #include "clean/leaping_matches.hpp"
 #include "clean/stale_tracks.hpp"
 #include "clean/thin_points.hpp"
@@ -11,6 +12,7 @@
 namespace limber {
 
 struct FrameCleaner::Steps {
+  detail::ExchangedPictures exchanged;
   detail::StaleTracks stale;
   detail::LeapingMatches leaping;
   detail::PointThinner thinner;
@@ -18,8 +20,8 @@ struct FrameCleaner::Steps {
 
 FrameCleaner::FrameCleaner(const StereoCalibration& assumed, const CleaningOptions& options)
     : options_(options),
-      steps_(
-          new Steps{{}, detail::LeapingMatches(assumed), detail::PointThinner(assumed, options.max_points)}) {
+      steps_(new Steps{
+          {}, {}, detail::LeapingMatches(assumed), detail::PointThinner(assumed, options.max_points)}) {
   if (options.max_points == 0) {
     throw std::invalid_argument("cleaning: expected at least one point a frame");
   }
@@ -30,6 +32,10 @@ FrameCleaner::~FrameCleaner() = default;
 StereoFrame FrameCleaner::clean(StereoFrame frame) {
   ++report_.frames;
   if (options_.clean) {
+    if (steps_->exchanged.is_exchanged(frame)) {
+      ++report_.exchanged_frames;
+      return {frame.t_ns, {}};
+    }
     const std::size_t stale = steps_->stale.end(frame);
     report_.stale_frames += stale > 0 ? 1 : 0;
     report_.stale_points += stale;
@@ -46,6 +52,10 @@ StereoFrame FrameCleaner::clean(StereoFrame frame) {
 std::vector<std::string> in_words(const CleaningReport& report) {
   const std::string of_frames = " of " + std::to_string(report.frames) + " frames";
   std::vector<std::string> out;
+  if (report.exchanged_frames > 0) {
+    out.push_back("in " + std::to_string(report.exchanged_frames) + of_frames +
+                  " the left and the right picture are exchanged: their points are not used");
+  }
   if (report.stale_points > 0) {
     out.push_back("in " + std::to_string(report.stale_frames) + of_frames +
                   " the old points stand on the pixels of the frame before, to the last digit: " +

@@ -98,9 +98,13 @@ Json to_json(const StartReport& report) {
 Json to_json(const FrameTime& time) { return {{"p50", time.p50}, {"p99", time.p99}, {"worst", time.worst}}; }
 
 Json to_json(const CleaningReport& report) {
-  return {{"stale_frames", report.stale_frames},     {"stale_points", report.stale_points},
-          {"leapt_matches", report.leapt_matches},   {"rig_jumps", report.rig_jumps},
-          {"thinned_frames", report.thinned_frames}, {"thinned_points", report.thinned_points}};
+  return {{"exchanged_frames", report.exchanged_frames},
+          {"stale_frames", report.stale_frames},
+          {"stale_points", report.stale_points},
+          {"leapt_matches", report.leapt_matches},
+          {"rig_jumps", report.rig_jumps},
+          {"thinned_frames", report.thinned_frames},
+          {"thinned_points", report.thinned_points}};
 }
 
 Json to_json(const RunOptions& options, const RunRecord& record, const RunSummary& s) {

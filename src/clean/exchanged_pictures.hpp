@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+
+#include "limber/sensors/samples.hpp"
+
+namespace limber::detail {
+
+/// Recognises frames whose left and right pictures are exchanged; see FrameCleaner.
+class ExchangedPictures {
+ public:
+  [[nodiscard]] bool is_exchanged(const StereoFrame& frame);
+
+ private:
+  std::optional<std::int64_t> t_ns_;                            // of the last frame that was not
+  std::unordered_map<std::int64_t, StereoObservation> before_;  // its points that both cameras see
+};
+
+}  // namespace limber::detail
