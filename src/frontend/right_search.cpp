@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "frontend/right_search.hpp"
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,9 +20,11 @@ constexpr int kPeakRadius = 2;           ///< [px] of that level, around a peak 
 constexpr double kMinCoarseNcc = 0.5;    ///< of such a place
 constexpr double kBehindBestNcc = 0.25;  ///< a place that much less alike than the best one is no rival
 constexpr double kMinShiftedNcc = 0.5;   ///< below it no change of shape makes two patches alike
-constexpr double kMaxShiftPx = 4.0;      ///< on each level of the pyramid
-constexpr double kSamePlacePx = 3.0;     ///< peaks closer than this are one place
-constexpr double kAmbiguousNcc = 0.03;   ///< two places whose correlation differs less cannot be told apart
+constexpr double kMaxStretchBetween =
+    1.6;                                ///< of a surface between the two cameras, and by the inverse at least
+constexpr double kMaxShiftPx = 4.0;     ///< on each level of the pyramid
+constexpr double kSamePlacePx = 3.0;    ///< peaks closer than this are one place
+constexpr double kAmbiguousNcc = 0.03;  ///< two places whose correlation differs less cannot be told apart
 
 /// What a point looks like on the levels of the pyramid: the full one with its shape, the coarse ones to be
 /// shifted. Nothing where it is too near the edge, or plain.
@@ -51,17 +54,21 @@ class Views {
       const auto shifted = full_->find(full, fit, PatchMotion::kShift, kMaxShiftPx);
       if (shifted && shifted->ncc < kMinShiftedNcc) return std::nullopt;
       fit = shifted.value_or(fit);
-      const auto shaped = full_->find(full, fit, PatchMotion::kAffine, kMaxShiftPx);
-      return shaped ? shaped : shifted;
     }
-    const auto shaped = full_->find(full, fit, PatchMotion::kAffine, kMaxShiftPx);
-    return shaped ? shaped : full_->find(full, {fit.uv}, PatchMotion::kShift, kMaxShiftPx);
+    return full_->find(full, fit, PatchMotion::kAffine, kMaxShiftPx);
   }
 
  private:
   std::optional<Patch> full_;
   std::array<std::optional<ShiftPatch>, kCoarseLevel + 1> coarse_;
 };
+
+/// Whether a surface that both cameras see may look like that. A patch that has settled on something else is
+/// usually torn until it resembles it.
+bool is_surface(const Eigen::Matrix2d& A) {
+  const Eigen::Vector2d stretch = A.jacobiSvd().singularValues();
+  return stretch[0] < kMaxStretchBetween && stretch[1] > 1.0 / kMaxStretchBetween;
+}
 
 /// Where the way back from `uv` in one image ends in the other, which it left at `start`.
 std::optional<Eigen::Vector2d> way_back(const Pyramid& from, const Eigen::Vector2d& uv, const Pyramid& to,
@@ -144,10 +151,10 @@ std::vector<Eigen::Vector2d> RightSearch::candidates(const Pyramid& left, const 
   return places;
 }
 
-/// Alike, and the way back ends where it began.
+/// Alike, not torn, and the way back ends where it began.
 std::optional<PatchFit> RightSearch::verified(const PatchFit& there, const Pyramid& left,
                                               const Pyramid& right, const Eigen::Vector2d& uv0) const {
-  if (there.ncc < options_.min_ncc) return std::nullopt;
+  if (there.ncc < options_.min_ncc || !is_surface(there.A)) return std::nullopt;
   const auto back = way_back(right, there.uv, left, uv0);
   if (!back || (*back - uv0).norm() > options_.max_forward_backward_px) return std::nullopt;
   return there;
