@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "clean/exchanged_pictures.hpp"
 
+#include <utility>
 #include <vector>
 
 #include "limber/core/median.hpp"
@@ -11,39 +12,54 @@ namespace {
 
 constexpr std::size_t kFewestShared = 8;  // points
 constexpr double kLongest = 1.0;          // [s] after which the pictures are taken as they are
-constexpr double kClearly = 0.8;          // of the way as it is
+constexpr double kClearly = 0.8;          // of what it is as given
 constexpr double kLeast = 4.0;            // [px] both ways together; less is no exchange to speak of
 
 }  // namespace
 
-/// The ways of the left and the right pixel since the frame before, together: |a| + |b|. With parallax d they
-/// would be |a - d| + |b + d| if the pictures were exchanged, which is no shorter where both cameras see the
-/// same motion (a = b); whatever the rig is.
+/// How far the left and the right pixel are from where they were to come, together: |a| + |b|. With parallax
+/// d it would be |a - d| + |b + d| if the pictures were exchanged, which is no less where both cameras are
+/// off alike (a = b); whatever the rig is, and however it moves.
 bool ExchangedPictures::is_exchanged(const StereoFrame& frame) {
   std::vector<double> as_it_is, exchanged;
+  const double dt = t_ns_ ? seconds_between(*t_ns_, frame.t_ns) : 0.0;
   for (const StereoObservation& point : frame.observations) {
     const auto it = before_.find(point.track_id);
     if (!point.in_cam0 || !point.in_cam1 || it == before_.end()) {
       continue;
     }
-    const StereoObservation& was = it->second;
-    as_it_is.push_back((point.uv_cam0 - was.uv_cam0).norm() + (point.uv_cam1 - was.uv_cam1).norm());
-    exchanged.push_back((point.uv_cam0 - was.uv_cam1).norm() + (point.uv_cam1 - was.uv_cam0).norm());
+    const Seen& was = it->second;
+    const Eigen::Vector2d left = was.left + dt * was.left_speed, right = was.right + dt * was.right_speed;
+    as_it_is.push_back((point.uv_cam0 - left).norm() + (point.uv_cam1 - right).norm());
+    exchanged.push_back((point.uv_cam0 - right).norm() + (point.uv_cam1 - left).norm());
   }
-  if (as_it_is.size() >= kFewestShared && seconds_between(*t_ns_, frame.t_ns) <= kLongest) {
-    const double way = upper_median(as_it_is);
-    if (way > kLeast && upper_median(exchanged) < kClearly * way) {
+  if (as_it_is.size() >= kFewestShared && dt <= kLongest) {
+    const double off = upper_median(as_it_is);
+    if (off > kLeast && upper_median(exchanged) < kClearly * off) {
       return true;
     }
   }
-  t_ns_ = frame.t_ns;
-  before_.clear();
+  remember(frame);
+  return false;
+}
+
+void ExchangedPictures::remember(const StereoFrame& frame) {
+  std::unordered_map<std::int64_t, Seen> now;
   for (const StereoObservation& point : frame.observations) {
     if (point.in_cam0 && point.in_cam1) {
-      before_.emplace(point.track_id, point);
+      Seen& seen = now[point.track_id];
+      seen.left = point.uv_cam0;
+      seen.right = point.uv_cam1;
+      const auto it = before_.find(point.track_id);
+      if (it != before_.end()) {
+        const double dt = seconds_between(*t_ns_, frame.t_ns);
+        seen.left_speed = (seen.left - it->second.left) / dt;
+        seen.right_speed = (seen.right - it->second.right) / dt;
+      }
     }
   }
-  return false;
+  before_ = std::move(now);
+  t_ns_ = frame.t_ns;
 }
 
 }  // namespace limber::detail

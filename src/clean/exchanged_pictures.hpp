@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
@@ -15,8 +16,14 @@ class ExchangedPictures {
   [[nodiscard]] bool is_exchanged(const StereoFrame& frame);
 
  private:
-  std::optional<std::int64_t> t_ns_;                            // of the last frame that was not
-  std::unordered_map<std::int64_t, StereoObservation> before_;  // its points that both cameras see
+  struct Seen {
+    Eigen::Vector2d left, right;                                                                  // [px]
+    Eigen::Vector2d left_speed = Eigen::Vector2d::Zero(), right_speed = Eigen::Vector2d::Zero();  // [px/s]
+  };
+  void remember(const StereoFrame& frame);
+
+  std::optional<std::int64_t> t_ns_;               // of the last frame that was not
+  std::unordered_map<std::int64_t, Seen> before_;  // its points that both cameras see
 };
 
 }  // namespace limber::detail

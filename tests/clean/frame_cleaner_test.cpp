@@ -135,7 +135,7 @@ Frames with_exchanged(const std::vector<std::size_t>& exchanged, double baseline
 }
 
 TEST(FrameCleaner, UsesNoExchangedPictures) {
-  for (const double baselines : {-0.3, 0.0, 0.3}) {
+  for (const double baselines : {-3.0, -0.3, 0.0, 0.3, 3.0}) {
     const auto [frames, report] = cleaned(with_exchanged({2, 3, 6}, baselines, 8), rig_of(0.1));
     for (std::size_t k = 0; k < frames.size(); ++k) {
       EXPECT_EQ(frames[k].observations.empty(), k == 2 || k == 3 || k == 6) << k;

@@ -19,9 +19,9 @@ Pyramid blobs(const Camera& camera, double stretch, double disparity) {
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
       const double x = (u - kPoint.x() + disparity) / stretch, y = v - kPoint.y();
-      image(v, u) = cv::saturate_cast<std::uint8_t>(120.0 + 40.0 * std::sin(0.45 * x + 0.3 + 0.0007 * x * y) *
-                                                                 std::cos(0.38 * y) +
-                                                    40.0 * std::sin(0.21 * x - 0.33 * y));
+      image(v, u) = cv::saturate_cast<std::uint8_t>(
+          120.0 + 40.0 * std::sin(0.45 * x + 0.3 + 0.0007 * x * y) * std::cos(0.38 * y) +
+          40.0 * std::sin(0.21 * x - 0.33 * y));
     }
   }
   return pyramid_of(image);
@@ -51,8 +51,8 @@ TEST(RightSearch, DoesNotFollowWhatIsTornToBeAlike) {
   EXPECT_FALSE(followed(0.55));
 }
 
-/// What lies 2 px to the right of the point is 6 px off in the right image: no patch of one surface fits both.
-/// A shift alone finds the other side, alike by 0.93.
+/// What lies 2 px to the right of the point is 6 px off in the right image: no patch of one surface fits
+/// both. A shift alone finds the other side, alike by 0.93.
 TEST(RightSearch, DoesNotFollowAShiftThatNoShapeConfirms) {
   const StereoCalibration rig = testing::small_rig();
   constexpr double kDisparity = 9.25;
