@@ -31,7 +31,10 @@ constexpr double kAround = 0.15;             // length of what is before and beh
 constexpr double kCluster = 1.0;             // [s]
 constexpr std::size_t kEnoughClusters = 10;  // fewer do not tell their own spread
 constexpr double kDerivativeStep = 1e-6;     // of numerical derivatives [rad, shares of the baseline]
-constexpr double kLargestOffset = 1.0;       // [s]
+/// The rig may be another one in the next piece: one that jumps or drifts while it moves looks like an offset
+/// [s].
+constexpr double kPiece = 4.0;
+constexpr double kLargestOffset = 1.0;  // [s]
 
 /// The rig moved along one of the five directions that stereo points alone can see.
 std::array<Pose, 5> moved_rigs(const RigParameters& theta) {
@@ -95,6 +98,39 @@ ClusteredRows epipolar_rows(const StereoCalibration& calibration, std::span<cons
   return rows;
 }
 
+/// With one rig for all of the frames.
+std::optional<TimeOffset> offset_of_piece(const StereoCalibration& calibration,
+                                          std::span<const StereoFrame> frames) {
+  if (frames.size() < 3) {
+    return std::nullopt;
+  }
+  const ClusteredRows rows = epipolar_rows(calibration, frames);
+  if (rows.y.size() < kEnoughRows) {
+    return std::nullopt;
+  }
+  const auto solution = detail::solve(rows);
+  return solution ? std::optional(TimeOffset{solution->x(5), solution->sigma_of_last}) : std::nullopt;
+}
+
+/// Where the pieces differ by more than their own sigmas say, theirs is what they differ by.
+std::optional<TimeOffset> weighted_mean(const std::vector<TimeOffset>& pieces) {
+  double weights = 0.0, sum = 0.0, squares = 0.0;
+  for (const TimeOffset& piece : pieces) {
+    const double weight = 1.0 / (piece.sigma * piece.sigma);
+    weights += weight;
+    sum += weight * piece.seconds;
+  }
+  if (!(weights > 0.0) || !std::isfinite(weights)) {
+    return std::nullopt;
+  }
+  const double mean = sum / weights;
+  for (const TimeOffset& piece : pieces) {
+    squares += std::pow((piece.seconds - mean) / piece.sigma, 2);
+  }
+  const double spread = squares / std::max(1.0, static_cast<double>(pieces.size()) - 1.0);
+  return TimeOffset{mean, std::sqrt(std::max(1.0, spread) / weights)};
+}
+
 /// Rows for (bias, a change of tau) at the present tau. The instrument of the gyro's slope is its slope over
 /// a while before and behind: noise of the samples between is in both sides, and alone looks like
 /// milliseconds. Turns that overlap, and the tracks that they see, share a cluster.
@@ -130,15 +166,18 @@ ClusteredRows gyro_rows(const std::vector<detail::Turn>& turns, const detail::Gy
 
 std::optional<TimeOffset> cam1_time_offset(const StereoCalibration& calibration,
                                            std::span<const StereoFrame> frames) {
-  if (frames.size() < 3) {
-    return std::nullopt;
+  std::vector<TimeOffset> pieces;
+  while (!frames.empty()) {
+    const auto beyond = std::find_if(frames.begin(), frames.end(), [&](const StereoFrame& frame) {
+      return seconds_between(frames.front().t_ns, frame.t_ns) > kPiece;
+    });
+    const auto size = static_cast<std::size_t>(beyond - frames.begin());
+    if (const auto piece = offset_of_piece(calibration, frames.first(size))) {
+      pieces.push_back(*piece);
+    }
+    frames = frames.subspan(size);
   }
-  const ClusteredRows rows = epipolar_rows(calibration, frames);
-  if (rows.y.size() < kEnoughRows) {
-    return std::nullopt;
-  }
-  const auto solution = detail::solve(rows);
-  return solution ? std::optional(TimeOffset{solution->x(5), solution->sigma_of_last}) : std::nullopt;
+  return weighted_mean(pieces);
 }
 
 std::optional<TimeOffset> camera_time_offset(const StereoCalibration& calibration,

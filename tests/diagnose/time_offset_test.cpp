@@ -45,6 +45,27 @@ TEST(TimeOffset, OfCam1IsFoundBesideAWrongCalibration) {
   EXPECT_LT(late.sigma, 0.003);
 }
 
+/// With one rig for the whole recording a rig that was another one for a while looked like milliseconds,
+/// eleven sigmas and more of them.
+TEST(TimeOffset, OfCam1IsNothingWhereTheRigJumpsAndComesBack) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  DecalibrationSignal pulse;
+  pulse.amplitude << 0.004, 0.0, 0.0, 0.0, 0.0, 0.0;
+  pulse.shape = StepsShape{{{0.3 * scenario.duration, 1.0}, {0.6 * scenario.duration, 0.0}}};
+  scenario.decalibration = {pulse};
+  double normalized_squared = 0.0;
+  constexpr int kRuns = 6;
+  for (int seed = 31; seed < 31 + kRuns; ++seed) {
+    const Recording recording = simulate(scenario, static_cast<std::uint64_t>(seed));
+    const TimeOffset none = cam1_time_offset(recording.calibration, recording.frames).value();
+    EXPECT_LT(none.sigma, 0.002);
+    normalized_squared += std::pow(none.seconds / none.sigma, 2) / kRuns;
+    const TimeOffset late = cam1_time_offset(recording.calibration, with_late_cam1(recording, 0.01)).value();
+    EXPECT_NEAR(late.seconds, 0.01, 5.0 * late.sigma);
+  }
+  EXPECT_LT(normalized_squared, 4.0);
+}
+
 TEST(TimeOffset, OfTheCamerasIsFoundAgainstTheGyro) {
   Scenario scenario = testing::short_scenario();
   scenario.duration = 12.0;
