@@ -34,8 +34,8 @@ bool ExchangedPictures::is_exchanged(const StereoFrame& frame) {
     exchanged.push_back((point.uv_cam0 - right).norm() + (point.uv_cam1 - left).norm());
   }
   if (as_it_is.size() >= kFewestShared && dt <= kLongest) {
-    const double off = upper_median(as_it_is);
-    if (off > kLeast && upper_median(exchanged) < kClearly * off) {
+    const double off = upper_median(std::move(as_it_is));
+    if (off > kLeast && upper_median(std::move(exchanged)) < kClearly * off) {
       return true;
     }
   }

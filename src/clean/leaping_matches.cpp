@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
 
@@ -142,12 +143,7 @@ std::vector<double> misfits(const StereoSights& before, const StereoSights& afte
 
 double rig_misfit(const StereoSights& before, const StereoSights& after, const Pose& T_cam1_cam0) {
   std::vector<double> misfit = misfits(before, after, T_cam1_cam0);
-  if (misfit.empty()) {
-    return 0.0;
-  }
-  const auto middle = misfit.begin() + static_cast<std::ptrdiff_t>(misfit.size() / 2);
-  std::nth_element(misfit.begin(), middle, misfit.end());
-  return *middle;
+  return misfit.empty() ? 0.0 : upper_median(std::move(misfit));
 }
 
 bool one_rig_explains(const StereoSights& before, const StereoSights& after, const Pose& T_cam1_cam0,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -104,30 +105,29 @@ double alarm_limit(const WatchOptions& options) {
   return options.false_alarms_per_hour * options.window_s / 3600.0 / kTests;
 }
 
-/// More than chance, and relevant: in depth, or in one of the main ways to leave the epipolar lines.
-/// @param limit  of the p-value
-bool is_a_change(const BetaEstimate& step, double dof, const RigParameters& theta, bool metric,
-                 const Tolerance& tolerance, double limit) {
-  const auto differs = [&](double value, double variance) {
-    return t_survival(value / std::sqrt(std::max(variance, 1e-30)), dof) < limit / (1.0 + kMainWays);
+/// The p-value of what is relevant, in depth or in one of the main ways to leave the epipolar lines: the
+/// least one, times their number. Infinite where nothing is.
+double chance_of(const BetaEstimate& step, double dof, const RigParameters& theta, bool metric,
+                 const Tolerance& tolerance) {
+  double least = std::numeric_limits<double>::infinity();
+  const auto look_at = [&](double value, double variance) {
+    least = std::min(least, t_survival(value / std::sqrt(std::max(variance, 1e-30)), dof));
   };
   const CalibrationEffect effect = effect_of(step, theta, visible_slope(theta, metric, tolerance));
   const double depth_sigma = (effect.depth.high - effect.depth.size) / 1.96;
-  if (effect.depth.size > kRelevant * tolerance.depth.ok &&
-      differs(effect.depth.size, depth_sigma * depth_sigma)) {
-    return true;
+  if (effect.depth.size > kRelevant * tolerance.depth.ok) {
+    look_at(effect.depth.size, depth_sigma * depth_sigma);
   }
   const Eigen::SelfAdjointEigenSolver<NormalEquations::Matrix> ways(step.epipolar);
   for (Eigen::Index k = 0; k < kMainWays; ++k) {
     const NormalEquations::Vector way = ways.eigenvectors().col(NormalEquations::kSize - 1 - k);
     const double px = std::sqrt(std::max(ways.eigenvalues()(NormalEquations::kSize - 1 - k), 0.0));
     const double size = way.dot(step.beta);
-    if (px * std::abs(size) > kRelevant * tolerance.epipolar_px.ok &&
-        differs(size, way.dot(step.covariance * way))) {
-      return true;
+    if (px * std::abs(size) > kRelevant * tolerance.epipolar_px.ok) {
+      look_at(size, way.dot(step.covariance * way));
     }
   }
-  return false;
+  return (1.0 + kMainWays) * least;
 }
 
 }  // namespace
@@ -150,14 +150,12 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
   BetaEstimate estimate = robust_estimate(windows, theta, metric);
   if (windows.size() >= kFewestOfADrift) {
     const BetaTrend trend = robust_trend(windows, theta, metric);
-    const auto drifts = [&](double limit) {
-      return is_a_change(trend.change, static_cast<double>(windows.size()) - 1.0, theta, metric,
-                         options.tolerance, limit);
-    };
-    if (drifts(kDoubt)) {
+    const double chance =
+        chance_of(trend.change, static_cast<double>(windows.size()) - 1.0, theta, metric, options.tolerance);
+    if (chance < kDoubt) {
       estimate = trend.now;
     }
-    if (drifts(alarm_limit(options))) {
+    if (chance < alarm_limit(options)) {
       out.drift = RigDrift{trend.change.rig(theta), trend.seconds, 0};
     }
   }
@@ -245,8 +243,8 @@ bool CalibrationWatch::changed() const {
   const BetaEstimate before = robust_estimate({windows_.begin(), split}, theta_, metric_);
   const BetaEstimate now = robust_estimate({split, windows_.end()}, theta_, metric_);
   const BetaEstimate step{now.beta - before.beta, before.covariance + now.covariance, now.epipolar};
-  return is_a_change(step, static_cast<double>(windows_.size() - kNew) + 1.0, theta_, metric_,
-                     options_.tolerance, alarm_limit(options_));
+  return chance_of(step, static_cast<double>(windows_.size() - kNew) + 1.0, theta_, metric_,
+                   options_.tolerance) < alarm_limit(options_);
 }
 
 void CalibrationWatch::end_window(const RigEvidence& evidence) {

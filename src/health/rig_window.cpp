@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "limber/core/median.hpp"
+
 namespace limber {
 
 using Eigen::Matrix3d;
@@ -42,12 +44,6 @@ Vector3d line_of(const Vector3d& d0, const Pose& rig) {
 int cell_of(const Eigen::Vector2d& uv) {
   return static_cast<int>(std::floor(uv.x() / kCell_px)) +
          kColumns * static_cast<int>(std::floor(uv.y() / kCellHeight_px));
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// One camera's sight of a point.
@@ -250,7 +246,7 @@ std::optional<RigEvidence> RigWindow::evidence() {
     }
     std::array<double, 2> noise{};
     for (std::size_t k = 0; k < 2; ++k) {
-      noise[k] = off[k].empty() ? 1.0 : std::max(1.4826 * median(off[k]), kLeastNoise_px);
+      noise[k] = off[k].empty() ? 1.0 : std::max(1.4826 * upper_median(off[k]), kLeastNoise_px);
     }
     for (Row& row : rows) {
       const double sigma = noise[row.along] * row.noise;
