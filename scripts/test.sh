@@ -1,28 +1,56 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Installs what is missing, builds and runs every test: Release for this machine's processor, then again under the
-# address and undefined behaviour sanitizers (without the long statistics). The sanitizer build names no processor: it
-# is the portable one (x86-64 without AVX and FMA), so that no numerical test rests on one processor's rounding. There
-# the tests' own sources are watched by the address sanitizer alone, which halves the time that they compile.
+# Installs what is missing, builds, and tests: everything in Release for this machine's processor, then the numbers and what
+# reads foreign bytes again under the address and undefined behaviour sanitizers. That build names no processor: it is the
+# portable one (x86-64 without AVX and FMA), so that no numerical test rests on one processor's rounding. There the tests'
+# own sources are watched by the address sanitizer alone, which halves the time that they compile.
 # Leaves the program at build/release/limber.
+#
+#   scripts/test.sh [--full]
+#
+# --full, before a release or a large change: the sanitizers in every room, the benchmarks built, and what compiles limber
+# anew for its users (label `full`).
 set -euo pipefail
+
+usage="usage: scripts/test.sh [--full]"
+full=false
+case "${1:-}" in
+  "") ;;
+  --full) full=true ;;
+  -h | --help) echo "$usage"; exit 0 ;;
+  *) echo "$usage" >&2; exit 2 ;;
+esac
 cd "$(dirname "$0")/.."
 trap 'echo "limber: FAILED, see above" >&2' ERR
 
+# The folders of tests/ that the sanitizers watch every time: the filter's rooms, and what reads recordings and calibrations.
+watched="core;sensors;predict;measure;state;landmarks;stack;update;health;navigate"
+watched+=";evaluate;io;clean;rig_files;datasets;bags;simulate"
+leave_out=full
+if $full; then
+  watched=""
+  leave_out=none
+fi
+
 scripts/install_dependencies.sh
 
-build() {
-  echo "== Building with preset $1"
-  cmake --preset "$1" >/dev/null
-  cmake --build --preset "$1"
-}
-
-build release
-ctest --preset release
+echo "== Release"
+cmake --preset release >/dev/null
+cmake --build --preset release
+if $full; then
+  cmake --build --preset release --target benchmarks
+fi
+ctest --preset release --label-exclude "^$leave_out\$"
 
 # The users' projects (label `consumer`), the browser (`page`), the documented commands (`docs`) and the long statistics
 # (`slow`) were run above.
-build asan
+echo "== Sanitizers"
+cmake --preset asan -DLIMBER_TEST_ROOMS="$watched" >/dev/null
+cmake --build --preset asan --target test_programs
 ctest --preset asan --label-exclude 'slow|consumer|page|docs'
 
-echo "limber: every test passed, in Release and under the sanitizers"
+if $full; then
+  echo "limber: every test passed, in Release and under the sanitizers"
+else
+  echo "limber: the tests passed, in Release and under the sanitizers (scripts/test.sh --full: all there are)"
+fi
