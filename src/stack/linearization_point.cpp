@@ -57,9 +57,10 @@ std::vector<Clue> collect(const Estimate& estimate, const StereoFrame& frame, co
       continue;
     }
     const Anchor* anchor = estimate.anchor_of(*landmark);
-    const std::optional<PointProjection> projection =
+    std::optional<PointProjection> projection =
         project_point(cam1, body_point_at_exposure(cam1, estimate.nav.T_world_body, *landmark, anchor));
     if (projection) {
+      estimate.refer_to_epoch(*landmark, *projection);
       Matrix2d S = predicted_covariance(estimate, *landmark, anchor, *projection);
       S.diagonal() += sigma_px.tail<2>().cwiseAbs2();
       Matrix2X DF = projection->J_theta * F.topRows<kBlockSize>();

@@ -42,6 +42,7 @@ bool project_used(const Estimate& estimate, const MountedRig& rig, RemainingRows
       if (!row.projections[cam]) {
         return false;
       }
+      estimate.refer_to_epoch(*row.landmark, *row.projections[cam]);
     }
   }
   return true;

@@ -46,9 +46,8 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
   }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     const StateBlock block = active_blocks_[k];
-    const Index place = kTriplet * static_cast<Index>(k), at = layout_.map_begin() + place;
-    const Vector3d displacement =
-        at < frozen_end_ ? Vector3d(drift_.segment<kTriplet>(place)) : Vector3d::Zero();
+    const Index at = layout_.map_begin() + kTriplet * static_cast<Index>(k);
+    const Vector3d displacement = displacement_in_epoch(at);
     if (block.owner == Owner::kBodyClone || block.owner == Owner::kBuried) {
       change.dropped.push_back(at);
     } else if (block.owner == Owner::kLandmark ? resting[block.index] : !in_use[block.index]) {
@@ -113,6 +112,24 @@ void Estimate::carry_dormant(const std::vector<Move>& passive) {
       passive_.couple_row(row, L::kAttitude, -skew(passive[k].displacement) * nav.T_world_body.R);
     }
   }
+}
+
+/// Of a triplet of the map, as far as the covariance has not been carried along; zero unless it is frozen.
+Vector3d Estimate::displacement_in_epoch(Index at) const {
+  return at < frozen_end_ ? Vector3d(drift_.segment<kTriplet>(at - layout_.map_begin())) : Vector3d::Zero();
+}
+
+void Estimate::refer_to_epoch(const Landmark& landmark, PointProjection& projection) const {
+  const Anchor* anchor = anchor_of(landmark);
+  // Error of a world vector now: its own in P − [displacement]_x R dtheta, as in transport().
+  const Matrix3d R = nav.T_world_body.R;
+  if (anchor == nullptr) {
+    projection.J_attitude -= projection.J_landmark * skew(displacement_in_epoch(landmark.at)) * R;
+    return;
+  }
+  projection.J_attitude -=
+      projection.J_anchor_position * skew(displacement_in_epoch(anchor->position_at)) * R;
+  projection.J_anchor_attitude *= so3_exp(-displacement_in_epoch(anchor->attitude_at));
 }
 
 /// Rows in the passive block of passive landmarks and of those of their anchors that are passive too.

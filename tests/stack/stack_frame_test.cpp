@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "check_jacobian.hpp"
 #include "limber/core/so3.hpp"
 #include "state/small_map.hpp"
@@ -95,6 +97,45 @@ TEST(StackFrame, ResidualIsWhatThePixelsAreOff) {
   }
   EXPECT_EQ(z.frame.track_ids, (std::vector<std::int64_t>{0, 1, 2, 3, 4, 5}));
   EXPECT_TRUE(z.refused.empty());
+}
+
+/// What the errors in P are when the whole world turns by one radian about the vertical: those of a frozen
+/// landmark as it was when its epoch began.
+VectorXd turn_of_the_world(const Estimate& now, const Estimate& when_epoch_began) {
+  const Vector3d up = Vector3d::UnitZ();
+  VectorXd turn = VectorXd::Zero(now.size());
+  turn.segment<3>(StateLayout::kPosition) = up.cross(now.nav.T_world_body.p);
+  turn.segment<3>(StateLayout::kAttitude) = now.nav.T_world_body.R.transpose() * up;
+  for (const Landmark& landmark : now.landmarks()) {
+    if (landmark.passive) {
+      continue;
+    }
+    const Landmark& then = *when_epoch_began.find(landmark.track_id);
+    if (const Anchor* anchor = when_epoch_began.anchor_of(then); anchor != nullptr) {
+      turn.segment<3>(now.anchor_of(landmark)->position_at) = up.cross(anchor->T_world_body.p);
+      turn.segment<3>(now.anchor_of(landmark)->attitude_at) = anchor->T_world_body.R.transpose() * up;
+    } else {
+      turn.segment<3>(landmark.at) = up.cross(then.value);
+    }
+  }
+  return turn;
+}
+
+TEST(StackFrame, SeesNoHeadingWhereFrozenLandmarksHaveBeenCorrected) {
+  Generator generator(8);
+  const StereoCalibration rig = calibration(BodyFrame::kImu);
+  Estimate estimate = visible_map(generator, {MotionModel::kImu, false}, rig);
+  testing::add_random_landmark(generator, estimate, 6, -1);
+  estimate.change_epoch({6});  // the others are frozen
+  const Estimate before = estimate;
+  std::normal_distribution<double> draw;
+  estimate.retract(VectorXd::NullaryExpr(estimate.size(), [&] { return 0.03 * draw(generator); }));
+  const VectorXd turn = turn_of_the_world(estimate, before);
+
+  const Stacked z = stacked(estimate, perfect_frame(before, mount(rig)), mount(rig));
+  ASSERT_EQ(z.frame.track_ids.size(), 6U);
+  const MatrixXd H = z.frame.measurement.H.dense(z.frame.measurement.rows(), estimate.size());
+  EXPECT_LE((H * turn).norm(), 1e-9 * H.norm() * turn.norm());
 }
 
 /// Minus the derivative of the residual with respect to the error state (by retraction) and theta.

@@ -83,6 +83,12 @@ class Estimate {
     return landmark.at < frozen_end_ && !drift_.isZero(0.0);
   }
 
+  /// @brief Turns a projection's derivatives with respect to the errors as they are now into those with
+  /// respect to the errors in P. They differ for a frozen landmark that was corrected since its epoch began:
+  /// P holds its error as it was defined then (see retract). Without, a heading is learned from nothing until
+  /// the epoch ends.
+  void refer_to_epoch(const Landmark& landmark, PointProjection& projection) const;
+
   /// Appends a landmark with covariance P_ll (3×3) and cross-covariance P_xl (n×3, n the size before; zero
   /// rows: none).
   Landmark& add_landmark(Landmark landmark, const Eigen::Matrix3d& P_ll, const Eigen::MatrixXd& P_xl = {});
@@ -116,6 +122,7 @@ class Estimate {
 
   /// Carries the covariance along with the correction dx: see retract.
   void transport(const Eigen::VectorXd& dx);
+  [[nodiscard]] Eigen::Vector3d displacement_in_epoch(Eigen::Index at) const;
   void add_attitude_coupling(const Eigen::MatrixXd& U);
   int append_anchor(const Pose& T_world_frame, const Pose& T_frame_cam0);
   void add_jitter(const Anchor& anchor, Eigen::MatrixXd& columns) const;
