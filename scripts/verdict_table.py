@@ -9,7 +9,8 @@ what is ok (inside), between ok and wrong (between), twice what is wrong (outsid
 An axis is covered if its true error lies within 1.96 of the sigmas that limber states.
 
 Shapes but `constant` bend the recording over time (limber decalibrate), inside and outside: `step` at 40 % of it, `ramp` over all of it,
-`vibration` of 3.3 Hz (that amplitude), and `pulse`, from 30 to 60 %. Covered is the rig at its end (of a vibration the mean).
+`vibration` of 3.3 Hz (that amplitude), and `pulse`, from 30 to 60 %. Covered is the rig at the end of the
+present state, `to_s` (of a vibration the mean).
 """
 import argparse
 import collections
@@ -87,8 +88,10 @@ def judge_shapes(limber, recording, folder, shapes, name, sound, tallies):
             done = run(limber, "decalibrate", recording, "--as", scenario, "--out", bent)
             if done.returncode:
                 raise SystemExit(f"{recording}: {done.stderr.strip()}")
-            at_end = size if shape in ("step", "ramp") else 0.0
-            tallies[f"{shape}, {level}"].add(health(limber, bent, ""), {name: at_end}, name if level == "outside" else "")
+            found = health(limber, bent, "")
+            share = found["health"]["present"]["to_s"] / sound["duration_s"] if found["health"] else 0.0
+            at_end = size * {"step": 1.0, "ramp": share}.get(shape, 0.0)
+            tallies[f"{shape}, {level}"].add(found, {name: at_end}, name if level == "outside" and shape != "pulse" else "")
 
 
 def judge(limber, scenario, pixels, seed, shapes, tallies):

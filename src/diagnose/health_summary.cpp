@@ -132,8 +132,16 @@ std::string why_not(const CalibrationState& state) {
 double HealthSummary::seconds(std::int64_t t_ns) const { return seconds_between(begin_ns, t_ns); }
 
 bool HealthSummary::comes_and_goes() const {
-  return past.size() >= 2 && present.verdict == HealthVerdict::kOk &&
-         std::any_of(past.begin(), past.end(), [](const CalibrationState& s) { return is_wrong(s.verdict); });
+  std::size_t returns = 0;
+  for (std::size_t k = 0; k < past.size(); ++k) {
+    const CalibrationState& next = k + 1 < past.size() ? past[k + 1] : present;
+    returns += is_wrong(past[k].verdict) && !is_wrong(next.verdict) ? 1 : 0;
+  }
+  return returns >= 2 && present.verdict == HealthVerdict::kOk;
+}
+
+bool HealthSummary::was_wrong() const {
+  return std::any_of(past.begin(), past.end(), [](const CalibrationState& s) { return is_wrong(s.verdict); });
 }
 
 RigParameters in_degrees_and_mm(const RigParameters& theta) {
@@ -151,9 +159,7 @@ std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frame
   for (const FrameReport& frame : frames) {
     const CalibrationReport* report = frame.calibration.get();
     if (report != nullptr && report != last) {
-      if (report->past) {
-        out.past.push_back(*report->past);
-      }
+      out.past.insert(out.past.end(), report->past.begin(), report->past.end());
       out.present = report->state;
       last = report;
     }
@@ -180,7 +186,10 @@ std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
   }
   switch (state.verdict) {
     case HealthVerdict::kOk:
-      return "within the tolerance: " + sizes;
+      return (summary.was_wrong() ? fmt::format("within the tolerance since {:.1f} s, but not before: ",
+                                                summary.seconds(state.from_ns))
+                                  : "within the tolerance: ") +
+             sizes;
     case HealthVerdict::kSuspect:
     case HealthVerdict::kDegraded:
       return "beyond what is ok, but of use: " + sizes;

@@ -16,17 +16,18 @@ namespace limber {
 
 namespace {
 
-constexpr std::size_t kMostWindows = 400;            // that are kept; then neighbours are merged
-constexpr std::size_t kNew = 2;                      // windows that a change has to last
-constexpr double kRelevant = 0.5;                    // share of what is ok
-constexpr int kMainWays = 4;                         // to leave the epipolar lines
-constexpr double kTests = 2.0;                       // after a window: for a change, for a drift
-constexpr std::size_t kFewestOfADrift = 5;           // windows
-constexpr double kDoubt = 0.01;                      // p-value of a drift that is reckoned with
-constexpr std::array kEarlyLooks = {0.2, 0.4, 0.7};  // at the first window, as shares of its length
+constexpr std::size_t kMostWindows = 400;               // that are kept; then neighbours are merged
+constexpr std::size_t kFewestNew = 2;                   // windows that a state has to last to be one
+constexpr std::size_t kMostNew = 5;                     // within which it is seen, if it is
+constexpr double kLengths = kMostNew - kFewestNew + 1;  // that are tried
+constexpr double kRelevant = 0.5;                       // share of what is ok
+constexpr int kMainWays = 4;                            // to leave the epipolar lines
+constexpr double kTests = 2.0;                          // after a window: for changes, for a drift
+constexpr std::size_t kFewestOfADrift = 5;              // windows
+constexpr double kDoubt = 0.01;                         // p-value of a drift that is reckoned with
+constexpr std::array kEarlyLooks = {0.2, 0.4, 0.7};     // at the first window, as shares of its length
 constexpr std::size_t kFewestTracks = 30;
-/// Relative errors of a metre: no sensor is believed to know it better, and none to be worse.
-constexpr double kLeastScale = 0.01, kLargestScale = 0.5;
+constexpr double kLargestScale = 0.5;  // relative error of a metre: no sensor is believed to be worse
 
 void merge(const RigEvidence& other, RigEvidence& into) {
   into.to_ns = other.to_ns;
@@ -130,6 +131,22 @@ double chance_of(const BetaEstimate& step, double dof, const RigParameters& thet
   return (1.0 + kMainWays) * least;
 }
 
+/// Of a drift that is not relevant: anything up to that, uniformly, in depth and on the epipolar lines.
+NormalEquations::Matrix drift_not_looked_for(NormalEquations::Matrix epipolar, const RigParameters& theta,
+                                             bool metric, const Tolerance& tolerance) {
+  constexpr auto kVergence = NormalEquations::kVergence, kLens = NormalEquations::kLens;
+  // On the lines vergence is taken for what a lens does: that drifts with it.
+  epipolar(kLens, kLens) = epipolar(kVergence, kVergence);
+  NormalEquations::Vector depth = NormalEquations::Vector::Zero();
+  depth.head<6>() =
+      visible_slope(theta, metric, tolerance).cwiseProduct(plausible_error(theta.tail<3>().norm()));
+  const auto variance = [](double ok) { return kRelevant * kRelevant * ok * ok / 3.0; };
+  const NormalEquations::Matrix information = epipolar / variance(tolerance.epipolar_px.ok) +
+                                              depth * depth.transpose() / variance(tolerance.depth.ok) +
+                                              NormalEquations::kPrior * NormalEquations::Matrix::Identity();
+  return information.llt().solve(NormalEquations::Matrix::Identity());
+}
+
 }  // namespace
 
 bool CalibrationState::moves() const {
@@ -152,9 +169,9 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
     const BetaTrend trend = robust_trend(windows, theta, metric);
     const double chance =
         chance_of(trend.change, static_cast<double>(windows.size()) - 1.0, theta, metric, options.tolerance);
-    if (chance < kDoubt) {
-      estimate = trend.now;
-    }
+    estimate = chance < kDoubt ? trend.now
+                               : with_drift_within(trend, drift_not_looked_for(trend.change.epipolar, theta,
+                                                                               metric, options.tolerance));
     if (chance < alarm_limit(options)) {
       out.drift = RigDrift{trend.change.rig(theta), trend.seconds, 0};
     }
@@ -224,7 +241,7 @@ void CalibrationWatch::add(const StereoFrame& frame, const Pose& T_world_cam0,
   if (!evidence) {
     return;
   }
-  evidence->scale_sigma = std::hypot(kLeastScale, std::sqrt(variance));
+  evidence->scale_sigma = std::sqrt(variance);
   if (ends) {
     end_window(*evidence);
   } else {
@@ -234,17 +251,37 @@ void CalibrationWatch::add(const StereoFrame& frame, const Pose& T_world_cam0,
   }
 }
 
-/// Two windows against those before.
-bool CalibrationWatch::changed() const {
-  if (windows_.size() < 2 * kNew) {
-    return false;
+std::vector<std::size_t> CalibrationWatch::changes() const {
+  const std::size_t n = windows_.size();
+  double least = alarm_limit(options_);
+  std::vector<std::size_t> out;
+  const auto consider = [&](const std::vector<std::size_t>& firsts, double looks) {
+    // The windows that are left, without a state each; and two that the expected scatter is worth.
+    const double dof = static_cast<double>(n + 1 - 2 * firsts.size());
+    const auto steps = robust_steps(windows_, firsts, theta_, metric_);
+    const auto chance_at = [&](const BetaEstimate& step) {
+      return looks * chance_of(step, dof, theta_, metric_, options_.tolerance);
+    };
+    if (chance_at(steps.front()) > kDoubt) {
+      return;  // one state less would do
+    }
+    const double chance = chance_at(steps.back());
+    if (chance < least) {
+      least = chance;
+      out = firsts;
+    }
+  };
+  for (std::size_t last = kFewestNew; last <= kMostNew && last + 1 + kFewestNew <= n; ++last) {
+    consider({n - last}, 2.0 * kLengths);
+    for (std::size_t middle = kFewestNew; middle <= kMostNew && last + middle + 3 <= n; ++middle) {
+      consider({n - last - 1 - middle, n - last}, 2.0 * kLengths * kLengths);
+    }
   }
-  const auto split = windows_.end() - kNew;
-  const BetaEstimate before = robust_estimate({windows_.begin(), split}, theta_, metric_);
-  const BetaEstimate now = robust_estimate({split, windows_.end()}, theta_, metric_);
-  const BetaEstimate step{now.beta - before.beta, before.covariance + now.covariance, now.epipolar};
-  return chance_of(step, static_cast<double>(windows_.size() - kNew) + 1.0, theta_, metric_,
-                   options_.tolerance) < alarm_limit(options_);
+  if (!out.empty() && chance_of(robust_trend(windows_, theta_, metric_).change, static_cast<double>(n) - 1.0,
+                                theta_, metric_, options_.tolerance) < least) {
+    return {};
+  }
+  return out;
 }
 
 void CalibrationWatch::end_window(const RigEvidence& evidence) {
@@ -254,10 +291,13 @@ void CalibrationWatch::end_window(const RigEvidence& evidence) {
   auto report = std::make_shared<CalibrationReport>();
   report->window = judged({evidence});
   windows_.push_back(evidence);
-  if (changed()) {
-    report->past = judged({windows_.begin(), windows_.end() - kNew});
-    windows_.erase(windows_.begin(), windows_.end() - kNew);
+  std::size_t from = 0;
+  for (const std::size_t first : changes()) {
+    report->past.push_back(judged({windows_.begin() + static_cast<std::ptrdiff_t>(from),
+                                   windows_.begin() + static_cast<std::ptrdiff_t>(first) - 1}));
+    from = first;
   }
+  windows_.erase(windows_.begin(), windows_.begin() + static_cast<std::ptrdiff_t>(from));
   if (windows_.size() > kMostWindows) {
     halve(windows_);
   }

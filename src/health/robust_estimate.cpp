@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
+#include <span>
 
 #include "limber/core/time.hpp"
 
@@ -19,6 +20,7 @@ constexpr Index kSize = NormalEquations::kSize;
 /// What a window is taken to vary by, in variances within it, and how many windows that belief is worth.
 constexpr double kOfAWindow = 3.0, kWorthWindows = 2.0;
 constexpr double kUnknownScale = 0.25;  // variance of the relative length of a metre that no input knows
+constexpr double kLeastScale = 0.01;    // relative error of a metre: no sensor is believed to know it better
 
 MatrixXd positive_part(const MatrixXd& M) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (M + M.transpose()));
@@ -63,7 +65,7 @@ struct Fit {
 };
 
 /// Scores summed over clusters, V_track + V_cell − V_both, and windows as clusters as they become many.
-/// @param basis  of each window; all alike in size
+/// @param basis  of each window; all alike in size. Zero: the window counts for nothing
 Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& basis) {
   const Index size = basis.front().size() * kSize;
   const MatrixXd prior = NormalEquations::kPrior * MatrixXd::Identity(size, size);
@@ -79,9 +81,9 @@ Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& ba
   const VectorXd x = inverse * vector;
   std::map<int, VectorXd> cells;
   MatrixXd by_cell = MatrixXd::Zero(size, size), by_window = by_cell;
-  const double dof =
-      std::max(static_cast<double>(windows.size()) - static_cast<double>(basis.front().size()), 0.0);
-  const auto n = static_cast<double>(windows.size());
+  const auto n = static_cast<double>(
+      std::count_if(basis.begin(), basis.end(), [](const VectorXd& b) { return !b.isZero(0.0); }));
+  const double dof = std::max(n - static_cast<double>(basis.front().size()), 0.0);
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const NormalEquations::Vector beta = at(basis[k], x);
     for (const auto& [cell, sums] : windows[k].cells) {
@@ -112,9 +114,10 @@ NormalEquations::Matrix mean_epipolar(const std::vector<RigEvidence>& windows) {
 }
 
 /// What the trajectory's scale may be wrong by is along the baseline.
-NormalEquations::Matrix by_scale(const std::vector<RigEvidence>& windows, const RigParameters& theta,
-                                 bool metric) {
-  double variance = 0.0;
+/// @param constant  part of it that is the same in all windows
+NormalEquations::Matrix by_scale(std::span<const RigEvidence> windows, const RigParameters& theta,
+                                 bool metric, double constant) {
+  double variance = constant * constant;
   for (const RigEvidence& window : windows) {
     variance += window.scale_sigma * window.scale_sigma / static_cast<double>(windows.size());
   }
@@ -132,22 +135,65 @@ double middle(const RigEvidence& window, std::int64_t origin_ns) {
 BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                              bool metric) {
   const Fit found = fit(windows, std::vector<VectorXd>(windows.size(), VectorXd::Ones(1)));
-  return {found.x, found.covariance + by_scale(windows, theta, metric), mean_epipolar(windows)};
+  return {found.x, found.covariance + by_scale(windows, theta, metric, kLeastScale), mean_epipolar(windows)};
 }
 
 BetaTrend robust_trend(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric) {
   const std::int64_t origin = windows.front().from_ns;
   const double first = middle(windows.front(), origin), last = middle(windows.back(), origin);
+  const double end = seconds_between(origin, windows.back().to_ns);
   std::vector<VectorXd> basis;
   for (const RigEvidence& window : windows) {
-    basis.emplace_back(Eigen::Vector2d(1.0, (middle(window, origin) - last) / (last - first)));
+    basis.emplace_back(Eigen::Vector2d(1.0, (middle(window, origin) - end) / (last - first)));
   }
   const Fit found = fit(windows, basis);
   const NormalEquations::Matrix epipolar = mean_epipolar(windows);
   return {{found.x.head<kSize>(),
-           found.covariance.topLeftCorner<kSize, kSize>() + by_scale(windows, theta, metric), epipolar},
+           found.covariance.topLeftCorner<kSize, kSize>() + by_scale(windows, theta, metric, kLeastScale),
+           epipolar},
           {found.x.tail<kSize>(), found.covariance.bottomRightCorner<kSize, kSize>(), epipolar},
+          found.covariance.topRightCorner<kSize, kSize>(),
           last - first};
+}
+
+BetaEstimate with_drift_within(const BetaTrend& trend, const NormalEquations::Matrix& expected) {
+  const NormalEquations::Matrix gain =
+      (trend.change.covariance + expected).llt().solve(trend.covariance.transpose()).transpose();
+  BetaEstimate out = trend.now;
+  out.beta -= gain * trend.change.beta;
+  out.covariance -= gain * trend.covariance.transpose();
+  return out;
+}
+
+std::vector<BetaEstimate> robust_steps(const std::vector<RigEvidence>& windows,
+                                       const std::vector<std::size_t>& firsts, const RigParameters& theta,
+                                       bool metric) {
+  const auto states = static_cast<Index>(firsts.size()) + 1;
+  std::vector<VectorXd> basis;
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    VectorXd steps = VectorXd::Zero(states);
+    if (std::find(firsts.begin(), firsts.end(), k + 1) == firsts.end()) {
+      const auto taken = std::count_if(firsts.begin(), firsts.end(), [k](std::size_t f) { return k >= f; });
+      steps.head(taken + 1).setOnes();
+    }
+    basis.push_back(std::move(steps));
+  }
+  const Fit found = fit(windows, basis);
+  const NormalEquations::Matrix epipolar = mean_epipolar(windows);
+  std::vector<BetaEstimate> out;
+  for (Index k = 1; k < states; ++k) {
+    out.push_back({found.x.segment<kSize>(k * kSize),
+                   found.covariance.block<kSize, kSize>(k * kSize, k * kSize), epipolar});
+    if (metric) {
+      const auto at = static_cast<std::size_t>(k - 1);
+      const std::size_t from = at == 0 ? 0 : firsts[at - 1];
+      const std::size_t to = at + 1 == firsts.size() ? windows.size() : firsts[at + 1] - 1;
+      const std::span<const RigEvidence> all(windows);
+      out.back().covariance += by_scale(all.subspan(from, firsts[at] - 1 - from), theta, metric, 0.0) +
+                               by_scale(all.subspan(firsts[at], to - firsts[at]), theta, metric, 0.0);
+    }
+  }
+  return out;
 }
 
 RigEstimate BetaEstimate::rig(const RigParameters& theta) const {

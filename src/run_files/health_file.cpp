@@ -115,7 +115,7 @@ HealthRow health_row(std::int64_t t_ns, const CalibrationReport& report) {
   out.t_ns = t_ns;
   out.window_from_ns = window.from_ns;
   out.since_ns = state.from_ns;
-  out.changed = report.past.has_value();
+  out.changed = !report.past.empty();
   out.verdict = state.verdict;
   out.window_verdict = window.verdict;
   out.epipolar_px = state.effect.epipolar_px;

@@ -31,7 +31,7 @@ CalibrationState state(HealthVerdict verdict, std::int64_t from, std::int64_t to
 
 /// A frame after a window that ended at t seconds.
 FrameReport frame(std::int64_t t, const CalibrationState& present,
-                  const std::optional<CalibrationState>& past = std::nullopt) {
+                  const std::vector<CalibrationState>& past = {}) {
   FrameReport out;
   out.t_ns = t * kSecond;
   out.calibration = std::make_shared<CalibrationReport>(CalibrationReport{present, present, past});
@@ -40,8 +40,8 @@ FrameReport frame(std::int64_t t, const CalibrationState& present,
 
 TEST(HealthSummary, IsThePresentStateAndNotTheWorst) {
   const std::vector<FrameReport> frames = {frame(0, state(kOk, 0, 0)),
-                                           frame(5, state(kDecalibrated, 3, 5), state(kOk, 0, 3)),
-                                           frame(9, state(kOk, 7, 9), state(kDecalibrated, 3, 7))};
+                                           frame(5, state(kDecalibrated, 3, 5), {state(kOk, 0, 3)}),
+                                           frame(9, state(kOk, 7, 9), {state(kDecalibrated, 3, 7)})};
   const HealthSummary summary = summarize_health(std::span(frames).first(2)).value();
   EXPECT_EQ(summary.verdict, kDecalibrated);
   EXPECT_EQ(summary.past.size(), 1u);
@@ -49,17 +49,28 @@ TEST(HealthSummary, IsThePresentStateAndNotTheWorst) {
 }
 
 TEST(HealthSummary, DoesNotAverageAwayWhatComesAndGoes) {
-  const std::vector<FrameReport> frames = {frame(0, state(kOk, 0, 0)),
-                                           frame(5, state(kDecalibrated, 3, 5), state(kOk, 0, 3)),
-                                           frame(9, state(kOk, 7, 9), state(kDecalibrated, 3, 7))};
+  const std::vector<FrameReport> frames = {
+      frame(0, state(kOk, 0, 0)), frame(5, state(kDecalibrated, 3, 5), {state(kOk, 0, 3)}),
+      frame(9, state(kOk, 7, 9), {state(kDecalibrated, 3, 7)}),
+      frame(17, state(kOk, 15, 17), {state(kOk, 7, 11), state(kDegraded, 12, 14)})};
   const HealthSummary summary = summarize_health(frames).value();
   EXPECT_TRUE(summary.comes_and_goes());
   EXPECT_EQ(summary.verdict, kDegraded);
   EXPECT_THAT(in_words(summary, Tolerance{}), HasSubstr("comes and goes"));
 }
 
+TEST(HealthSummary, IsOkAfterAnErrorThatIsOver) {
+  const std::vector<FrameReport> frames = {
+      frame(0, state(kOk, 0, 0)), frame(9, state(kOk, 7, 9), {state(kOk, 0, 3), state(kDecalibrated, 3, 7)})};
+  const HealthSummary summary = summarize_health(frames).value();
+  EXPECT_FALSE(summary.comes_and_goes());
+  EXPECT_EQ(summary.verdict, kOk);
+  EXPECT_EQ(summary.past.size(), 2u);
+  EXPECT_THAT(in_words(summary, Tolerance{}), StartsWith("within the tolerance since 7.0 s, but not before"));
+}
+
 TEST(HealthSummary, CountsAWindowOnceHoweverManyFramesShowIt) {
-  const FrameReport once = frame(5, state(kOk, 3, 5), state(kOk, 0, 3));
+  const FrameReport once = frame(5, state(kOk, 3, 5), {state(kOk, 0, 3)});
   const std::vector<FrameReport> frames = {once, once, once};
   EXPECT_EQ(summarize_health(frames)->past.size(), 1u);
 }
@@ -106,7 +117,7 @@ TEST(HealthFile, KeepsEveryWindow) {
   present.estimate.covariance.diagonal() << 1, 4, 9, 16, 25, 36;
   present.effect.epipolar_px = {2.0, 1.5, 2.5};
   present.effect.depth = {0.25, 0.125, 0.5};
-  const FrameReport second = frame(3, present, state(kOk, 0, 2));
+  const FrameReport second = frame(3, present, {state(kOk, 0, 2)});
   const std::vector<FrameReport> frames = {frame(1, state(kOk, 0, 1)), FrameReport{}, second, second};
   write_health_csv(folder.path() / "health.csv", frames);
   const std::vector<HealthRow> rows = read_health_csv(folder.path() / "health.csv");

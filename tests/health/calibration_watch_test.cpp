@@ -33,8 +33,9 @@ Judged judge_world(const WorldOptions& options, const WatchOptions& how = {}) {
   out.begin_ns = world.frames.front().t_ns;
   for (std::size_t k = 0; k < world.frames.size(); ++k) {
     watch.add(world.frames[k], world.poses[k], {});
-    if (watch.report() && watch.report() != out.last && watch.report()->past) {
-      out.past.push_back(*watch.report()->past);
+    if (watch.report() && watch.report() != out.last) {
+      const std::vector<CalibrationState>& past = watch.report()->past;
+      out.past.insert(out.past.end(), past.begin(), past.end());
     }
     out.last = watch.report();
   }
@@ -74,6 +75,26 @@ TEST(CalibrationWatch, AnErrorThatIsOverIsOver) {
   EXPECT_EQ(judged.past.size(), 2u);
 }
 
+TEST(CalibrationWatch, AShortErrorOfDepthIsOver) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    WorldOptions options;
+    options.seconds = 30.0;
+    options.points = 40;
+    options.per_track_px = 0.3;
+    options.seed = seed;
+    options.error = [](double t) {
+      return RigParameters((t < 9.0 || t > 18.0 ? 0.0 : 0.12) * kDegree * RigParameters::Unit(1));
+    };
+    const Judged judged = judge_world(options);
+    EXPECT_EQ(judged.last->state.verdict, kOk) << judged.last->state.effect.depth.high;
+    ASSERT_EQ(judged.past.size(), 2u);
+    EXPECT_EQ(judged.past[0].verdict, kOk);
+    EXPECT_EQ(judged.past[1].verdict, kDecalibrated);
+    EXPECT_EQ(judged.past[1].named, 1u);
+    EXPECT_NEAR(seconds_between(judged.begin_ns, judged.last->state.from_ns), 18.0, 2.6);
+  }
+}
+
 /// Nod that grows from 0 to so many degrees over the whole recording.
 WorldOptions with_ramp(double degrees, unsigned seed) {
   WorldOptions options;
@@ -107,6 +128,19 @@ TEST(CalibrationWatch, JudgesADriftAtItsEndAndGivesItsRate) {
   EXPECT_GE(drifts, 18);
   EXPECT_GE(right_axis, drifts - 2);
   EXPECT_GE(held, drifts - 3);
+}
+
+TEST(CalibrationWatch, ReckonsWithADriftThatItCannotSee) {
+  int held = 0;
+  constexpr int kSeeds = 20;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const CalibrationState state = judge_world(with_ramp(0.02, seed)).last->state;
+    EXPECT_NE(state.verdict, kDegraded);
+    const double sigma = state.estimate.sigma()(0);
+    held += std::abs(state.estimate.delta(0) - 0.02 * kDegree) < 1.96 * sigma ? 1 : 0;
+    EXPECT_LT(sigma, 0.02 * kDegree);
+  }
+  EXPECT_GE(held, kSeeds - 3);
 }
 
 TEST(CalibrationWatch, ASoundRigDoesNotDrift) {

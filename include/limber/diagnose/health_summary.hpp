@@ -14,8 +14,8 @@ namespace limber {
 
 /// A run's calibration, stretch by stretch.
 struct HealthSummary {
-  /// Of the present state. Where the rig came back to `ok` after it had changed at least twice, and was
-  /// degraded or decalibrated meanwhile, `degraded`: it comes and goes.
+  /// Of the present state. Where that is `ok`, and the rig came back from degraded or decalibrated at least
+  /// twice, `degraded`: it comes and goes.
   HealthVerdict verdict = HealthVerdict::kCannotTell;
   CalibrationState present;            ///< since the last change
   std::vector<CalibrationState> past;  ///< the stretches before, in order
@@ -23,6 +23,8 @@ struct HealthSummary {
 
   [[nodiscard]] double seconds(std::int64_t t_ns) const;
   [[nodiscard]] bool comes_and_goes() const;
+  /// Degraded or decalibrated, before the present state.
+  [[nodiscard]] bool was_wrong() const;
 };
 
 /// @return nothing if no window was judged

@@ -48,9 +48,10 @@ struct CalibrationState {
   [[nodiscard]] bool moves() const;
 };
 
-/// @brief The state of one stretch of windows: a constant error, or that at its end, where a line over time
-/// explains the windows better (p < 1 %) and by more than half of what the tolerance calls ok. It is said to
-/// drift where that is no chance (`false_alarms_per_hour`).
+/// @brief The state at the end of a stretch of windows. With five or more the error is a line over time: of
+/// any rate, where that explains the windows better (p < 1 %) and by more than half of what the tolerance
+/// calls ok; else of one that changes it by no more than that. It is said to drift where that is no chance
+/// (`false_alarms_per_hour`).
 [[nodiscard]] CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                                         bool metric, const WatchOptions& options);
 
@@ -63,8 +64,8 @@ void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bo
 struct CalibrationReport {
   CalibrationState state;   ///< since the last change
   CalibrationState window;  ///< of this window alone
-  /// Since this window a change is known: `past` is what was before.
-  std::optional<CalibrationState> past{};
+  /// Since this window changes are known: what was before each of them, in order.
+  std::vector<CalibrationState> past{};
 };
 
 /// What the trajectory that the points are seen from is worth.
@@ -76,9 +77,11 @@ struct TrajectoryQuality {
 
 /// @brief Judges the calibration while it goes: per window, and since it changed last.
 ///
-/// A change: two windows in a row differ from those before, in depth or in one of the main ways to leave the
-/// epipolar lines, by more than chance (Student's t, `false_alarms_per_hour`) and by more than half of what
-/// the tolerance calls ok. From there on evidence gathers anew, and the verdict is that of the new state.
+/// A change: the last two to five windows differ from those before, in depth or in one of the main ways to
+/// leave the epipolar lines, by more than chance (Student's t, `false_alarms_per_hour`) and by more than half
+/// of what the tolerance calls ok; those before may themselves have been in two states. The window that holds
+/// the change belongs to neither. From there on evidence gathers anew, and the verdict is that of the new
+/// state.
 /// @note docs/derivations/health.md
 class CalibrationWatch {
  public:
@@ -94,7 +97,8 @@ class CalibrationWatch {
 
  private:
   void end_window(const RigEvidence& evidence);
-  [[nodiscard]] bool changed() const;
+  /// First windows of the states since the first one.
+  [[nodiscard]] std::vector<std::size_t> changes() const;
 
   WatchOptions options_;
   RigParameters theta_;

@@ -35,9 +35,11 @@ struct BetaEstimate {
 [[nodiscard]] BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows,
                                            const RigParameters& theta, bool metric);
 
-/// A rig that drifts: the error at the last window, and how it changed from the first window to it.
+/// A rig that drifts: the error at the end of the last window, and how it changed from the middle of the
+/// first window to that of the last.
 struct BetaTrend {
   BetaEstimate now, change;
+  NormalEquations::Matrix covariance = NormalEquations::Matrix::Zero();  ///< of now and change
   double seconds = 0.0;  ///< between the middles of the first and the last window
 };
 
@@ -45,5 +47,18 @@ struct BetaTrend {
 /// @param windows  at least three
 [[nodiscard]] BetaTrend robust_trend(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                                      bool metric);
+
+/// @brief Where the rig is at the end, if it drifts by no more than is to be expected.
+/// @param expected  covariance of the change over the windows, before they are seen. Zero: a constant error
+[[nodiscard]] BetaEstimate with_drift_within(const BetaTrend& trend, const NormalEquations::Matrix& expected);
+
+/// @brief By how much the rig changed at moments between which it is constant: what lenses do wrong is the
+/// same before and after, and cancels.
+/// @param firsts  window after each moment, increasing. The one before it holds the moment and is left out;
+/// at
+///                least one is left of each state
+[[nodiscard]] std::vector<BetaEstimate> robust_steps(const std::vector<RigEvidence>& windows,
+                                                     const std::vector<std::size_t>& firsts,
+                                                     const RigParameters& theta, bool metric);
 
 }  // namespace limber
