@@ -78,8 +78,8 @@ export function showState(root, frame) {
   const count = (fate) => [...frame.points.fates].filter((letter) => letter === fate).length;
   const speed = frame.v ? Math.hypot(...frame.v) : NaN;
   const facts = [
-    ['position [m]', frame.p.map((x) => fixed(x, 2)).join(', ')],
-    ['speed', `${fixed(speed, 2)} m/s`],
+    ['position [m]', frame.waiting ? '–' : frame.p.map((x) => fixed(x, 2)).join(', ')],
+    ['speed', frame.v ? `${fixed(speed, 2)} m/s` : '–'],
     ['position, 1σ [m]', frame.sigma_m?.map((s) => fixed(s, 3)).join(', ') ?? '–'],
     ['attitude, 1σ [deg]', frame.sigma_deg?.map((s) => fixed(s, 2)).join(', ') ?? '–'],
     ['used, refused, seen', `${count('u')}, ${count('r')}, ${frame.points.fates.length} points`],

@@ -70,6 +70,7 @@ test('a paused run shows its first frame, and each step one more', async () => {
     await shows(n);
   }
   assert.equal(await shown(), 4);
+  assert.match(await page.textContent('#state'), /start: /);
 });
 
 test('a run that is let go comes to its end, and says so', async () => {
