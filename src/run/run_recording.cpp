@@ -198,6 +198,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     record.sensor_start = window.report;
     record.stopped = window.stopped;
   }
+  if (record.stopped && window.frames.empty()) return record;
   Navigator navigator(setup.navigator, setup.calibration, record.start);
   record.notes = setup.notes;
   record.theta_assumed = setup.calibration.theta;

@@ -54,7 +54,8 @@ SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setu
     out.frames.push_back(report);
     out.frame_ms.push_back(milliseconds(begin, Clock::now()));
     out.source_ms.push_back(read.ms);
-    if (callbacks.wait && out.report.status == StartStatus::kWaiting) callbacks.wait({read.frame, out.report});
+    if (callbacks.wait && out.report.status == StartStatus::kWaiting)
+      callbacks.wait({read.frame, out.report});
     if (motion == MotionModel::kOdometry) {
       out.ahead.push_back(std::move(read));
     } else {

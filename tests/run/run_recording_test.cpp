@@ -288,13 +288,12 @@ TEST(RunRecording, AsksForEachFrameOnceAndInOrderAndTellsTheProgress) {
     }
     RunOptions options;
     options.start = start;
-    (void)run_recording(
-        recording, options,
-        [&](std::size_t n) {
-          asked.push_back(n);
-          return recording.frames[n];
-        },
-        {.progress = [&](std::size_t n) { told.push_back(n); }});
+    (void)run_recording(recording, options,
+                        [&](std::size_t n) {
+                          asked.push_back(n);
+                          return recording.frames[n];
+                        },
+                        {.progress = [&](std::size_t n) { told.push_back(n); }});
     EXPECT_EQ(asked, expected_asked);
     EXPECT_EQ(told, expected_told);
   }
@@ -329,7 +328,8 @@ TEST(RunRecording, TellsAnObserverOfEveryFrameAndEndsWhenItThrows) {
       throw Enough();
     }
   };
-  EXPECT_THROW((void)run_recording(recording, from_truth(), matched_frames(recording), {.observe = observe}), Enough);
+  EXPECT_THROW((void)run_recording(recording, from_truth(), matched_frames(recording), {.observe = observe}),
+               Enough);
   ASSERT_EQ(times.size(), 5u);
   EXPECT_EQ(times.back(), recording.frames[4].t_ns);
 }

@@ -48,7 +48,7 @@ struct WaitingFrame {
 struct RunCallbacks {
   std::function<void(std::size_t)> progress;          ///< the number of frames done
   std::function<void(const ObservedFrame&)> observe;  ///< every frame in turn
-  std::function<void(const WaitingFrame&)> wait;      ///< every frame before a start from the sensors is ready
+  std::function<void(const WaitingFrame&)> wait;  ///< every frame before a start from the sensors is ready
   std::function<bool()> stop;  ///< asked before every frame: true ends the run with what it has by then
 };
 
