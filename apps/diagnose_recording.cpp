@@ -58,7 +58,7 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     return seen.back();
   };
   try {
-    const RunRecord record = run_recording(recording, options, remembered, progress);
+    const RunRecord record = run_recording(recording, options, remembered, {.progress = progress});
     const RunSummary summary = summarize(recording, options, record);
     out.frames = summary.frames;
     out.duration_s = summary.duration_s;

@@ -31,11 +31,15 @@ class ServedView : public LiveView {
   ~ServedView() override;
 
   void show(const ObservedFrame& frame) override;
+  void show(const WaitingFrame& frame) override;
   [[nodiscard]] double held_s() const override { return board_.held_s(); }
   void finish(const std::string& message) override;
   void stay() override;
 
  private:
+  template <typename Frame>
+  void serve(const Frame& frame, bool is_last);
+
   const ViewArguments arguments_;
   std::function<bool()> stop_;
   ViewFrames frames_;
@@ -68,12 +72,22 @@ void ServedView::show(const ObservedFrame& frame) {
   }
   if (!server_) return;
   board_.note(frames_.t_s(), p);
+  serve(frame, frames_.is_last());
+}
+
+void ServedView::show(const WaitingFrame& frame) {
+  frames_.take(frame);
+  if (server_) serve(frame, false);
+}
+
+template <typename Frame>
+void ServedView::serve(const Frame& frame, bool is_last) {
   bool published = false;
   const auto publish = [&] {
     if (!published) board_.publish(frames_.view_of(frame, kLiveImages));
     published = true;
   };
-  if (board_.due() || frames_.is_last()) publish();
+  if (board_.due() || is_last) publish();
   board_.hold(frames_.t_s(), stop_, publish);
 }
 

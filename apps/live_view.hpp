@@ -30,6 +30,8 @@ class LiveView {
 
   /// Shows a frame that is done, and waits while the run is paused.
   virtual void show(const ObservedFrame& frame) = 0;
+  /// Shows a frame that a start from the sensors has taken in.
+  virtual void show(const WaitingFrame& frame) = 0;
   /// Time that pages have held up the run [s].
   [[nodiscard]] virtual double held_s() const = 0;
   /// The run is over; tells the pages, and writes the one that was asked for.

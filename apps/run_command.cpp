@@ -93,15 +93,19 @@ void require_place_of_page(const RunArguments& arguments) {
 /// run_recording with what the command shows meanwhile.
 RunRecord run_and_show(const Recording& recording, const RunOptions& options, const ImageFrames& source,
                        Progress& progress, LiveView* view) {
-  FrameObserver observe;
+  RunCallbacks callbacks;
+  callbacks.progress = [&](std::size_t n) { progress.done(n, timing_text(source.record.get())); };
+  callbacks.stop = Interrupt::asked;
+  std::size_t waiting = 0;
+  callbacks.wait = [&](const WaitingFrame& frame) {
+    progress.done(++waiting, "start: " + frame.report.missing);
+    if (view != nullptr) view->show(frame);
+  };
   if (view != nullptr) {
-    observe = [view](const ObservedFrame& frame) { view->show(frame); };
+    callbacks.observe = [view](const ObservedFrame& frame) { view->show(frame); };
   }
   try {
-    RunRecord record = run_recording(
-        recording, options, source.frames,
-        [&](std::size_t n) { progress.done(n, timing_text(source.record.get())); }, observe,
-        Interrupt::asked);
+    RunRecord record = run_recording(recording, options, source.frames, callbacks);
     if (source.record) add_frontend(*source.record, record);
     if (view != nullptr) record.elapsed_s -= view->held_s();
     return record;

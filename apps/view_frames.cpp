@@ -100,18 +100,24 @@ void ViewFrames::keep_health(const FrameReport& report) {
   }
 }
 
-std::vector<ViewStage> ViewFrames::stages_of(const ObservedFrame& frame) const {
+void ViewFrames::take(const WaitingFrame& frame) {
+  if (waiting_++ == 0) {
+    begin_ns_ = frame.frame.t_ns;
+  }
+  t_s_ = seconds_between(begin_ns_, frame.frame.t_ns);
+}
+
+std::vector<ViewStage> ViewFrames::stages_of(std::int64_t t_ns) const {
   std::vector<ViewStage> out;
   if (frontend_) {
     const auto& times = frontend_->t_ns;
-    const auto at = std::lower_bound(times.begin(), times.end(), frame.row.t_ns);
-    if (at != times.end() && *at == frame.row.t_ns) {
+    const auto at = std::lower_bound(times.begin(), times.end(), t_ns);
+    if (at != times.end() && *at == t_ns) {
       const auto k = static_cast<std::size_t>(at - times.begin());
       out.push_back({"read images", frontend_->decode_ms[k]});
       out.push_back({"track points", frontend_->track_ms[k]});
     }
   }
-  out.push_back({"filter", frame.filter_ms});
   return out;
 }
 
@@ -126,22 +132,39 @@ ViewFrame ViewFrames::view_of(const ObservedFrame& frame, const ViewImageSize& s
     out.sigma = frame.row.covariance->diagonal().cwiseMax(0.0).cwiseSqrt();
   }
   out.status = status_of(frame);
-  out.stages = stages_of(frame);
+  out.stages = stages_of(t_ns);
+  out.stages.push_back({"filter", frame.filter_ms});
   out.health = summarize_health(windows_);
   if (frame.navigator != nullptr) {
     out.points = points_of(frame);
     out.map = map_of(frame.navigator->estimate());
   }
-  if (images_) {
-    const auto& pairs = recording_.images;
-    const auto pair = std::lower_bound(pairs.begin(), pairs.end(), t_ns,
-                                       [](const ImagePair& a, std::int64_t t) { return a.t_ns < t; });
-    if (pair != pairs.end() && pair->t_ns == t_ns) {
-      const auto n = static_cast<std::size_t>(pair - pairs.begin());
-      out.images = [images = images_, n, size] { return images(n, size); };
-    }
-  }
+  out.images = images_at(t_ns, size);
   return out;
+}
+
+ViewFrame ViewFrames::view_of(const WaitingFrame& frame, const ViewImageSize& size) const {
+  ViewFrame out;
+  out.number = waiting_;
+  out.t_s = t_s_;
+  out.waiting = true;
+  out.status = "start: " + frame.report.missing;
+  out.stages = stages_of(frame.frame.t_ns);
+  for (const StereoObservation& seen : frame.frame.observations) {
+    out.points.push_back({seen, ViewPointFate::kOther});
+  }
+  out.images = images_at(frame.frame.t_ns, size);
+  return out;
+}
+
+std::function<ViewImages()> ViewFrames::images_at(std::int64_t t_ns, const ViewImageSize& size) const {
+  if (!images_) return {};
+  const auto& pairs = recording_.images;
+  const auto pair = std::lower_bound(pairs.begin(), pairs.end(), t_ns,
+                                     [](const ImagePair& a, std::int64_t t) { return a.t_ns < t; });
+  if (pair == pairs.end() || pair->t_ns != t_ns) return {};
+  const auto n = static_cast<std::size_t>(pair - pairs.begin());
+  return [images = images_, n, size] { return images(n, size); };
 }
 
 }  // namespace limber::app

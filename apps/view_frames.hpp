@@ -40,17 +40,22 @@ class ViewFrames {
   /// them go.
   [[nodiscard]] ViewFrame view_of(const ObservedFrame& frame, const ViewImageSize& size) const;
 
+  /// The same while a start from the sensors waits; its frames are counted apart.
+  void take(const WaitingFrame& frame);
+  [[nodiscard]] ViewFrame view_of(const WaitingFrame& frame, const ViewImageSize& size) const;
+
  private:
   using PairOfImages = std::function<ViewImages(std::size_t, const ViewImageSize&)>;
 
-  [[nodiscard]] std::vector<ViewStage> stages_of(const ObservedFrame& frame) const;
+  [[nodiscard]] std::vector<ViewStage> stages_of(std::int64_t t_ns) const;
+  [[nodiscard]] std::function<ViewImages()> images_at(std::int64_t t_ns, const ViewImageSize& size) const;
   void keep_health(const FrameReport& report);
 
   const Recording& recording_;
   std::shared_ptr<const FrontendRecord> frontend_;
   PairOfImages images_;               // empty if there are none
   std::vector<FrameReport> windows_;  // the first frame, then one per report of the calibration
-  std::size_t count_ = 0;
+  std::size_t count_ = 0, waiting_ = 0;
   std::int64_t begin_ns_ = 0;
   double t_s_ = 0.0;
   bool is_last_ = false;

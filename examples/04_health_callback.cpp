@@ -47,9 +47,9 @@ int main() {
     std::cout << "\n";
   });
   // With a Navigator of your own: watch.look(navigator.process(frame)).
-  const limber::RunRecord run =
-      limber::run_recording(robot, {}, limber::matched_frames(robot), {},
-                            [&](const limber::ObservedFrame& frame) { watch.look(frame.report); });
+  const limber::RunRecord run = limber::run_recording(
+      robot, {}, limber::matched_frames(robot),
+      {.observe = [&](const limber::ObservedFrame& frame) { watch.look(frame.report); }});
   std::cout << run.frames.size() << " frames\n";
   return watch.verdict() == limber::HealthVerdict::kDecalibrated ? EXIT_SUCCESS : EXIT_FAILURE;
 }

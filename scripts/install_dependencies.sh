@@ -11,7 +11,7 @@ packages=(
   libopencv-dev                   # image front end
   libbz2-dev liblz4-dev libzstd-dev zlib1g-dev  # bags
   libcpp-httplib-dev              # the live view
-  libsqlite3-dev libtbb-dev libopenmpi-dev openmpi-bin  # studies
+  libsqlitecpp-dev libtbb-dev libopenmpi-dev openmpi-bin  # studies
   nodejs npm chromium             # the page of reports, and a browser to test it
   libgtest-dev libgmock-dev libbenchmark-dev  # tests and benchmarks
   clang libclang-rt-14-dev        # the sanitizer build, and a second compiler in the tests of users' projects

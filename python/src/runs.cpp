@@ -107,18 +107,18 @@ void bind_run_options(py::module_& module) {
 }
 
 Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, const Observer& observe) {
-  const auto stop = [] {
+  RunCallbacks callbacks;
+  callbacks.stop = [] {
     check_signals();
     return false;
   };
-  FrameObserver observer;
   if (observe) {
-    observer = [&observe](const ObservedFrame& frame) {
+    callbacks.observe = [&observe](const ObservedFrame& frame) {
       const py::gil_scoped_acquire acquired;
       observe(frame.report);
     };
   }
-  RunRecord record = run_recording(*recording, options, app::frame_source(*recording), {}, observer, stop);
+  RunRecord record = run_recording(*recording, options, app::frame_source(*recording), callbacks);
   RunSummary summary = summarize(*recording, options, record);
   return {recording, options, std::move(record), std::move(summary)};
 }

@@ -180,8 +180,7 @@ FrameSource matched_frames(const Recording& recording) {
 }
 
 RunRecord run_recording(const Recording& recording, const RunOptions& options, const FrameSource& source,
-                        const std::function<void(std::size_t)>& progress, const FrameObserver& observe,
-                        const std::function<bool()>& stop) {
+                        const RunCallbacks& callbacks) {
   const auto begin_run = Clock::now();
   const RunSetup setup = set_up_run(recording, options);
   const MotionModel motion = setup.navigator.motion;
@@ -194,10 +193,12 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   if (from_truth) {
     record.start = detail::start_from_truth(recording, options, setup, frame_time(recording, first));
   } else {
-    window = detail::start_from_sensors(recording, setup, frames, first);
+    window = detail::start_from_sensors(recording, setup, frames, first, callbacks);
     record.start = window.result.initial;
     record.sensor_start = window.report;
+    record.stopped = window.stopped;
   }
+  if (record.stopped && window.frames.empty()) return record;
   Navigator navigator(setup.navigator, setup.calibration, record.start);
   record.notes = setup.notes;
   record.theta_assumed = setup.calibration.theta;
@@ -211,12 +212,12 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   }
   keep_window(window, navigator, record);
   const auto done = [&](std::size_t row, const StereoFrame* frame) {
-    if (observe) {
-      observe({record.trajectory[row], record.frames[row], frame ? &navigator : nullptr, frame,
-               frame ? record.frame_ms.back() : 0.0});
+    if (callbacks.observe) {
+      callbacks.observe({record.trajectory[row], record.frames[row], frame ? &navigator : nullptr, frame,
+                         frame ? record.frame_ms.back() : 0.0});
     }
-    if (progress) {
-      progress(first + row + 1);
+    if (callbacks.progress) {
+      callbacks.progress(first + row + 1);
     }
   };
   for (std::size_t row = 0; row < record.frames.size(); ++row) {
@@ -225,7 +226,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   detail::PointCount points = window.points;
   InputFeed feed(recording);
   for (std::size_t n = first + record.frames.size(); n < frame_count(recording); ++n) {
-    if (stop && stop()) {
+    if (record.stopped || (callbacks.stop && callbacks.stop())) {
       record.stopped = true;
       break;
     }

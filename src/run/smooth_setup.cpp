@@ -59,13 +59,12 @@ Guess guess_by(Method method, const Recording& recording, RunOptions options, Ke
   options.watch = false;
   options.cleaning.clean = false;  // its frames are clean already
   Guess out;
-  out.record = run_recording(
-      recording, options, [&frames](std::size_t n) { return frames(n); }, progress,
-      [&out](const ObservedFrame& frame) {
-        if (frame.navigator != nullptr) {
-          out.states.push_back(frame.navigator->estimate().nav);
-        }
-      });
+  out.record = run_recording(recording, options, [&frames](std::size_t n) { return frames(n); },
+                             {.progress = progress, .observe = [&out](const ObservedFrame& frame) {
+                                if (frame.navigator != nullptr) {
+                                  out.states.push_back(frame.navigator->estimate().nav);
+                                }
+                              }});
   const std::vector<NavigationState> before =
       states_before(out.record.trajectory, out.record.trajectory.size() - out.states.size());
   out.states.insert(out.states.begin(), before.begin(), before.end());

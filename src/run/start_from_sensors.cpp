@@ -29,7 +29,7 @@ void smooth(const Recording& recording, const FrameSource& source, std::size_t n
 }  // namespace
 
 SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setup, const FrameSource& source,
-                                std::size_t first) {
+                                std::size_t first, const RunCallbacks& callbacks) {
   const MotionModel motion = setup.navigator.motion;
   StartOptions options;
   const std::int64_t duration_ns =
@@ -40,6 +40,10 @@ SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setu
   SensorWindow out;
   std::size_t n = first;
   while (n < frame_count(recording) && out.report.status == StartStatus::kWaiting) {
+    if (callbacks.stop && callbacks.stop()) {
+      out.stopped = true;
+      break;
+    }
     ReadFrame read = read_frame(source, n++);
     const auto begin = Clock::now();
     feed.feed(start, motion, read.frame.t_ns);
@@ -50,16 +54,19 @@ SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setu
     out.frames.push_back(report);
     out.frame_ms.push_back(milliseconds(begin, Clock::now()));
     out.source_ms.push_back(read.ms);
+    if (callbacks.wait && out.report.status == StartStatus::kWaiting)
+      callbacks.wait({read.frame, out.report});
     if (motion == MotionModel::kOdometry) {
       out.ahead.push_back(std::move(read));
     } else {
       out.points.add(read.frame);
     }
   }
+  if (out.frames.empty()) return out;  // stopped
   out.result = start.result();
   if (motion == MotionModel::kOdometry) {
     out.frames.clear();
-  } else {
+  } else if (!out.stopped) {
     smooth(recording, source, n, motion, feed, start, out);
   }
   return out;

@@ -18,10 +18,13 @@ struct SensorWindow {
   std::vector<double> source_ms, frame_ms;
   detail::PointCount points;
   std::deque<ReadFrame> ahead;  // read, and still to be processed
+  bool stopped = false;         // by the caller
 };
 
-/// Reads frames from `first` on until they tell where the body is and how it moves.
+/// Reads frames from `first` on until they tell where the body is and how it moves, or the caller stops it:
+/// then the window holds what is known by then, no frame if there was none.
 [[nodiscard]] SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setup,
-                                              const FrameSource& source, std::size_t first);
+                                              const FrameSource& source, std::size_t first,
+                                              const RunCallbacks& callbacks);
 
 }  // namespace limber::detail

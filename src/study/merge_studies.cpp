@@ -30,12 +30,12 @@ struct PartCase {
 class Merger {
  public:
   explicit Merger(const std::filesystem::path& out)
-      : out_(out, SqliteFile::Mode::kCreate), transaction_(out_) {
+      : out_(out, SqliteFile::Mode::kCreate, detail::kStudyFile), transaction_(out_) {
     detail::create_schema(out_);
   }
 
   void add(const std::filesystem::path& path) {
-    const SqliteFile part(path, SqliteFile::Mode::kRead);
+    const SqliteFile part(path, SqliteFile::Mode::kRead, detail::kStudyFile);
     detail::check_schema(part);
     add_study(part);
     copy(part, "SELECT * FROM starts", "INSERT INTO starts VALUES(?, ?, ?, ?, ?, ?, ?, ?)", std::nullopt);

@@ -70,7 +70,7 @@ std::map<std::string, std::string> objects_of(const SqliteFile& file) {
 /// tables that create_schema makes is read or written.
 void check_objects(const SqliteFile& file) {
   static const std::map<std::string, std::string> kExpected = [] {
-    SqliteFile memory(":memory:", SqliteFile::Mode::kCreate);
+    SqliteFile memory(":memory:", SqliteFile::Mode::kCreate, kStudyFile);
     create_schema(memory);
     return objects_of(memory);
   }();

@@ -5,14 +5,17 @@
 #include <string>
 #include <vector>
 
+#include "io/sqlite.hpp"
 #include "limber/study/run_figures.hpp"
-#include "sqlite.hpp"
 
 /// The tables of a study. docs/study.md describes them.
 namespace limber::detail {
 
 /// Goes up whenever tables or the meaning of a column change.
 inline constexpr int kSchemaVersion = 2;
+
+/// What SqliteFile is told that it opens.
+inline constexpr const char* kStudyFile = "a study, an SQLite database";
 
 /// Whether nothing has been written into the file yet.
 [[nodiscard]] bool is_empty(const SqliteFile& file);

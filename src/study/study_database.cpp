@@ -13,7 +13,6 @@
 #include "limber/study/exact_sum.hpp"
 #include "limber/study/study_plan.hpp"
 #include "schema.hpp"
-#include "sqlite.hpp"
 
 namespace limber {
 namespace {
@@ -47,7 +46,8 @@ std::vector<Eigen::Vector3d> positions_from(std::string_view bytes) {
 
 class StudyDatabase::Impl {
  public:
-  explicit Impl(const std::filesystem::path& path) : file_(path, SqliteFile::Mode::kRead) {
+  explicit Impl(const std::filesystem::path& path)
+      : file_(path, SqliteFile::Mode::kRead, detail::kStudyFile) {
     detail::check_schema(file_);
     SqliteStatement study = file_.prepare("SELECT program_version, seed FROM study");
     if (!study.step()) {

@@ -61,7 +61,8 @@ MethodResult compute_method(const Recording& recording, const Scenario& scenario
     }
   };
   try {
-    const RunRecord record = run_recording(recording, options, matched_frames(recording), {}, observe);
+    const RunRecord record =
+        run_recording(recording, options, matched_frames(recording), {.observe = observe});
     out.run.figures = figures_of(summarize(recording, options, record), observer.map_error());
     if (record.sensor_start) {
       out.run.figures.start_s = record.sensor_start->waited_s;

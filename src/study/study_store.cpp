@@ -143,7 +143,7 @@ void add_to_curve(const SqliteFile& file, std::int64_t case_id, std::size_t meth
 }
 
 StudyStore::StudyStore(const std::filesystem::path& path, const StudyPlan& plan, const StartRecord& start)
-    : file_(path, SqliteFile::Mode::kCreate) {
+    : file_(path, SqliteFile::Mode::kCreate, kStudyFile) {
   SqliteTransaction transaction(file_);
   if (is_empty(file_)) {
     create_schema(file_);

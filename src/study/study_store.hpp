@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
+#include "io/sqlite.hpp"
 #include "limber/study/exact_sum.hpp"
 #include "limber/study/study_item.hpp"
 #include "limber/study/study_plan.hpp"
-#include "sqlite.hpp"
 
 namespace limber::detail {
 

@@ -115,6 +115,7 @@ std::string to_json(const ViewFrame& frame, const WatchOptions& watch) {
     out["sigma_deg"] = list_of(frame.sigma->tail<3>(), kDegreesPerRadian);
   }
   out["status"] = frame.status;
+  out["waiting"] = frame.waiting;
   out["points"] = json_of(frame.points);
   out["map"] = json_of(frame.map);
   out["stages"] = Json::array();

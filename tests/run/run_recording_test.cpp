@@ -288,13 +288,12 @@ TEST(RunRecording, AsksForEachFrameOnceAndInOrderAndTellsTheProgress) {
     }
     RunOptions options;
     options.start = start;
-    (void)run_recording(
-        recording, options,
-        [&](std::size_t n) {
-          asked.push_back(n);
-          return recording.frames[n];
-        },
-        [&](std::size_t n) { told.push_back(n); });
+    (void)run_recording(recording, options,
+                        [&](std::size_t n) {
+                          asked.push_back(n);
+                          return recording.frames[n];
+                        },
+                        {.progress = [&](std::size_t n) { told.push_back(n); }});
     EXPECT_EQ(asked, expected_asked);
     EXPECT_EQ(told, expected_told);
   }
@@ -329,7 +328,8 @@ TEST(RunRecording, TellsAnObserverOfEveryFrameAndEndsWhenItThrows) {
       throw Enough();
     }
   };
-  EXPECT_THROW((void)run_recording(recording, from_truth(), matched_frames(recording), {}, observe), Enough);
+  EXPECT_THROW((void)run_recording(recording, from_truth(), matched_frames(recording), {.observe = observe}),
+               Enough);
   ASSERT_EQ(times.size(), 5u);
   EXPECT_EQ(times.back(), recording.frames[4].t_ns);
 }
@@ -345,7 +345,7 @@ TEST(RunRecording, TellsAlsoOfTheFramesThatAStartFromTheSensorsHasUsedUp) {
     filtered += frame.navigator != nullptr ? 1 : 0;
     EXPECT_TRUE(filtered == 0 || frame.navigator != nullptr);
   };
-  const RunRecord record = run_recording(recording, options, matched_frames(recording), {}, observe);
+  const RunRecord record = run_recording(recording, options, matched_frames(recording), {.observe = observe});
   ASSERT_EQ(times.size(), record.trajectory.size());
   for (std::size_t k = 0; k < times.size(); ++k) {
     EXPECT_EQ(times[k], record.trajectory[k].t_ns);
@@ -354,6 +354,37 @@ TEST(RunRecording, TellsAlsoOfTheFramesThatAStartFromTheSensorsHasUsedUp) {
   const auto until_started = static_cast<double>(times[times.size() - filtered - 1] - times.front());
   EXPECT_NEAR(1e-9 * until_started, record.sensor_start->waited_s, 1e-9);
   EXPECT_GT(record.sensor_start->waited_s, 0.0);
+}
+
+TEST(RunRecording, TellsOfEveryFrameWhileAStartFromTheSensorsWaitsAndWhatItWaitsFor) {
+  const Recording recording = short_recording();
+  RunOptions options;
+  std::vector<std::int64_t> waited, done;
+  RunCallbacks callbacks;
+  callbacks.wait = [&](const WaitingFrame& frame) {
+    EXPECT_TRUE(done.empty());
+    EXPECT_EQ(frame.report.status, StartStatus::kWaiting);
+    EXPECT_FALSE(frame.report.missing.empty());
+    waited.push_back(frame.frame.t_ns);
+  };
+  callbacks.observe = [&](const ObservedFrame& frame) { done.push_back(frame.row.t_ns); };
+  (void)run_recording(recording, options, matched_frames(recording), callbacks);
+  ASSERT_GT(waited.size(), 5u);
+  ASSERT_GT(done.size(), waited.size());
+  EXPECT_TRUE(std::equal(waited.begin(), waited.end(), done.begin()));
+}
+
+TEST(RunRecording, StoppedWhileAStartWaitsKeepsTheFramesSoFar) {
+  const Recording recording = short_recording();
+  for (const std::size_t kept : {std::size_t{0}, std::size_t{4}}) {
+    std::size_t asked = 0;
+    const RunRecord record =
+        run_recording(recording, {}, matched_frames(recording), {.stop = [&] { return asked++ >= kept; }});
+    EXPECT_TRUE(record.stopped);
+    EXPECT_EQ(record.frames.size(), kept);
+    EXPECT_EQ(record.trajectory.size(), kept);
+    EXPECT_EQ(asked, kept + 1);
+  }
 }
 
 TEST(RunRecording, DrawsTheStartErrorFromWhatItIsToldWhateverTheEstimatorAssumes) {
@@ -369,7 +400,7 @@ TEST(RunRecording, DrawsTheStartErrorFromWhatItIsToldWhateverTheEstimatorAssumes
         error = (frame.row.T_world_body.p - recording.groundtruth.front().p_world_body).norm();
       }
     };
-    (void)run_recording(recording, options, matched_frames(recording), {}, observe);
+    (void)run_recording(recording, options, matched_frames(recording), {.observe = observe});
     return error;
   };
   // Nothing can tell where the world's origin is: the error of the start stays.

@@ -96,6 +96,27 @@ TEST_F(LiveRun, StepsFrameByFrame) {
   EXPECT_EQ(run.wait(), 0);
 }
 
+TEST_F(LiveRun, ShowsTheFramesThatAStartWaitsWithBeforeTheyHaveAPose) {
+  ChildProcess run(arguments({"--view-paused", "--view-exit"}));
+  const Address at = address_of(run);
+  EventStream stream(at, "events");
+  const auto first = data_of(next(stream, "frame"));
+  EXPECT_EQ(first["waiting"], true);
+  EXPECT_THAT(first["status"].get<std::string>(), ::testing::StartsWith("start: "));
+  EXPECT_FALSE(first["points"]["fates"].get<std::string>().empty());
+  int frames = 1;
+  bool waiting = true;
+  for (; waiting && frames < 41; ++frames) {
+    ASSERT_EQ(post(at, at.path + "control?do=step")->status, 204);
+    const auto frame = data_of(next(stream, "frame"));
+    waiting = frame["waiting"];
+    EXPECT_EQ(frame["n"], waiting ? frames + 1 : 1);
+  }
+  EXPECT_FALSE(waiting);
+  run.signal(SIGINT);
+  EXPECT_EQ(run.wait(), 1);
+}
+
 TEST_F(LiveRun, EndsByItselfWhereNobodyLooks) {
   const auto result = run({"--view"});
   EXPECT_EQ(result.exit_code, 0);

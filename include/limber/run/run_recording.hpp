@@ -37,8 +37,20 @@ struct ObservedFrame {
   double filter_ms;          ///< time in the filter [ms]; zero where that is null
 };
 
-/// Told of every frame in turn; what it throws ends the run and passes through.
-using FrameObserver = std::function<void(const ObservedFrame&)>;
+/// A frame that a start from the sensors has taken in. Once it is ready each comes again as an ObservedFrame.
+struct WaitingFrame {
+  const StereoFrame& frame;   ///< cleaned
+  const StartReport& report;  ///< after it: what is missing
+};
+
+/// What a run tells and asks, each of it empty if nobody wants it. What they throw ends the run and passes
+/// through.
+struct RunCallbacks {
+  std::function<void(std::size_t)> progress;          ///< the number of frames done
+  std::function<void(const ObservedFrame&)> observe;  ///< every frame in turn
+  std::function<void(const WaitingFrame&)> wait;  ///< every frame before a start from the sensors is ready
+  std::function<bool()> stop;  ///< asked before every frame: true ends the run with what it has by then
+};
 
 /// What a filter took for the calibration after a frame.
 struct CalibrationRow {
@@ -85,16 +97,10 @@ void add_frontend(const FrontendRecord& frontend, RunRecord& record);
 /// @brief Runs one method over a recording. Estimators see what a rig would deliver; the truth is used for
 /// StartMode::kGroundTruth and for Method::kOracle only.
 /// Frames before the first IMU or odometry sample are skipped, and said so.
-/// @param progress  told the number of frames done; may be empty
-/// @param observe   may be empty
-/// @param stop      asked before every frame: true ends the run with what it has by then; may be empty
 /// @throws std::invalid_argument if the recording cannot be run like that (no usable frame, no truth to start
 /// from)
 /// @throws DivergenceError if the filter's numbers are no estimate any more
 [[nodiscard]] RunRecord run_recording(const Recording& recording, const RunOptions& options,
-                                      const FrameSource& frames,
-                                      const std::function<void(std::size_t)>& progress = {},
-                                      const FrameObserver& observe = {},
-                                      const std::function<bool()>& stop = {});
+                                      const FrameSource& frames, const RunCallbacks& callbacks = {});
 
 }  // namespace limber

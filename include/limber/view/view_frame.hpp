@@ -65,6 +65,8 @@ struct ViewFrame {
   std::optional<Eigen::Vector3d> v_world_body;       ///< [m/s]
   std::optional<Eigen::Matrix<double, 6, 1>> sigma;  ///< of position [m] and attitude [rad]
   std::string status;                                ///< of the update, and of the inputs before it
+  /// The run has no pose yet: it takes this frame in for its start. The frame comes again with one.
+  bool waiting = false;
   std::vector<ViewPoint> points;
   std::vector<ViewLandmark> map;
   std::vector<ViewStage> stages;

@@ -43,16 +43,29 @@ class Page {
   add(frame) {
     frame.points.uv = floatsOf(frame.points.uv);
     frame.map.p = floatsOf(frame.map.p);
+    if (!frame.waiting) {
+      this.endWaiting();
+    }
     const last = this.history.frames.at(-1);
     if (last && frame.n <= last.n) {
       return;
     }
-    this.leftOut += last ? frame.n - last.n - 1 : 0;
+    this.leftOut += last && !frame.waiting ? frame.n - last.n - 1 : 0;
     this.received.push(frame.n);
     this.received.splice(0, this.received.length - 1000);
     this.history.add(frame);
-    this.path.add(frame.t, frame.p);
-    this.formerMap.add(frame.map);
+    if (!frame.waiting) {
+      this.path.add(frame.t, frame.p);
+      this.formerMap.add(frame.map);
+    }
+  }
+
+  /** The frames that a start has taken in come again, with poses. */
+  endWaiting() {
+    if (this.history.frames.at(-1)?.waiting) {
+      this.history = new History();
+      this.chosen = null;
+    }
   }
 
   get shown() {

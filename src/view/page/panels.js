@@ -45,7 +45,14 @@ function gauge({ name, words, value, low, high, ok, wrong, unit, signed, isNamed
   return element('div', isNamed ? 'gauge named' : 'gauge', label, element('span', 'value', text), scale);
 }
 
-/** Both effects, then the six axes; with no health, empty scales. */
+/** The axis that drifts most, in words. */
+function drift({ axes, most_likely_axis: name }) {
+  const { per_minute: rate, sigma, unit } = axes[name];
+  const decimals = decimalsFor(2 * sigma);
+  return element('p', 'drift', `${name} drifts by ${fixed(rate, decimals, true)} ± ${fixed(1.96 * sigma, decimals)} ${unit} a minute`);
+}
+
+/** Both effects, how much the rig moves, then the six axes and their drift; with no health, empty scales. */
 export function showCalibration(root, run, health) {
   const state = health?.present;
   const effect = (name, words, key, unit) => {
@@ -55,6 +62,7 @@ export function showCalibration(root, run, health) {
   root.replaceChildren(
     effect('off the line', '', 'epipolar_px', 'px'),
     effect('depth', state ? `at ${state.depth_percent.baselines} baselines` : '', 'depth_percent', '%'),
+    effect('moves', 'from frame to frame', 'movement_px', 'px'),
     ...run.axes.map(({ name, words }) => {
       const axis = state?.axes?.[name] ?? {};
       const half = 1.96 * axis.sigma;
@@ -62,7 +70,8 @@ export function showCalibration(root, run, health) {
         name, words, unit: axis.unit, value: axis.error, low: axis.error - half, high: axis.error + half, ok: axis.ok,
         wrong: axis.wrong, signed: true, isNamed: state?.most_likely_axis === name,
       });
-    }));
+    }),
+    ...(state?.drift ? [drift(state.drift)] : []));
 }
 
 /** The light. */
@@ -78,8 +87,8 @@ export function showState(root, frame) {
   const count = (fate) => [...frame.points.fates].filter((letter) => letter === fate).length;
   const speed = frame.v ? Math.hypot(...frame.v) : NaN;
   const facts = [
-    ['position [m]', frame.p.map((x) => fixed(x, 2)).join(', ')],
-    ['speed', `${fixed(speed, 2)} m/s`],
+    ['position [m]', frame.waiting ? '–' : frame.p.map((x) => fixed(x, 2)).join(', ')],
+    ['speed', frame.v ? `${fixed(speed, 2)} m/s` : '–'],
     ['position, 1σ [m]', frame.sigma_m?.map((s) => fixed(s, 3)).join(', ') ?? '–'],
     ['attitude, 1σ [deg]', frame.sigma_deg?.map((s) => fixed(s, 2)).join(', ') ?? '–'],
     ['used, refused, seen', `${count('u')}, ${count('r')}, ${frame.points.fates.length} points`],

@@ -70,6 +70,7 @@ test('a paused run shows its first frame, and each step one more', async () => {
     await shows(n);
   }
   assert.equal(await shown(), 4);
+  assert.match(await page.textContent('#state'), /start: /);
 });
 
 test('a run that is let go comes to its end, and says so', async () => {
@@ -106,7 +107,7 @@ test('pictures show images with points on them, and space shows path and map', a
 
 test('verdict, calibration, state and times are there', async () => {
   assert.match(await page.textContent('#verdict strong'), /^(ok|degraded|decalibrated|cannot tell)$/);
-  assert.equal(await page.locator('.gauge').count(), 8);
+  assert.equal(await page.locator('.gauge').count(), 9);
   assert.match(await page.textContent('#state'), /updated, inputs sound/);
   assert.deepEqual(await page.locator('.bars > span:first-child, .bars > span:nth-child(3n+1)').allTextContents(),
     ['read images', 'track points', 'filter', await page.textContent('.bars .sum')]);
@@ -114,7 +115,7 @@ test('verdict, calibration, state and times are there', async () => {
 
 test('the slider goes back to frames that were, and Newest returns', async () => {
   await page.fill('#seek', '1');
-  await shows(2);
+  await shows(await page.evaluate(() => window.limberView.page.history.frames[1].n));
   assert.equal(await page.getAttribute('#newest', 'aria-pressed'), 'false');
   await page.click('#newest');
   await shows(FRAMES);

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <sqlite3.h>
+#include <SQLiteCpp/SQLiteCpp.h>
 
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
 
-/// SQLite as this room uses it. Everything throws DataError: the file, what was expected of it, what SQLite
-/// says.
+/// SQLite by SQLiteCpp, as studies and bags use it. Everything throws DataError: the file, what was expected
+/// of it, what SQLite says.
 namespace limber::detail {
 
 class SqliteFile;
@@ -27,11 +26,10 @@ class SqliteStatement {
   SqliteStatement& put(const T& value) {
     static_assert(std::is_arithmetic_v<T>);
     if constexpr (std::is_floating_point_v<T>) {
-      check(sqlite3_bind_double(statement_.get(), ++put_, value));
+      return put_number(static_cast<double>(value));
     } else {
-      check(sqlite3_bind_int64(statement_.get(), ++put_, static_cast<sqlite3_int64>(value)));
+      return put_number(static_cast<std::int64_t>(value));
     }
-    return *this;
   }
   template <typename T>
   SqliteStatement& put(const std::optional<T>& value) {
@@ -54,9 +52,9 @@ class SqliteStatement {
   void get(T& value) {
     static_assert(std::is_arithmetic_v<T>);
     if constexpr (std::is_floating_point_v<T>) {
-      value = sqlite3_column_double(statement_.get(), got_++);
+      value = next().getDouble();
     } else {
-      value = static_cast<T>(sqlite3_column_int64(statement_.get(), got_++));
+      value = static_cast<T>(next().getInt64());
     }
   }
   template <typename T>
@@ -75,13 +73,13 @@ class SqliteStatement {
   [[nodiscard]] bool next_is_null() const;
 
  private:
-  void check(int code) const;
+  SqliteStatement& put_number(double value);
+  SqliteStatement& put_number(std::int64_t value);
+  SqliteStatement& put_column(const SQLite::Column& column);
+  [[nodiscard]] SQLite::Column next();
 
-  struct Finalize {
-    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
-  };
   const SqliteFile& file_;
-  std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+  SQLite::Statement statement_;
   int put_ = 0, got_ = 0;
 };
 
@@ -89,8 +87,13 @@ class SqliteStatement {
 /// that comes after a crash finds the last whole transaction.
 class SqliteFile {
  public:
-  enum class Mode { kRead, kCreate };
-  SqliteFile(std::filesystem::path path, Mode mode);
+  enum class Mode {
+    kReadOnly,  ///< nothing is written, not even what a crash left half done is rolled back
+    kRead,
+    kCreate
+  };
+  /// @param kind  what the file is expected to be, in words
+  SqliteFile(std::filesystem::path path, Mode mode, std::string kind);
 
   void execute(const std::string& sql);
   [[nodiscard]] SqliteStatement prepare(const std::string& sql) const { return {*this, sql}; }
@@ -98,30 +101,38 @@ class SqliteFile {
   [[nodiscard]] std::int64_t integer(const std::string& sql) const;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  [[nodiscard]] sqlite3* handle() const { return handle_.get(); }
-  [[noreturn]] void fail(int code) const;
+  [[nodiscard]] SQLite::Database& database() { return database_; }
+  [[nodiscard]] const SQLite::Database& database() const { return database_; }
+
+  /// What `act` returns. @throws DataError for what SQLite says meanwhile
+  template <typename Act>
+  auto guarded(const Act& act) const {
+    try {
+      return act();
+    } catch (const SQLite::Exception& error) {
+      fail(error);
+    }
+  }
 
  private:
-  struct Close {
-    void operator()(sqlite3* handle) const { sqlite3_close_v2(handle); }
-  };
+  [[nodiscard]] SQLite::Database open(Mode mode) const;
+  [[noreturn]] void fail(const SQLite::Exception& error, int system_error) const;
+  [[noreturn]] void fail(const SQLite::Exception& error) const;
+
   std::filesystem::path path_;
-  std::unique_ptr<sqlite3, Close> handle_;
+  std::string kind_;
+  SQLite::Database database_;
 };
 
 /// All or nothing: what is not committed is undone. Nobody else writes meanwhile.
 class SqliteTransaction {
  public:
   explicit SqliteTransaction(SqliteFile& file);
-  ~SqliteTransaction();
-  SqliteTransaction(const SqliteTransaction&) = delete;
-  SqliteTransaction& operator=(const SqliteTransaction&) = delete;
-
   void commit();
 
  private:
   SqliteFile& file_;
-  bool open_ = true;
+  SQLite::Transaction transaction_;
 };
 
 }  // namespace limber::detail
