@@ -136,10 +136,12 @@ Scene wavering_scene(std::uint64_t seed, double sigma) {
   return scene;
 }
 
+constexpr double kJumpPx = 10.0;
+
 double sum_of_end_nees(Method method, const std::string& constraints, double softened_px) {
   double sum = 0.0;
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
-    const Scene scene = wavering_scene(seed, 3.0);
+    const Scene scene = wavering_scene(seed, kJumpPx);
     NavigatorOptions options = with_method(scene, method);
     options.constraints = constraint_set_from_string(constraints);
     options.softened(first_of(ParameterBlock::kCam1) + 2) = softened_px;
@@ -161,7 +163,7 @@ TEST(NavigatorParameters, WhatWaversIsHarmlessWhereItIsConstrainedOrSoftened) {
   const double both = sum_of_end_nees(Method::kLcekf, "full,cu1", 0.0);
   EXPECT_GE(both, low);
   EXPECT_LE(both, high);
-  const double softened = sum_of_end_nees(Method::kEkf, "full", 3.0);
+  const double softened = sum_of_end_nees(Method::kEkf, "full", kJumpPx);
   EXPECT_GE(softened, low);
   EXPECT_LE(softened, high);
   EXPECT_GE(sum_of_end_nees(Method::kEkf, "full", 0.0), 3.0 * high);
