@@ -147,6 +147,21 @@ NormalEquations::Matrix drift_not_looked_for(NormalEquations::Matrix epipolar, c
   return information.llt().solve(NormalEquations::Matrix::Identity());
 }
 
+/// The error at the end of windows that are enough for a line.
+/// @param drift  set where there is one
+BetaEstimate estimate_at_end(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
+                             const WatchOptions& options, std::optional<RigDrift>& drift) {
+  const BetaTrend trend = robust_trend(windows, theta, metric);
+  const double chance =
+      chance_of(trend.change, static_cast<double>(windows.size()) - 1.0, theta, metric, options.tolerance);
+  if (chance < alarm_limit(options)) {
+    drift = RigDrift{trend.change.rig(theta), trend.seconds, 0};
+  }
+  return chance < kDoubt ? trend.now
+                         : with_drift_within(trend, drift_not_looked_for(trend.change.epipolar, theta, metric,
+                                                                         options.tolerance));
+}
+
 }  // namespace
 
 bool CalibrationState::moves() const {
@@ -164,18 +179,9 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
     out.tracks += window.track_count;
     out.deep += window.deep;
   }
-  BetaEstimate estimate = robust_estimate(windows, theta, metric);
-  if (windows.size() >= kFewestOfADrift) {
-    const BetaTrend trend = robust_trend(windows, theta, metric);
-    const double chance =
-        chance_of(trend.change, static_cast<double>(windows.size()) - 1.0, theta, metric, options.tolerance);
-    estimate = chance < kDoubt ? trend.now
-                               : with_drift_within(trend, drift_not_looked_for(trend.change.epipolar, theta,
-                                                                               metric, options.tolerance));
-    if (chance < alarm_limit(options)) {
-      out.drift = RigDrift{trend.change.rig(theta), trend.seconds, 0};
-    }
-  }
+  const BetaEstimate estimate = windows.size() < kFewestOfADrift
+                                    ? robust_estimate(windows, theta, metric)
+                                    : estimate_at_end(windows, theta, metric, options, out.drift);
   judge_estimate(estimate, theta, metric, options.tolerance, out);
   if (out.drift) {
     out.drift->named = static_cast<std::size_t>(most_likely_axis(out.drift->change, out.bands));
