@@ -26,10 +26,10 @@ trap 'echo "limber: FAILED, see above" >&2' ERR
 # The folders of tests/ that the sanitizers watch every time: the filter's rooms, and what reads recordings and calibrations.
 watched="core;sensors;predict;measure;state;landmarks;stack;update;health;navigate"
 watched+=";evaluate;io;clean;rig_files;datasets;bags;simulate"
-leave_out=full
+released=(--label-exclude '^full$')
 if $full; then
   watched=""
-  leave_out=none
+  released=()
 fi
 
 scripts/install_dependencies.sh
@@ -40,7 +40,7 @@ cmake --build --preset release
 if $full; then
   cmake --build --preset release --target benchmarks
 fi
-ctest --preset release --label-exclude "^$leave_out\$"
+ctest --preset release "${released[@]}"
 
 # The users' projects (label `consumer`), the browser (`page`), the documented commands (`docs`) and the long statistics
 # (`slow`) were run above.
