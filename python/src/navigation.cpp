@@ -438,13 +438,15 @@ void bind_start(py::module_& module) {
   const StartOptions defaults;
   py::class_<BoundStart> bound(module, "SensorStart", DOC(SensorStart));
   bound.def(py::init([](const StereoCalibration& calibration, const NavigatorOptions& options,
-                        double longest_s, double shortest_s) {
+                        double longest_s, double longest_moving_s, double shortest_s) {
               StartOptions start;
               start.longest_s = longest_s;
+              start.longest_moving_s = longest_moving_s;
               start.shortest_s = shortest_s;
               return std::make_unique<BoundStart>(options, calibration, start);
             }),
             py::arg("calibration"), py::arg("options"), py::arg("longest_s") = defaults.longest_s,
+            py::arg("longest_moving_s") = defaults.longest_moving_s,
             py::arg("shortest_s") = defaults.shortest_s, DOC(StartOptions));
   bind_inputs(bound, [](SensorStart& self) -> SensorStart& { return self; });
   bound

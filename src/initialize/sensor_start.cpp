@@ -86,6 +86,7 @@ struct SensorStart::Window {
   double solved_s = 0.0;
   StartReport report;
 
+  [[nodiscard]] bool is_due(double waited_s) const;
   [[nodiscard]] double length() const {
     return raw.empty() ? 0.0 : seconds_between(raw.front().t_ns, raw.back().t_ns);
   }
@@ -104,6 +105,7 @@ struct SensorStart::Window {
     return !model.right ||
            !(model.directions.bottomRows<3>().transpose() * model.calibration.theta.tail<3>()).isZero();
   }
+  [[nodiscard]] StartReport judged() const;
   [[nodiscard]] double tilt_sigma() const;
   [[nodiscard]] InitialState handed_over() const;
   [[nodiscard]] double scale_sigma() const;
@@ -179,6 +181,13 @@ std::optional<WindowState> SensorStart::Window::continued(const Frames& now) con
   return out;
 }
 
+/// Solved again where the window has grown enough, and at the end of its time.
+bool SensorStart::Window::is_due(double waited_s) const {
+  const auto ends = [&](double longest_s) { return waited_s >= longest_s && solved_s < longest_s; };
+  return ends(options.longest_s) || ends(options.longest_moving_s) ||
+         (waited_s >= options.shortest_s && waited_s >= kGrowth * solved_s);
+}
+
 void SensorStart::Window::solve() {
   std::vector<WindowState> starts;
   const Frames now = kept();
@@ -236,6 +245,36 @@ double SensorStart::Window::tilt_sigma() const {
 double SensorStart::Window::scale_sigma() const {
   const double information = scale_information(handed_over());
   return information > 0.0 ? 1.0 / std::sqrt(information) : kUnknown;
+}
+
+/// What the solution knows of what was asked for.
+StartReport SensorStart::Window::judged() const {
+  StartReport out;
+  out.waited_s = length();
+  out.tilt_sigma = solution ? tilt_sigma() : kUnknown;
+  out.scale_sigma = solution ? scale_sigma() : kUnknown;
+  const bool tilt = out.tilt_sigma <= options.tilt_sigma;
+  const bool scale =
+      out.scale_sigma <= (leaves_scale_open() ? options.open_scale_sigma : options.scale_sigma);
+  const bool settled = !solution || normal.left <= kSettled;
+  const bool moves = solution && parallax() > kSeenParallax;
+  if (!solution) {
+    out.missing = "a motion that images and inputs agree upon";
+  } else if (!scale) {
+    out.missing = moves ? "no acceleration yet that tells the scale" : "no parallax yet that tells the scale";
+  } else if (!settled && tilt) {
+    out.missing = "a solution that has settled";
+  }
+  if (solution && !tilt) {
+    out.missing += std::string(out.missing.empty() ? "" : "; ") +
+                   "no turn or acceleration yet that tells the tilt from a bias";
+  }
+  const bool may_be_told = moves && !scale && has_scale(model.options.motion);
+  const double longest_s = may_be_told ? options.longest_moving_s : options.longest_s;
+  out.status = tilt && scale && settled    ? StartStatus::kReady
+               : out.waited_s >= longest_s ? StartStatus::kTimedOut
+                                           : StartStatus::kWaiting;
+  return out;
 }
 
 /// The last frame and the map; of their scale no more than the motion can tell.
@@ -335,39 +374,13 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
   }
   out.waited_s = w.length();
   out.tilt_sigma = out.scale_sigma = kUnknown;
-  const bool over = out.waited_s >= w.options.longest_s;
-  if (!over &&
-      (out.waited_s < w.options.shortest_s || (w.solved_s > 0.0 && out.waited_s < kGrowth * w.solved_s))) {
+  if (!w.is_due(out.waited_s)) {
     out.missing = "more frames";
     return out;
   }
   w.solve();
-  if (w.solution) {
-    out.tilt_sigma = w.tilt_sigma();
-    out.scale_sigma = w.scale_sigma();
-  }
-  const bool tilt = out.tilt_sigma <= w.options.tilt_sigma;
-  const bool scale =
-      out.scale_sigma <= (w.leaves_scale_open() ? w.options.open_scale_sigma : w.options.scale_sigma);
-  if (!w.solution) {
-    out.missing = "a motion that images and inputs agree upon";
-  } else if (!scale) {
-    out.missing = w.solution && w.parallax() > kSeenParallax ? "no acceleration yet that tells the scale"
-                                                             : "no parallax yet that tells the scale";
-  }
-  const bool settled = !w.solution || w.normal.left <= kSettled;
-  if (!settled && tilt && scale) {
-    out.missing = "a solution that has settled";
-  }
-  if (w.solution && !tilt) {
-    out.missing += std::string(out.missing.empty() ? "" : "; ") +
-                   "no turn or acceleration yet that tells the tilt from a bias";
-  }
-  out.status = tilt && scale && settled ? StartStatus::kReady
-               : over                   ? StartStatus::kTimedOut
-                                        : StartStatus::kWaiting;
-  w.report = out;
-  return out;
+  w.report = w.judged();
+  return w.report;
 }
 
 SensorStartResult SensorStart::result() {
@@ -381,16 +394,19 @@ SensorStartResult SensorStart::result() {
     nav.t_ns = w.raw.back().t_ns;
     nav.T_world_body.R = assumed_attitude(w.model.options, w.model.calibration);
     out.initial = make_initial_state(nav, MotionModel::kOdometry, {});
+    out.report.status = StartStatus::kReady;
     return out;
   }
   if (!w.solution || w.solved_s < w.length()) {
     w.solve();
   }
-  if (!w.solution) {
-    return w.unsolved();
+  if (w.solution) {
+    out.initial = w.handed_over();
+    out.trajectory = w.trajectory();
+  } else {
+    out = w.unsolved();
   }
-  out.initial = w.handed_over();
-  out.trajectory = w.trajectory();
+  out.report = w.judged();
   return out;
 }
 

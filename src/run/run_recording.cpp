@@ -139,12 +139,13 @@ void keep_window(const SensorWindow& window, const Navigator& navigator, RunReco
     }
   }
   const StartReport& report = window.report;
-  record.notes.push_back(
-      fmt::format("started from the first {:.2g} s, which are smoothed: tilt known to {:.2g} deg, {}{}",
-                  report.waited_s, report.tilt_sigma * kDegreesPerRadian,
-                  report.scale_sigma < 1.0 ? fmt::format("scale to {:.2g} %", 100.0 * report.scale_sigma)
-                                           : "scale not at all",
-                  report.missing.empty() ? "" : "; not known: " + report.missing));
+  record.notes.push_back(fmt::format(
+      "{}{:.2g} s, which are smoothed: tilt known to {:.2g} deg, {}{}",
+      report.status == StartStatus::kWaiting ? "nothing but a start, all " : "started from the first ",
+      report.waited_s, report.tilt_sigma * kDegreesPerRadian,
+      report.scale_sigma < 1.0 ? fmt::format("scale to {:.2g} %", 100.0 * report.scale_sigma)
+                               : "scale not at all",
+      report.missing.empty() ? "" : "; not known: " + report.missing));
 }
 
 }  // namespace

@@ -9,7 +9,8 @@ namespace {
 
 // The frames of the start get poses smoothed over that long [ns].
 constexpr std::int64_t kSmoothedNs = 4'000'000'000;
-constexpr double kLongestShare = 0.5;  // of a short recording, that a start may take
+constexpr double kLongestShare =
+    0.5;  // of a short recording, that a start may take which learns nothing more
 
 /// Reads a little further and lets the window's frames have what those behind it say of them.
 void smooth(const Recording& recording, const FrameSource& source, std::size_t next, MotionModel motion,
@@ -64,6 +65,7 @@ SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setu
   }
   if (out.frames.empty()) return out;  // stopped
   out.result = start.result();
+  if (out.report.status == StartStatus::kWaiting) out.report = out.result.report;
   if (motion == MotionModel::kOdometry) {
     out.frames.clear();
   } else if (!out.stopped) {

@@ -7,7 +7,7 @@
     documented_commands.py --example PROGRAM output     what README.md says that the C++ example prints
 
 Commands are run as they stand, on shorter twins of the scenarios (3 s, 60 points where the file names no world). What
-would still take long runs as the smaller twin that TWINS says. Exit codes other than 0 fail the test.
+would still take long runs as the smaller twin that TWINS says. Exit codes other than 0 fail the test. Each is printed with its time.
 """
 import argparse
 import os
@@ -16,6 +16,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
@@ -71,9 +72,10 @@ def run(command, folder):
     for name, codes in VERDICTS.items():
         if re.match(rf"\S*limber {name} (?!--help)", command):
             wanted = codes
+    begin = time.monotonic()
     done = subprocess.run(["bash", "-c", command.removeprefix("! ")], cwd=folder, env=environment, text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
-    print(f"[{done.returncode}] {command}", flush=True)
+    print(f"[{done.returncode}] {time.monotonic() - begin:5.1f} s {command}", flush=True)
     if done.returncode not in wanted:
         sys.exit(f"expected exit code {wanted}:\n{done.stdout[-3000:]}")
     return done.stdout

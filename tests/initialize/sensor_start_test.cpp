@@ -32,7 +32,7 @@ TEST(SensorStart, OfARigThatIsWrongAndMovesIsTheSameForAMethodThatDistrustsIt) {
   const auto velocity_error = [&sigma](const SceneOptions& options) {
     const Scene scene = make_scene(options);
     StartOptions how;
-    how.longest_s = 1.0;  // the same frames for both
+    how.longest_s = how.longest_moving_s = 1.0;  // the same frames for both
     const Started started = start(scene, options_of(scene, Method::kLcekf), how);
     const InitialState& initial = started.result.initial;
     sigma = std::sqrt(initial.body_covariance.block<3, 3>(L::kVelocity, L::kVelocity).trace());
@@ -52,6 +52,21 @@ TEST(SensorStart, GivesEveryFrameOfTheWindowAPoseFromTheOriginOn) {
     EXPECT_EQ(started.result.trajectory[k].nav.t_ns, scene.frames[k].t_ns);
     EXPECT_LE((started.result.trajectory[k].nav.T_world_body.p - scene.truth[k].T_world_body.p).norm(), 0.1);
   }
+}
+
+/// A filter that took over by then would be sure of a scale that nobody knows.
+TEST(SensorStart, OfABodyThatMovesWaitsForTheScaleLongerThanOfOneAtRest) {
+  const Scene scene = make_scene(of_seed(1));
+  StartOptions how;
+  how.longest_s = how.longest_moving_s = 1.0;
+  const Started hasty = start(scene, options_of(scene, Method::kLcekf), how);
+  ASSERT_EQ(hasty.report.status, StartStatus::kTimedOut);
+  EXPECT_NE(hasty.report.missing.find("no acceleration"), std::string::npos);
+  how.longest_moving_s = 30.0;
+  const Started patient = start(scene, options_of(scene, Method::kLcekf), how);
+  EXPECT_GT(patient.report.waited_s, 1.0);
+  EXPECT_NE(patient.report.status, StartStatus::kTimedOut);
+  EXPECT_LT(patient.result.report.scale_sigma, 0.5 * hasty.report.scale_sigma);
 }
 
 TEST(SensorStart, RefusesWhatIsNoFrameOfTheWindow) {

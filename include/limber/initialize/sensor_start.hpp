@@ -15,7 +15,10 @@ namespace limber {
 
 /// When a start from the sensors is good enough, and how long it may take.
 struct StartOptions {
-  double longest_s = 8.0;     ///< then it goes on with what is known, as it is known
+  double longest_s = 8.0;  ///< then it goes on with what is known, as it is known
+  /// The same while the body moves and no acceleration tells how far: a filter that linearises each frame
+  /// once would soon be sure of a scale that nobody knows. At rest and in pure rotation longest_s counts.
+  double longest_moving_s = 30.0;
   double shortest_s = 1.0;    ///< no start before
   double tilt_sigma = 0.02;   ///< [rad], asked for; recordings with an IMU
   double scale_sigma = 0.05;  ///< [-], of the logarithm of the map's scale, asked for
@@ -28,7 +31,7 @@ struct StartOptions {
 enum class StartStatus : std::uint8_t {
   kWaiting,  ///< for what StartReport::missing says
   kReady,    ///< what was asked for is known
-  kTimedOut  ///< longest_s is over: ready as well, but `missing` is not known and the covariance says so
+  kTimedOut  ///< the time is over: ready as well, but `missing` is not known and the covariance says so
 };
 
 /// How far a start has come.
@@ -48,6 +51,7 @@ struct SmoothedState {
 
 /// Where the filter goes on, and where the body was until then.
 struct SensorStartResult {
+  StartReport report;                     ///< what is known by the last frame
   InitialState initial;                   ///< at the last frame, with a first map
   std::vector<SmoothedState> trajectory;  ///< at every frame, the last one among them; origin: the first
   bool solved = true;  ///< false: images and inputs agree upon no motion, and nothing of them was used
