@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 #ifdef LIMBER_WITH_FRONTEND
 #include "limber/frontend/stereo_tracker.hpp"
 #include "pair_reader.hpp"
@@ -46,29 +48,79 @@ class ImageTracking {
   StereoTracker tracker_;
 };
 
+using TrackedFrames = std::function<TrackedFrame(std::size_t)>;
+
+TrackedFrames tracked_frames(const Recording& recording, const FrontendArguments& arguments) {
+  TrackerOptions options;
+  options.max_tracks = arguments.max_tracks;
+  auto tracking = std::make_shared<ImageTracking>(recording, options);
+  TrackedFrames take = [tracking](std::size_t n) { return (*tracking)(n); };
+  if (arguments.threads > 1) {
+    auto ahead = std::make_shared<ReadAhead<TrackedFrame>>(take, recording.images.size());
+    take = [ahead](std::size_t n) { return ahead->take(n); };
+  }
+  return take;
+}
+
+/// Keeps the frames that were taken, one after the other, for those who take them again.
+class KeptFrames {
+ public:
+  explicit KeptFrames(TrackedFrames take) : take_(std::move(take)) {}
+
+  TrackedFrame operator()(std::size_t n, FrontendRecord& record) {
+    if (kept_.empty()) first_ = n;
+    const std::size_t k = n - first_;
+    if (k > kept_.size()) throw std::logic_error("KeptFrames: the frames begin elsewhere, or with a gap");
+    if (k == kept_.size()) {
+      kept_.push_back(take_(n));
+    } else {
+      record.earlier_ms += kept_[k].decode_ms + kept_[k].track_ms;
+    }
+    return kept_[k];
+  }
+
+ private:
+  TrackedFrames take_;
+  std::size_t first_ = 0;
+  std::vector<TrackedFrame> kept_;
+};
+
+/// Frames as `take` makes them, with what it took.
+template <typename Take>
+ImageFrames recorded(Take take) {
+  auto record = std::make_shared<FrontendRecord>();
+  return {[take, record](std::size_t n) {
+            TrackedFrame tracked = take(n, *record);
+            record->add(tracked.frame, tracked.decode_ms, tracked.track_ms);
+            return std::move(tracked.frame);
+          },
+          record};
+}
+
 }  // namespace
 #endif
+
+RepeatedFrames repeated_frames(const Recording& recording, const FrontendArguments& arguments) {
+  if (recording.images.empty()) {
+    return [&recording] { return ImageFrames{matched_frames(recording), nullptr}; };
+  }
+#ifdef LIMBER_WITH_FRONTEND
+  auto kept = std::make_shared<KeptFrames>(tracked_frames(recording, arguments));
+  return [kept] {
+    return recorded([kept](std::size_t n, FrontendRecord& record) { return (*kept)(n, record); });
+  };
+#else
+  return [&recording, arguments] { return image_frames(recording, arguments); };
+#endif
+}
 
 ImageFrames image_frames(const Recording& recording, const FrontendArguments& arguments) {
   if (recording.images.empty()) {
     return {matched_frames(recording), nullptr};
   }
 #ifdef LIMBER_WITH_FRONTEND
-  TrackerOptions options;
-  options.max_tracks = arguments.max_tracks;
-  auto tracking = std::make_shared<ImageTracking>(recording, options);
-  std::function<TrackedFrame(std::size_t)> take = [tracking](std::size_t n) { return (*tracking)(n); };
-  if (arguments.threads > 1) {
-    auto ahead = std::make_shared<ReadAhead<TrackedFrame>>(take, recording.images.size());
-    take = [ahead](std::size_t n) { return ahead->take(n); };
-  }
-  auto record = std::make_shared<FrontendRecord>();
-  return {[take, record](std::size_t n) {
-            TrackedFrame tracked = take(n);
-            record->add(tracked.frame, tracked.decode_ms, tracked.track_ms);
-            return std::move(tracked.frame);
-          },
-          record};
+  return recorded(
+      [take = tracked_frames(recording, arguments)](std::size_t n, FrontendRecord&) { return take(n); });
 #else
   throw std::runtime_error(recording.name +
                            " holds images, but this program was built without the image front end");

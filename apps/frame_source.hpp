@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "limber/run/run_recording.hpp"
@@ -21,6 +22,15 @@ struct ImageFrames {
 /// @param recording  must outlive the source
 /// @throws std::runtime_error for images if this program was built without the front end
 [[nodiscard]] ImageFrames image_frames(const Recording& recording, const FrontendArguments& arguments);
+
+/// The frames of a recording, from the first that a run wants on, once more with every call.
+using RepeatedFrames = std::function<ImageFrames()>;
+
+/// @brief For runs one after the other that begin with the same frame, over images that are read and tracked
+/// once: frames are kept, some 6 kB each with 120 points, and a run that wants more goes on where those
+/// before have ended.
+/// @throws as image_frames, when called
+[[nodiscard]] RepeatedFrames repeated_frames(const Recording& recording, const FrontendArguments& arguments);
 
 /// The frames alone, made on the thread that asks for them.
 [[nodiscard]] FrameSource frame_source(const Recording& recording);

@@ -38,7 +38,7 @@ class ServedView : public LiveView {
 
  private:
   template <typename Frame>
-  void serve(const Frame& frame, bool is_last);
+  void serve(const Frame& frame, double t_s, bool is_last);
 
   const ViewArguments arguments_;
   std::function<bool()> stop_;
@@ -72,23 +72,22 @@ void ServedView::show(const ObservedFrame& frame) {
   }
   if (!server_) return;
   board_.note(frames_.t_s(), p);
-  serve(frame, frames_.is_last());
+  serve(frame, frames_.t_s(), frames_.is_last());
 }
 
 void ServedView::show(const WaitingFrame& frame) {
-  frames_.take(frame);
-  if (server_) serve(frame, false);
+  if (server_) serve(frame, frame.report.waited_s, false);
 }
 
 template <typename Frame>
-void ServedView::serve(const Frame& frame, bool is_last) {
+void ServedView::serve(const Frame& frame, double t_s, bool is_last) {
   bool published = false;
   const auto publish = [&] {
     if (!published) board_.publish(frames_.view_of(frame, kLiveImages));
     published = true;
   };
   if (board_.due() || is_last) publish();
-  board_.hold(frames_.t_s(), stop_, publish);
+  board_.hold(t_s, stop_, publish);
 }
 
 void ServedView::finish(const std::string& message) {

@@ -92,13 +92,13 @@ void require_place_of_page(const RunArguments& arguments) {
 
 /// run_recording with what the command shows meanwhile.
 RunRecord run_and_show(const Recording& recording, const RunOptions& options, const ImageFrames& source,
-                       Progress& progress, LiveView* view) {
+                       LiveView* view) {
+  Progress progress(to_string(options.method), frame_count(recording));
   RunCallbacks callbacks;
   callbacks.progress = [&](std::size_t n) { progress.done(n, timing_text(source.record.get())); };
   callbacks.stop = Interrupt::asked;
-  std::size_t waiting = 0;
   callbacks.wait = [&](const WaitingFrame& frame) {
-    progress.done(++waiting, "start: " + frame.report.missing);
+    progress.done(frame.number, "start: " + frame.report.missing);
     if (view != nullptr) view->show(frame);
   };
   if (view != nullptr) {
@@ -115,23 +115,15 @@ RunRecord run_and_show(const Recording& recording, const RunOptions& options, co
   }
 }
 
-void run(const RunArguments& arguments) {
-  Recording recording;
-  RunOptions options;
-  RunRecord record;
-  std::unique_ptr<LiveView> view;
-  {
-    const Interrupt interrupt;
-    recording = open_recording(arguments);
-    options = to_options(arguments, recording);
-    require_replaceable_run(arguments.out, arguments.force);
-    require_writable_folder(arguments.out);
-    require_place_of_page(arguments);
-    const ImageFrames source = image_frames(recording, arguments.frontend);
-    view = open_live_view(arguments.view, recording, options, source.record, Interrupt::asked);
-    Progress progress(arguments.method, frame_count(recording));
-    record = run_and_show(recording, options, source, progress, view.get());
-  }
+void run_on(const Recording& recording, const RepeatedFrames& frames, const RunArguments& arguments) {
+  const RunOptions options = to_options(arguments, recording);
+  require_replaceable_run(arguments.out, arguments.force);
+  require_writable_folder(arguments.out);
+  require_place_of_page(arguments);
+  const ImageFrames source = frames();
+  const std::unique_ptr<LiveView> view =
+      open_live_view(arguments.view, recording, options, source.record, Interrupt::asked);
+  const RunRecord record = run_and_show(recording, options, source, view.get());
   if (record.frames.empty()) {
     throw std::runtime_error("stopped before the first frame: nothing is written");
   }
@@ -144,7 +136,7 @@ void run(const RunArguments& arguments) {
     *arguments.notes = record.notes;
   } else {
     print_notes(record.notes);
-    print_run_summary(summary, arguments.out);
+    print_run_summary(summary, record, arguments.out);
   }
   make_report_beside(arguments.out);
   if (view) {
@@ -157,12 +149,22 @@ void run(const RunArguments& arguments) {
   }
 }
 
+void run(const RunArguments& arguments) {
+  const Interrupt interrupt;
+  const Recording recording = open_recording(arguments);
+  run_on(
+      recording, [&] { return image_frames(recording, arguments.frontend); }, arguments);
+}
+
+/// The recording is opened, and its images are read and tracked, once.
 void run_each(const RunArguments& arguments) {
   const std::vector<std::string> methods = different_methods(arguments.methods);
   const std::string lcekf = to_string(Method::kLcekf);
   if (!arguments.constraints.empty() && std::find(methods.begin(), methods.end(), lcekf) == methods.end()) {
     throw CLI::ValidationError("--constraints", "lcekf alone has constraints, which --methods does not name");
   }
+  std::optional<Recording> recording;
+  RepeatedFrames frames;
   run_methods(
       methods, arguments.out, arguments.force,
       [&](const std::string& method, const std::filesystem::path& folder, std::vector<std::string>& notes) {
@@ -171,7 +173,11 @@ void run_each(const RunArguments& arguments) {
         one.out = folder;
         one.notes = &notes;
         if (method != lcekf) one.constraints.clear();
-        run(one);
+        if (!recording) {
+          recording = open_recording(arguments);
+          frames = repeated_frames(*recording, arguments.frontend);
+        }
+        run_on(*recording, frames, one);
       });
 }
 

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "limber/io/parameter_text.hpp"
+
 namespace limber::app {
 namespace {
 
@@ -13,9 +15,20 @@ std::string text_of(const std::optional<double>& value, const char* unit, int di
   return value ? fmt::format("{:.{}f}{}", *value, digits, unit) : std::string("unknown");
 }
 
+void print_estimated(const CalibrationEstimate& estimate) {
+  const char* heading = "estimated";
+  for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
+    if (!estimate.parameters[k]) continue;
+    const auto at = static_cast<Eigen::Index>(k);
+    fmt::print("  {:<16}{:<7} {:+.3g} ± {:.2g} {} (true - assumed)\n", heading, kParameterNames[k],
+               in_user_units(k, estimate.error(at)), in_user_units(k, estimate.sigma(at)), user_unit_of(k));
+    heading = "";
+  }
+}
+
 }  // namespace
 
-void print_run_summary(const RunSummary& s, const std::filesystem::path& folder) {
+void print_run_summary(const RunSummary& s, const RunRecord& record, const std::filesystem::path& folder) {
   fmt::print("{} on {}\n", s.method, s.dataset);
   fmt::print("  frames          {} in {:.1f} s, {:.1f} points a frame, {} refused in all\n", s.frames,
              s.duration_s, s.points_per_frame, s.points_refused);
@@ -28,6 +41,9 @@ void print_run_summary(const RunSummary& s, const std::filesystem::path& folder)
              text_of(s.nis_per_dof, "", 2));
   if (s.health) {
     fmt::print("  calibration     {} (limber health says more)\n", to_string(s.health->verdict));
+  }
+  if (!record.calibration.empty()) {
+    print_estimated(record.calibration.back().estimate);
   }
   fmt::print(
       "  time            p50 {:.2f} ms, p99 {:.2f} ms, worst {:.2f} ms a frame, {:.1f} times real time\n",

@@ -7,7 +7,8 @@
 
 namespace limber::app {
 
-/// The figures of a run in ten lines on stdout.
-void print_run_summary(const RunSummary& summary, const std::filesystem::path& folder);
+/// The figures of a run in ten lines on stdout, and a line for each parameter that it estimated.
+void print_run_summary(const RunSummary& summary, const RunRecord& record,
+                       const std::filesystem::path& folder);
 
 }  // namespace limber::app

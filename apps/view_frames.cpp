@@ -100,13 +100,6 @@ void ViewFrames::keep_health(const FrameReport& report) {
   }
 }
 
-void ViewFrames::take(const WaitingFrame& frame) {
-  if (waiting_++ == 0) {
-    begin_ns_ = frame.frame.t_ns;
-  }
-  t_s_ = seconds_between(begin_ns_, frame.frame.t_ns);
-}
-
 std::vector<ViewStage> ViewFrames::stages_of(std::int64_t t_ns) const {
   std::vector<ViewStage> out;
   if (frontend_) {
@@ -145,8 +138,8 @@ ViewFrame ViewFrames::view_of(const ObservedFrame& frame, const ViewImageSize& s
 
 ViewFrame ViewFrames::view_of(const WaitingFrame& frame, const ViewImageSize& size) const {
   ViewFrame out;
-  out.number = waiting_;
-  out.t_s = t_s_;
+  out.number = frame.number;
+  out.t_s = frame.report.waited_s;
   out.waiting = true;
   out.status = "start: " + frame.report.missing;
   out.stages = stages_of(frame.frame.t_ns);

@@ -40,8 +40,7 @@ class ViewFrames {
   /// them go.
   [[nodiscard]] ViewFrame view_of(const ObservedFrame& frame, const ViewImageSize& size) const;
 
-  /// The same while a start from the sensors waits; its frames are counted apart.
-  void take(const WaitingFrame& frame);
+  /// While a start from the sensors waits; its frames need not be taken.
   [[nodiscard]] ViewFrame view_of(const WaitingFrame& frame, const ViewImageSize& size) const;
 
  private:
@@ -55,7 +54,7 @@ class ViewFrames {
   std::shared_ptr<const FrontendRecord> frontend_;
   PairOfImages images_;               // empty if there are none
   std::vector<FrameReport> windows_;  // the first frame, then one per report of the calibration
-  std::size_t count_ = 0, waiting_ = 0;
+  std::size_t count_ = 0;
   std::int64_t begin_ns_ = 0;
   double t_s_ = 0.0;
   bool is_last_ = false;

@@ -174,6 +174,7 @@ void add_frontend(const FrontendRecord& frontend, RunRecord& record) {
     record.source_ms[k] = spent_ms[record.trajectory[k].t_ns];
   }
   record.frontend = frontend;
+  record.elapsed_s += 1e-3 * frontend.earlier_ms;
 }
 
 FrameSource matched_frames(const Recording& recording) {

@@ -56,7 +56,7 @@ SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setu
     out.frame_ms.push_back(milliseconds(begin, Clock::now()));
     out.source_ms.push_back(read.ms);
     if (callbacks.wait && out.report.status == StartStatus::kWaiting)
-      callbacks.wait({read.frame, out.report});
+      callbacks.wait({read.frame, out.report, out.frames.size()});
     if (motion == MotionModel::kOdometry) {
       out.ahead.push_back(std::move(read));
     } else {

@@ -101,6 +101,24 @@ TEST_F(ImageFolder, IsNavigatedAlikeOnOneThreadAndOnTwoAndSaysWhatTheImagesTook)
   EXPECT_LE(nlohmann::json::parse(testing::read_text(few / "summary.json"))["frontend"]["left_points"], 20.0);
 }
 
+TEST_F(ImageFolder, IsReadOnceForSeveralMethodsWhichFindWhatEachFindsAlone) {
+  const std::string data = mav0().parent_path().string();
+  const auto result = testing::run_limber({"run", data, "--methods", "ekf,lcekf", "--out", out().string()});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  nlohmann::json times;
+  for (const char* const method : {"ekf", "lcekf"}) {
+    const fs::path alone = mav0().parent_path() / method;
+    ASSERT_EQ(testing::run_limber({"run", data, "--method", method, "--out", alone.string()}).exit_code, 0);
+    for (const char* const file : {"trajectory.csv", "landmarks.ply", "health.csv", "refusals.csv"}) {
+      EXPECT_EQ(read_text(out() / method / file), read_text(alone / file)) << method << ", " << file;
+    }
+    times[method] = nlohmann::json::parse(read_text(out() / method / "summary.json"))["ms_per_frame"];
+  }
+  for (const char* const part : {"decode", "track"}) {  // to the nanosecond: measured once
+    EXPECT_EQ(times["lcekf"][part], times["ekf"][part]) << part;
+  }
+}
+
 TEST_F(ImageFolder, IsRefusedWhereAnImageIsMissing) {
   fs::remove(image("cam1", 2));
   expect_refused(mav0() / "cam1/data.csv:4", "expected the image 100000000.png");

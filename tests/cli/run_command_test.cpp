@@ -138,6 +138,9 @@ TEST_F(RunCommand, EstimatesSoftensAndConstrainsOtherParameters) {
     arguments.insert(arguments.end(), options.begin(), options.end());
     const ProgramResult result = run(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out.find("estimated       fu1     -") != std::string::npos,
+              !summary_in(out())["estimated"].is_null())
+        << result.out;
     return summary_in(out())["position_rmse_m"].get<double>();
   };
   const double trusting = rmse_with({"--method", "lcekf"});  // all but the focal length

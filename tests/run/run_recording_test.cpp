@@ -367,6 +367,8 @@ TEST(RunRecording, TellsOfEveryFrameWhileAStartFromTheSensorsWaitsAndWhatItWaits
     EXPECT_EQ(frame.report.status, StartStatus::kWaiting);
     EXPECT_FALSE(frame.report.missing.empty());
     waited.push_back(frame.frame.t_ns);
+    EXPECT_EQ(frame.number, waited.size());
+    EXPECT_NEAR(frame.report.waited_s, 1e-9 * static_cast<double>(waited.back() - waited.front()), 1e-9);
   };
   callbacks.observe = [&](const ObservedFrame& frame) { done.push_back(frame.row.t_ns); };
   (void)run_recording(recording, options, matched_frames(recording), callbacks);

@@ -41,6 +41,7 @@ struct ObservedFrame {
 struct WaitingFrame {
   const StereoFrame& frame;   ///< cleaned
   const StartReport& report;  ///< after it: what is missing
+  std::size_t number;         ///< how many the start has taken in with it
 };
 
 /// What a run tells and asks, each of it empty if nobody wants it. What they throw ends the run and passes
@@ -64,6 +65,7 @@ struct FrontendRecord {
   std::vector<double> decode_ms, track_ms;        ///< time spent on reading and on tracking a pair [ms]
   std::size_t left_points = 0, right_points = 0;  ///< sums over the frames
   std::set<std::int64_t> tracks;                  ///< track_ids
+  double earlier_ms = 0.0;                        ///< of these times: for a run before, which left its frames
 
   void add(const StereoFrame& frame, double decoding_ms, double tracking_ms);
 };
@@ -91,7 +93,7 @@ struct RunRecord {
 };
 
 /// Adds what the front end behind the frame source did: source_ms becomes the work on each frame, where the
-/// run has measured how long it waited for it.
+/// run has measured how long it waited for it. What an earlier run has spent on the frames counts, too.
 void add_frontend(const FrontendRecord& frontend, RunRecord& record);
 
 /// @brief Runs one method over a recording. Estimators see what a rig would deliver; the truth is used for
