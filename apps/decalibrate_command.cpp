@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "limber/bags/bag_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/track_log.hpp"
@@ -100,6 +101,10 @@ void bend_points(const DecalibrateArguments& arguments, const Recording& recordi
 }
 
 void decalibrate(const DecalibrateArguments& arguments) {
+  if (is_bag(arguments.dataset)) {
+    throw DataError(arguments.dataset.string(), 0, "the folder of a recording",
+                    "a bag: limber convert makes a folder of it");
+  }
   const Recording recording = limber::read_recording(arguments.dataset);
   const std::vector<DecalibrationSignal> signals = signals_of(arguments.as, recording);
   require_new_folder(arguments.out);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "limber/bags/bag_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/trajectory_files.hpp"
@@ -60,6 +61,10 @@ std::string seconds_covered(const TrajectoryInput& input) {
 }  // namespace
 
 TrajectoryInput load_trajectory(const fs::path& path) {
+  if (is_bag(path)) {
+    throw DataError(path.string(), 0, "a trajectory, or the folder of a recording",
+                    "a bag: limber run compares with the truth in it, limber convert makes a folder of it");
+  }
   if (!fs::is_directory(path)) {
     return load_file(path);
   }

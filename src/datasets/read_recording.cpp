@@ -41,16 +41,13 @@ constexpr std::array<Format, 3> kFormats = {
 struct Hint {
   std::string_view ending, what;
 };
+// What are bags is read by limber::bags, and does not come here.
+constexpr const char* kOtherBag =
+    "a file that does not begin like a bag of its ending: ROS 1 (version 2.0), MCAP or ROS 2 (db3)";
 constexpr std::array<Hint, 16> kHints = {
-    {{".bag",
-      "a bag: 'limber info' says what is in it; limber run, health and smooth take it with --calib, "
-      "limber convert makes a folder of it"},
-     {".mcap",
-      "an MCAP file: 'limber info' says what is in it; limber run, health and smooth take it with "
-      "--calib, limber convert makes a folder of it"},
-     {".db3",
-      "a ROS 2 bag: 'limber info' says what is in it; limber run, health and smooth take it with "
-      "--calib, limber convert makes a folder of it"},
+    {{".bag", kOtherBag},
+     {".mcap", kOtherBag},
+     {".db3", kOtherBag},
      {".zstd", "a compressed bag: unpack it with zstd -d"},
      {".zip", "an archive: unpack it and give the folder"},
      {".gz", "an archive: unpack it and give the folder or the bag"},
@@ -90,8 +87,8 @@ Recording read_any(const fs::path& folder) {
 Recording read_recording(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) {
-    throw DataError(path.string(), 0, "the folder of a recording",
-                    fs::exists(path, error) ? what_a_file_is(path) : "no such folder");
+    throw DataError(path.string(), 0, "the folder of a recording, or a bag",
+                    fs::exists(path, error) ? what_a_file_is(path) : "no such file or folder");
   }
   try {
     Recording recording = read_any(path);

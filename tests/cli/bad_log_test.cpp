@@ -131,9 +131,10 @@ TEST_F(NoLog, IsRefusedWithWhatWouldBeOne) {
   const auto run_on = [this](const fs::path& dataset) {
     return testing::run_limber({"run", dataset.string(), "--out", out().string()});
   };
-  expect_refused(run_on(folder() / "nowhere"), 1, "expected the folder of a recording, found no such folder");
+  expect_refused(run_on(folder() / "nowhere"), 1,
+                 "expected the folder of a recording, or a bag, found no such file or folder");
   expect_refused(run_on(write_text(folder() / "file", "x")), 1,
-                 "expected the folder of a recording, found a file");
+                 "expected the folder of a recording, or a bag, found a file");
   fs::create_directory(folder() / "empty");
   expect_refused(run_on(folder() / "empty"), 1, "mav0/tracks0 (track log)");
   expect_refused(run_on(""), 2, "DATASET: expected a name, found nothing");

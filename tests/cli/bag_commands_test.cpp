@@ -52,6 +52,18 @@ std::map<std::string, std::string> contents_below(const fs::path& folder) {
   return out;
 }
 
+TEST_F(BagCommands, SayWhatToDoWhereABagIsNotTaken) {
+  const auto evaluated = run_limber({"evaluate", bag("ros1_none.bag"), bag("ros2.db3")});
+  EXPECT_EQ(evaluated.exit_code, 1);
+  EXPECT_THAT(evaluated.err, HasSubstr("found a bag: limber run compares with the truth in it"));
+  const auto bent = run_limber({"decalibrate", bag("lz4.mcap"), "--as", "ay=1", "--out", path("bent")});
+  EXPECT_EQ(bent.exit_code, 1);
+  EXPECT_THAT(bent.err, HasSubstr("found a bag: limber convert makes a folder of it"));
+  const std::string old = write_text(folder.path() / "old.bag", "#ROSBAG V1.2\n").string();
+  EXPECT_THAT(run_limber({"info", old}).err,
+              HasSubstr("does not begin like a bag of its ending: ROS 1 (version 2.0)"));
+}
+
 TEST_F(BagCommands, InfoSaysWhatIsInABagAndWhatCanBeDone) {
   const ProgramResult text = run_limber({"info", bag("ros1_bz2.bag")});
   EXPECT_EQ(text.exit_code, 0) << text.err;

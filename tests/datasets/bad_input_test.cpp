@@ -258,8 +258,9 @@ TEST(MissingInput, IsAPathThatIsNoFolder) {
                 .find("found a file"),
             std::string::npos);
   const fs::path nowhere = folder.path() / "nowhere";
-  EXPECT_EQ(std::string(data_error_of([&] { static_cast<void>(read_recording(nowhere)); }).what()),
-            nowhere.string() + ": expected the folder of a recording, found no such folder");
+  EXPECT_EQ(
+      std::string(data_error_of([&] { static_cast<void>(read_recording(nowhere)); }).what()),
+      nowhere.string() + ": expected the folder of a recording, or a bag, found no such file or folder");
 }
 
 // Reads a log whose files have been damaged: only success or DataError will do; anything else ends the test.
