@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-packages=(libroscpp-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev libdiagnostic-msgs-dev python3-rosbag
+packages=(libroscpp-dev libsensor-msgs-dev libgeometry-msgs-dev libnav-msgs-dev libtf2-msgs-dev libdiagnostic-msgs-dev python3-rosbag
           python3-rosmaster python3-nav-msgs python3-tf2-msgs python3-diagnostic-msgs)
 missing=()
 for package in "${packages[@]}"; do
@@ -29,8 +29,15 @@ cmake --build "$work" -j2
 "$work/core_test"
 rm -rf "$work/data"
 mkdir "$work/data"
-sed 's/^duration:.*/duration: 10/' scenarios/drone_none.yaml >"$work/data/scenario.yaml"
-build/release/limber simulate "$work/data/scenario.yaml" --images --out "$work/data/room"
-build/release/limber convert "$work/data/room" --out "$work/data/room.bag" --pixels raw
-/usr/bin/python3 ros/test/node_test.py "$work/limber_node" build/release/limber "$work/data/room.bag" "$work/data/room"
+sed 's/^duration:.*/duration: 10/' scenarios/drone_none.yaml >"$work/data/room.yaml"
+{ cat "$work/data/room.yaml"; echo "use_imu: false"; echo "odometry: {rate: 50}"; } >"$work/data/wheels.yaml"
+for recording in room wheels; do
+  build/release/limber simulate "$work/data/$recording.yaml" --images --out "$work/data/$recording"
+  build/release/limber convert "$work/data/$recording" --out "$work/data/$recording.bag" --pixels raw
+done
+for test in "room imu" "wheels twist" "wheels odometry"; do
+  read -r recording inputs <<<"$test"
+  /usr/bin/python3 ros/test/node_test.py "$work/limber_node" build/release/limber "$work/data/$recording.bag" \
+    "$work/data/$recording" --inputs "$inputs"
+done
 rm -rf "$work/data"

@@ -73,6 +73,11 @@ limber::OnlineOptions options_of(const Parameters& parameters) {
   if (parameters.bits < 8 || parameters.bits > 16) {
     throw std::invalid_argument("parameter bits: expected 8 to 16, found " + std::to_string(parameters.bits));
   }
+  options.uses_odometry = parameters.inputs == "odometry" || parameters.inputs == "twist";
+  if (!options.uses_odometry && parameters.inputs != "imu") {
+    throw std::invalid_argument("parameter inputs: expected imu, odometry or twist, found '" +
+                                parameters.inputs + "'");
+  }
   options.tracker.max_tracks = parameters.max_tracks;
   options.pair_within_s = parameters.pair_within;
   options.bits = parameters.bits;
@@ -103,6 +108,12 @@ Core::~Core() = default;
 
 void Core::add_imu(std::int64_t t_ns, const std::array<double, 3>& rate, const std::array<double, 3>& force) {
   parts_->navigator.add_imu({t_ns, {rate[0], rate[1], rate[2]}, {force[0], force[1], force[2]}});
+}
+
+void Core::add_odometry(std::int64_t t_ns, const std::array<double, 3>& velocity,
+                        const std::array<double, 3>& rate) {
+  parts_->navigator.add_odometry(
+      {t_ns, {velocity[0], velocity[1], velocity[2]}, {rate[0], rate[1], rate[2]}});
 }
 
 void Core::add_image(std::size_t camera, std::int64_t t_ns, Image image) {

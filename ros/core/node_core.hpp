@@ -19,6 +19,8 @@ struct Parameters {
   std::string calib;      ///< file or folder, as `limber run --calib` takes it
   std::string imu_noise;  ///< Kalibr imu.yaml; empty: the calibration's, or limber's default
   std::string images;     ///< raw or rectified, where the calibration holds both; else empty
+  /// What drives the prediction beside the images: imu; or odometry and twist, messages of the same content.
+  std::string inputs = "imu";
   std::string method = "lcekf";
   std::string tolerance;       ///< as `limber run --tolerance`; empty: its default
   int max_tracks = 120;        ///< points followed at a time
@@ -74,6 +76,11 @@ class Core {
   /// @param rate   [rad/s]
   /// @param force  [m/s²], +9.81 upwards at rest
   void add_imu(std::int64_t t_ns, const std::array<double, 3>& rate, const std::array<double, 3>& force);
+  /// With parameter inputs: odometry or twist. The body is the one that the calibration speaks of.
+  /// @param velocity  of the body, in its frame [m/s]
+  /// @param rate      the same [rad/s]
+  void add_odometry(std::int64_t t_ns, const std::array<double, 3>& velocity,
+                    const std::array<double, 3>& rate);
   /// @param camera  0 left, 1 right
   void add_image(std::size_t camera, std::int64_t t_ns, Image image);
 

@@ -22,15 +22,44 @@ constexpr std::int64_t kJumpBack = 1'000'000'000;  // [ns]
 constexpr std::size_t kMostWaiting = 20;           // frames
 
 /// Options, calibration and notes as `limber run` has them for a recording with these sensors.
-RunSetup set_up(const StereoCalibration& calibration, const std::optional<ImuNoise>& noise, bool uses_imu,
-                const RunOptions& options) {
+RunSetup set_up(const StereoCalibration& calibration, const std::optional<ImuNoise>& noise,
+                MotionModel motion, const RunOptions& options) {
   Recording recording;
   recording.name = "the node";
   recording.calibration = calibration;
   recording.imu_noise = noise;
   recording.images.resize(1);
-  recording.imu.resize(uses_imu ? 1 : 0);
+  recording.imu.resize(motion == MotionModel::kImu ? 1 : 0);
+  recording.odometry.resize(motion == MotionModel::kOdometry ? 1 : 0);
   return set_up_run(recording, options);
+}
+
+MotionModel motion_of(const StereoCalibration& calibration, const OnlineOptions& options) {
+  if (options.uses_odometry) return MotionModel::kOdometry;
+  return calibration.body == BodyFrame::kImu ? MotionModel::kImu : MotionModel::kConstantVelocity;
+}
+
+bool is_finite(const ImuSample& sample) {
+  return sample.omega_imu.allFinite() && sample.accel_imu.allFinite();
+}
+
+bool is_finite(const OdometrySample& sample) {
+  return sample.v_body.allFinite() && sample.omega_body.allFinite();
+}
+
+template <typename Receiver>
+void give(Receiver& receiver, const ImuSample& sample) {
+  receiver.add_imu(sample);
+}
+
+template <typename Receiver>
+void give(Receiver& receiver, const OdometrySample& sample) {
+  receiver.add_odometry(sample);
+}
+
+template <typename Input>
+std::int64_t time_of(const Input& input) {
+  return std::visit([](const auto& sample) { return sample.t_ns; }, input);
 }
 
 }  // namespace
@@ -45,10 +74,10 @@ struct OnlineNavigator::Session {
 
   /// Samples up to the first one at or after t.
   template <typename Receiver>
-  void feed(const std::deque<ImuSample>& imu, Receiver& receiver, std::int64_t t_ns) {
-    while (next < imu.size() && (!fed_ns || *fed_ns < t_ns)) {
-      fed_ns = imu[next].t_ns;
-      receiver.add_imu(imu[next++]);
+  void feed(const std::deque<Input>& inputs, Receiver& receiver, std::int64_t t_ns) {
+    while (next < inputs.size() && (!fed_ns || *fed_ns < t_ns)) {
+      fed_ns = time_of(inputs[next]);
+      std::visit([&](const auto& sample) { give(receiver, sample); }, inputs[next++]);
     }
   }
 
@@ -69,8 +98,10 @@ OnlineNavigator::OnlineNavigator(StereoCalibration calibration, std::optional<Im
       imu_noise_(imu_noise),
       options_(std::move(options)),
       listener_(listener),
-      uses_imu_(calibration_.body == BodyFrame::kImu) {
-  if (!uses_imu_) {
+      motion_(motion_of(calibration_, options_)) {
+  if (motion_ == MotionModel::kOdometry) {
+    listener_.note("odometry is taken for velocities of the body that the calibration speaks of");
+  } else if (motion_ == MotionModel::kConstantVelocity) {
     listener_.note("the calibration does not say where the IMU sits: it is not used");
   }
 }
@@ -80,9 +111,9 @@ OnlineNavigator::~OnlineNavigator() = default;
 void OnlineNavigator::begin_anew(const std::string& why) {
   listener_.warning(why + ": starting anew");
   session_.reset();
-  imu_.clear();
+  inputs_.clear();
   pairs_.clear();
-  last_imu_ns_.reset();
+  last_input_ns_.reset();
   for (std::size_t c = 0; c < 2; ++c) {
     waiting_[c].clear();
     last_image_ns_[c].reset();
@@ -103,13 +134,18 @@ bool OnlineNavigator::follows(std::int64_t t_ns, std::optional<std::int64_t>& la
 }
 
 void OnlineNavigator::add_imu(const ImuSample& sample) {
-  if (!uses_imu_) {
-    return;
-  }
-  if (!sample.omega_imu.allFinite() || !sample.accel_imu.allFinite()) {
-    listener_.warning("an IMU sample that is not finite is left out");
-  } else if (follows(sample.t_ns, last_imu_ns_, "IMU sample")) {
-    imu_.push_back(sample);
+  if (motion_ == MotionModel::kImu) add_input(sample, "IMU sample");
+}
+
+void OnlineNavigator::add_odometry(const OdometrySample& sample) {
+  if (motion_ == MotionModel::kOdometry) add_input(sample, "odometry sample");
+}
+
+void OnlineNavigator::add_input(const Input& input, const char* what) {
+  if (!std::visit([](const auto& sample) { return is_finite(sample); }, input)) {
+    listener_.warning(std::string("an ") + what + " that is not finite is left out");
+  } else if (follows(time_of(input), last_input_ns_, what)) {
+    inputs_.push_back(input);
     advance();
   }
 }
@@ -147,7 +183,7 @@ void OnlineNavigator::pair_up() {
 }
 
 bool OnlineNavigator::is_covered(std::int64_t t_ns) const {
-  return !uses_imu_ || (last_imu_ns_ && *last_imu_ns_ >= t_ns);
+  return motion_ == MotionModel::kConstantVelocity || (last_input_ns_ && *last_input_ns_ >= t_ns);
 }
 
 void OnlineNavigator::advance() {
@@ -167,7 +203,8 @@ void OnlineNavigator::advance() {
 void OnlineNavigator::process(const Pair& pair) {
   const std::int64_t t_ns = pair[0].t_ns;
   if (!session_) {
-    if (uses_imu_ && (imu_.empty() || t_ns < imu_.front().t_ns)) {
+    const bool driven = motion_ != MotionModel::kConstantVelocity;
+    if (driven && (inputs_.empty() || t_ns < time_of(inputs_.front()))) {
       return;  // before the first input
     }
     begin_session(pair);
@@ -187,7 +224,7 @@ void OnlineNavigator::begin_session(const Pair& pair) {
     }
   }
   session_ = std::make_unique<Session>(calibration_, options_,
-                                       set_up(calibration_, imu_noise_, uses_imu_, options_.run));
+                                       set_up(calibration_, imu_noise_, motion_, options_.run));
   for (const std::string& note : session_->setup.notes) {
     listener_.note(note);
   }
@@ -195,7 +232,7 @@ void OnlineNavigator::begin_session(const Pair& pair) {
 
 void OnlineNavigator::start(const StereoFrame& frame) {
   Session& session = *session_;
-  session.feed(imu_, *session.start, frame.t_ns);
+  session.feed(inputs_, *session.start, frame.t_ns);
   const StartReport report = session.start->add_frame(frame);
   if (report.status == StartStatus::kWaiting) {
     listener_.diagnostic({frame.t_ns,
@@ -212,13 +249,17 @@ void OnlineNavigator::start(const StereoFrame& frame) {
   session.fed_ns.reset();
   listener_.note("started after " + std::to_string(report.waited_s) + " s" +
                  (report.missing.empty() ? "" : "; not known: " + report.missing));
-  tell_state();
+  if (motion_ == MotionModel::kOdometry) {
+    navigate(frame);  // the start has used up none
+  } else {
+    tell_state();
+  }
 }
 
 void OnlineNavigator::navigate(const StereoFrame& frame) {
   Session& session = *session_;
-  session.feed(imu_, *session.navigator, frame.t_ns);
-  imu_.erase(imu_.begin(), imu_.begin() + static_cast<std::ptrdiff_t>(session.next));
+  session.feed(inputs_, *session.navigator, frame.t_ns);
+  inputs_.erase(inputs_.begin(), inputs_.begin() + static_cast<std::ptrdiff_t>(session.next));
   session.next = 0;
   const FrameReport report = session.navigator->process(frame);
   session.is_lost = session.is_lost || report.reset;

@@ -14,12 +14,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 
 /// @file
 /// What a node does, whatever middleware it belongs to.
 namespace limber {
 
-/// Who runs an OnlineNavigator hears this of it, from within the calls of add_imu and add_image.
+/// Who runs an OnlineNavigator hears this of it, from within the calls of add_imu, add_odometry
+/// and add_image.
 class OnlineListener {
  public:
   virtual ~OnlineListener() = default;
@@ -34,28 +36,32 @@ class OnlineListener {
 struct OnlineOptions {
   RunOptions run;
   TrackerOptions tracker;
+  bool uses_odometry = false;    ///< velocities of the body drive the prediction, in the place of an IMU
   double pair_within_s = 0.005;  ///< stamps of a left and a right image that belong together
   int bits = 16;                 ///< that cameras with pixels of 16 bits use
 };
 
-/// @brief Images and IMU in as they come, poses and diagnostics out: what `limber run` does with a recording,
-/// on default options with the same bits from the frame after the start on (the frames before are smoothed
-/// there by what came later).
+/// @brief Images and IMU, or odometry, in as they come, poses and diagnostics out: what `limber run` does
+/// with a recording, on default options with the same bits from the frame after the start on (the frames
+/// before are smoothed there by what came later).
 ///
-/// Starts from the sensors. A frame waits until the IMU has reached it, or twenty more wait behind it. A
-/// clock that jumps back by more than a second, and a filter that diverges, mean a new start. One thread.
+/// Starts from the sensors. A frame waits until IMU or odometry has reached it, or twenty more wait behind
+/// it. A clock that jumps back by more than a second, and a filter that diverges, mean a new start. One
+/// thread.
 class OnlineNavigator {
  public:
   /// @param calibration  a width of 0 is taken from the first image. With body kCam0 the IMU is not used:
-  ///                     nothing says where it sits
+  ///                     nothing says where it sits. Odometry is that of this body
   OnlineNavigator(StereoCalibration calibration, std::optional<ImuNoise> imu_noise, OnlineOptions options,
                   OnlineListener& listener);
   ~OnlineNavigator();
   OnlineNavigator(const OnlineNavigator&) = delete;
   OnlineNavigator& operator=(const OnlineNavigator&) = delete;
 
-  /// Samples that are not finite, or not later than the one before, are left out with a warning.
+  /// Samples that are not finite, or not later than the one before, are left out with a warning; those that
+  /// the options do not ask for, without.
   void add_imu(const ImuSample& sample);
+  void add_odometry(const OdometrySample& sample);
   /// @param camera  0 left, 1 right. Images that cannot be used are left out with a warning.
   void add_image(std::size_t camera, std::int64_t t_ns, EncodedImage image);
 
@@ -66,7 +72,9 @@ class OnlineNavigator {
     EncodedImage image;
   };
   using Pair = std::array<Stamped, 2>;
+  using Input = std::variant<ImuSample, OdometrySample>;
 
+  void add_input(const Input& input, const char* what);
   void pair_up();
   void advance();  ///< processes the frames that need not wait any more
   [[nodiscard]] bool is_covered(std::int64_t t_ns) const;
@@ -83,12 +91,12 @@ class OnlineNavigator {
   std::optional<ImuNoise> imu_noise_;
   OnlineOptions options_;
   OnlineListener& listener_;
-  bool uses_imu_ = true;
+  MotionModel motion_;
   std::array<std::deque<Stamped>, 2> waiting_;  ///< images without a partner yet
   std::deque<Pair> pairs_;                      ///< not processed yet
   std::array<std::optional<std::int64_t>, 2> last_image_ns_;
-  std::deque<ImuSample> imu_;  ///< since the start began; once it is over, those not fed yet
-  std::optional<std::int64_t> last_imu_ns_;
+  std::deque<Input> inputs_;  ///< since the start began; once it is over, those not fed yet
+  std::optional<std::int64_t> last_input_ns_;
   std::unique_ptr<Session> session_;  ///< since the last start
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// ROS 1: stereo images and IMU in, odometry, tf and diagnostics out. Parameters and topics: ros/README.md.
+// ROS 1: stereo images and IMU or odometry in, odometry, tf and diagnostics out. Parameters and topics:
+// ros/README.md.
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/TwistStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CompressedImage.h>
@@ -95,7 +97,7 @@ class Publisher final : public limber_node::Output {
 class Subscriber {
  public:
   Subscriber(ros::NodeHandle& node, const ros::NodeHandle& own, limber_node::Core& core) : core_(core) {
-    imu_ = node.subscribe("imu", kMostMessages, &Subscriber::take_imu, this);
+    subscribe_to_inputs(node, own.param<std::string>("inputs", "imu"));
     const bool compressed = own.param("compressed", false);
     for (const std::size_t camera : {0, 1}) {
       const std::string topic = camera == 0 ? "left/image_raw" : "right/image_raw";
@@ -112,6 +114,25 @@ class Subscriber {
   }
 
  private:
+  void subscribe_to_inputs(ros::NodeHandle& node, const std::string& inputs) {
+    if (inputs == "imu") {
+      inputs_ = node.subscribe("imu", kMostMessages, &Subscriber::take_imu, this);
+    } else if (inputs == "twist") {
+      inputs_ = node.subscribe<geometry_msgs::TwistStamped>(
+          "twist_in", kMostMessages,
+          [this](const geometry_msgs::TwistStampedConstPtr& m) { take_twist(m->header.stamp, m->twist); });
+    } else {
+      inputs_ = node.subscribe<nav_msgs::Odometry>(
+          "odometry_in", kMostMessages,
+          [this](const nav_msgs::OdometryConstPtr& m) { take_twist(m->header.stamp, m->twist.twist); });
+    }
+  }
+
+  void take_twist(const ros::Time& stamp, const geometry_msgs::Twist& twist) {
+    const auto &v = twist.linear, &rate = twist.angular;
+    core_.add_odometry(from_ros(stamp), {v.x, v.y, v.z}, {rate.x, rate.y, rate.z});
+  }
+
   void take_imu(const sensor_msgs::ImuConstPtr& message) {
     const auto &rate = message->angular_velocity, &force = message->linear_acceleration;
     if (message->angular_velocity_covariance[0] == -1.0 ||
@@ -137,7 +158,7 @@ class Subscriber {
   }
 
   limber_node::Core& core_;
-  ros::Subscriber imu_;
+  ros::Subscriber inputs_;
   std::array<ros::Subscriber, 2> images_;
 };
 
@@ -146,6 +167,7 @@ limber_node::Parameters parameters_of(const ros::NodeHandle& own) {
   own.param("calib", out.calib, out.calib);
   own.param("imu_noise", out.imu_noise, out.imu_noise);
   own.param("images", out.images, out.images);
+  own.param("inputs", out.inputs, out.inputs);
   own.param("method", out.method, out.method);
   own.param("tolerance", out.tolerance, out.tolerance);
   own.param("max_tracks", out.max_tracks, out.max_tracks);
@@ -163,7 +185,7 @@ int main(int argc, char** argv) {
     Publisher publisher(node, own);
     limber_node::Core core(parameters_of(own), publisher);
     const Subscriber subscriber(node, own, core);
-    ROS_INFO("waiting for images and IMU");
+    ROS_INFO("waiting for images and inputs");
     ros::spin();
   } catch (const std::exception& error) {
     ROS_FATAL_STREAM(error.what());

@@ -24,7 +24,10 @@ void expect(bool holds, const char* what) {
 }
 
 struct Heard final : limber_node::Output {
-  void odometry(const limber_node::Odometry&) override { ++poses; }
+  void odometry(const limber_node::Odometry& odometry) override {
+    ++poses;
+    last = odometry;
+  }
   void status(const limber_node::Status& status) override { states.push_back(status); }
   void note(const std::string&) override {}
   void warning(const std::string& text) override { warnings.push_back(text); }
@@ -32,6 +35,7 @@ struct Heard final : limber_node::Output {
     return !warnings.empty() && warnings.back().find(of) != std::string::npos;
   }
   std::size_t poses = 0;
+  limber_node::Odometry last;
   std::vector<limber_node::Status> states;
   std::vector<std::string> warnings;
 };
@@ -80,6 +84,11 @@ void test_parameters(const std::string& camchain) {
   parameters.method = "oracle";
   expect(!refused(parameters).empty(), "the oracle is refused");
   parameters.method = "lcekf";
+  parameters.inputs = "wheels";
+  expect(refused(parameters).find("imu, odometry or twist") != std::string::npos,
+         "inputs are of three kinds");
+  parameters.inputs = "twist";
+  expect(refused(parameters).empty(), "odometry is one of them");
   parameters.images = "blue";
   expect(!refused(parameters).empty(), "images are raw or rectified");
 }
@@ -126,12 +135,36 @@ void test_inputs(const std::string& camchain) {
   expect(heard.poses == 0, "and tells no pose of a grey wall");
 }
 
+void test_odometry(const std::string& camchain) {
+  Heard heard;
+  limber_node::Parameters parameters;
+  parameters.calib = camchain;
+  parameters.inputs = "odometry";
+  limber_node::Core core(parameters, heard);
+  core.add_imu(kStart, {std::nan(""), 0, 0}, {0, 0, 9.81});
+  expect(heard.warnings.empty(), "an IMU that nobody asked for is not looked at");
+  core.add_odometry(kStart, {0, std::nan(""), 0}, {0, 0, 0});
+  expect(heard.warned("odometry sample that is not finite"), "a sample that is none is said");
+  for (const std::int64_t t : {kStart - kFrame, kStart, kStart + kFrame}) {
+    core.add_odometry(t, {1, 0, 0}, {0, 0, 0});
+  }
+  core.add_odometry(kStart, {1, 0, 0}, {0, 0, 0});
+  expect(heard.warned("not later than the one before"), "a late sample is said");
+  for (const std::int64_t t : {kStart, kStart + kFrame, kStart + 2 * kFrame}) {
+    core.add_image(0, t, image());
+    core.add_image(1, t, image());
+  }
+  expect(heard.poses == 2, "odometry starts with the first frame, and the last one waits for it");
+  expect(std::abs(heard.last.position[0] - 1e-9 * kFrame) < 1e-3, "and moves the body");
+}
+
 }  // namespace
 
 int main() {
   const std::string camchain = write_camchain();
   test_parameters(camchain);
   test_inputs(camchain);
+  test_odometry(camchain);
   std::filesystem::remove(camchain);
   std::puts("core_test: passed");
   return 0;

@@ -3,7 +3,9 @@
 """Plays a bag to the node with ROS 1's own rosbag, and compares what the node publishes with `limber run` on that bag: the
 same poses, bit by bit, from the frame after the start on.
 
-    node_test.py LIMBER_NODE LIMBER BAG CALIBRATION [--imu IMU_YAML] [--rate R]
+    node_test.py LIMBER_NODE LIMBER BAG CALIBRATION [--imu IMU_YAML] [--inputs imu|odometry|twist]
+
+A bag of `limber convert` holds twists; for odometry they are put into another bag as nav_msgs/Odometry.
 """
 import argparse
 import os
@@ -18,12 +20,14 @@ from pathlib import Path
 try:
     import rosbag
     import rosgraph
+    from nav_msgs.msg import Odometry
     import rospy  # noqa: F401 (rosbag play's messages)
 except ImportError as missing:
     print(f"skipped: needs Debian's python3-rosbag and python3-rosmaster: {missing}")
     sys.exit(0)
 
 PLAY, RECORD = "/usr/lib/rosbag/play", "/usr/lib/rosbag/record"
+INPUTS = {"imu": ("imu", "/imu0"), "twist": ("twist_in", "/odometry"), "odometry": ("odometry_in", "/wheels")}
 
 
 class Graph:
@@ -86,15 +90,31 @@ def processor_time(program):
     return int(fields[11]) + int(fields[12])
 
 
-def publish(graph, node, bag, options, out):
+def with_odometry(bag, out):
+    """The bag with its twists as nav_msgs/Odometry, and without the truth, which would be of the same type."""
+    with rosbag.Bag(bag) as source, rosbag.Bag(out, "w") as target:
+        for topic, message, t in source.read_messages():
+            if topic == INPUTS["twist"][1]:
+                odometry = Odometry(header=message.header)
+                odometry.pose.pose.orientation.w = 1.0
+                odometry.twist.twist = message.twist
+                target.write(INPUTS["odometry"][1], odometry, t)
+            elif topic != "/groundtruth":
+                target.write(topic, message, t)
+    return out
+
+
+def publish(graph, node, bag, inputs, options, out):
     """What the node publishes while the bag is played."""
     compressed, left = topics_of(bag)
     right = left.replace("cam0", "cam1")
     ending = "/compressed" if compressed else ""
-    program = graph.start(node, f"left/image_raw{ending}:={left}", f"right/image_raw{ending}:={right}", "imu:=/imu0",
+    name, topic_of_inputs = INPUTS[inputs]
+    program = graph.start(node, f"left/image_raw{ending}:={left}", f"right/image_raw{ending}:={right}",
+                f"{name}:={topic_of_inputs}", "odometry:=/limber/odometry", f"_inputs:={inputs}",
                 f"_compressed:={str(compressed).lower()}", *options)
-    recorder = graph.start(RECORD, "-O", out, "/odometry", "/tf", "/diagnostics")
-    for topic in (left, right, "/imu0", "/odometry", "/diagnostics"):
+    recorder = graph.start(RECORD, "-O", out, "/limber/odometry", "/tf", "/diagnostics")
+    for topic in (left, right, topic_of_inputs, "/limber/odometry", "/diagnostics"):
         graph.wait(f"a subscriber of {topic}", lambda: graph.is_subscribed(topic))
     player = graph.start(PLAY, "--quiet", "-d", "2", bag)
     player.wait(600)
@@ -110,7 +130,7 @@ def compare(published, run):
     columns = [line.split(",") for line in (run / "trajectory.csv").read_text().splitlines()[1:]]
     expected = {int(row[0]): [float(value) for value in row[1:8]] for row in columns}
     with rosbag.Bag(published) as bag:
-        poses = [message for _, message, _ in bag.read_messages("/odometry")]
+        poses = [message for _, message, _ in bag.read_messages("/limber/odometry")]
         frames = [message for _, message, _ in bag.read_messages("/tf")]
         states = [status for _, array, _ in bag.read_messages("/diagnostics") for status in array.status]
     assert len(poses) > 10, f"{len(poses)} poses"
@@ -130,18 +150,23 @@ def compare(published, run):
 
 
 def main():
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # or programs of a job in the background ignore it
     parser = argparse.ArgumentParser()
     for name in ("node", "limber", "bag", "calibration"):
         parser.add_argument(name)
     parser.add_argument("--imu")
+    parser.add_argument("--inputs", choices=INPUTS, default="imu")
     arguments = parser.parse_args()
     imu = (["--imu", arguments.imu], [f"_imu_noise:={arguments.imu}"]) if arguments.imu else ([], [])
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        bag = arguments.bag
+        if arguments.inputs == "odometry":
+            bag = with_odometry(bag, folder / "odometry.bag")
         with Graph(folder) as graph:
-            publish(graph, arguments.node, arguments.bag, [f"_calib:={arguments.calibration}", *imu[1]],
+            publish(graph, arguments.node, bag, arguments.inputs, [f"_calib:={arguments.calibration}", *imu[1]],
                     folder / "published.bag")
-        command = [arguments.limber, "run", arguments.bag, "--calib", arguments.calibration, *imu[0], "--out", folder / "run"]
+        command = [arguments.limber, "run", bag, "--calib", arguments.calibration, *imu[0], "--out", folder / "run"]
         done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         compare(folder / "published.bag", folder / "run")
