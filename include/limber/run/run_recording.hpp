@@ -47,10 +47,10 @@ struct WaitingFrame {
 /// What a run tells and asks, each of it empty if nobody wants it. What they throw ends the run and passes
 /// through.
 struct RunCallbacks {
-  std::function<void(std::size_t)> progress;          ///< the number of frames done
-  std::function<void(const ObservedFrame&)> observe;  ///< every frame in turn
-  std::function<void(const WaitingFrame&)> wait;  ///< every frame before a start from the sensors is ready
-  std::function<bool()> stop;  ///< asked before every frame: true ends the run with what it has by then
+  std::function<void(std::size_t)> progress{};          ///< the number of frames done
+  std::function<void(const ObservedFrame&)> observe{};  ///< every frame in turn
+  std::function<void(const WaitingFrame&)> wait{};  ///< every frame before a start from the sensors is ready
+  std::function<bool()> stop{};  ///< asked before every frame: true ends the run with what it has by then
 };
 
 /// What a filter took for the calibration after a frame.
