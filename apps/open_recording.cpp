@@ -52,6 +52,9 @@ Recording open_recording(const RecordingFiles& files) {
   if (!files.imu.empty()) {
     recording.imu_noise = read_kalibr_imu(files.imu);
   }
+  if (files.readout_time) {
+    recording.calibration.readout_time_s.fill(*files.readout_time);
+  }
   return recording;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "limber/datasets/recording.hpp"
@@ -13,6 +14,7 @@ namespace limber::app {
 struct RecordingFiles {
   std::filesystem::path dataset, calibration, imu;
   std::string images, topics;
+  std::optional<double> readout_time;  ///< of both cameras [s]
 };
 
 /// The recording, a bag or a folder, with the calibration of --calib and the noise of --imu in the place of

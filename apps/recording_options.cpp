@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "recording_options.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "limber/bags/read_bag.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "limber/run/parse_tolerance.hpp"
@@ -42,6 +46,13 @@ void add_input_options(CLI::App& command, RecordingArguments& arguments) {
       .add_option("--imu", arguments.imu,
                   "Kalibr imu.yaml: noise of the IMU in the place of the recording's own")
       ->check(not_empty());
+  command
+      .add_option(
+          "--readout-time", arguments.readout_time,
+          "How long an image takes from its first row to its last [s], in the place of what the "
+          "calibration says: rolling shutter, the middle row exposed at the stamp; negative: last row first")
+      ->check(number_that(fmt::format("a number from -{0} to {0}", kLongestReadout),
+                          [](double x) { return std::abs(x) <= kLongestReadout; }));
   command
       .add_option(
           "--images", arguments.images,
@@ -126,7 +137,8 @@ RunOptions to_run_options(const RecordingArguments& arguments, const Recording& 
     options.softened = parse_parameter_sigmas(arguments.soften, recording.calibration);
   }
   options.sigma_px = arguments.sigma_px;
-  options.cleaning = {arguments.clean == "on", arguments.max_points};
+  options.cleaning.clean = arguments.clean == "on";
+  options.cleaning.max_points = arguments.max_points;
   options.start = start_mode_from_string(arguments.start);
   if (!arguments.tolerance.empty()) {
     options.tolerance = parse_tolerance(arguments.tolerance);

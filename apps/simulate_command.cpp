@@ -98,6 +98,10 @@ void add_picture_options(CLI::App& command, SimulateArguments& arguments) {
   numbers.add("--exposure", p.exposure, 1, "Exposure time [s]: motion blur");
   numbers.add("--rolling-shutter", p.rolling_shutter, 1,
               "Readout time [s]: rows are exposed one after the other, the middle one at the stamp");
+  command
+      .add_flag("--tell-readout", p.tell_readout,
+                "Write the readout time into the calibration; else estimators do not know of it")
+      ->needs(command.get_option("--rolling-shutter"));
   command.add_option("--moving-objects", p.moving_objects, "Number of boxes that move through the scene")
       ->check(whole_number(0, 100))
       ->needs(images);

@@ -6,6 +6,7 @@
 
 #include "clean/exchanged_pictures.hpp"
 #include "clean/leaping_matches.hpp"
+#include "clean/row_times.hpp"
 #include "clean/stale_tracks.hpp"
 #include "clean/thin_points.hpp"
 
@@ -16,12 +17,16 @@ struct FrameCleaner::Steps {
   detail::StaleTracks stale;
   detail::LeapingMatches leaping;
   detail::PointThinner thinner;
+  detail::RowTimes rows;
 };
 
 FrameCleaner::FrameCleaner(const StereoCalibration& assumed, const CleaningOptions& options)
     : options_(options),
-      steps_(new Steps{
-          {}, {}, detail::LeapingMatches(assumed), detail::PointThinner(assumed, options.max_points)}) {
+      steps_(new Steps{{},
+                       {},
+                       detail::LeapingMatches(assumed),
+                       detail::PointThinner(assumed, options.max_points),
+                       detail::RowTimes(assumed)}) {
   if (options.max_points == 0) {
     throw std::invalid_argument("cleaning: expected at least one point a frame");
   }
@@ -46,6 +51,9 @@ StereoFrame FrameCleaner::clean(StereoFrame frame) {
   const std::size_t thinned = steps_->thinner.thin(frame);
   report_.thinned_frames += thinned > 0 ? 1 : 0;
   report_.thinned_points += thinned;
+  if (options_.refer_to_stamp) {
+    report_.waiting_points += steps_->rows.refer_to_stamp(frame);
+  }
   return frame;
 }
 

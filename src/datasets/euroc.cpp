@@ -74,6 +74,7 @@ void read_calibration(const fs::path& mav0, Recording& recording) {
   StereoCalibration& calibration = recording.calibration;
   calibration.cam0 = read_camera(yaml0);
   calibration.cam1 = read_camera(yaml1);
+  calibration.readout_time_s = {read_readout_time(yaml0), read_readout_time(yaml1)};
   const Pose T_imu_cam0 = yaml0.body_from_sensor();  // EuRoC's T_BS
   const Pose T_imu_cam1 = yaml1.body_from_sensor();
   calibration.body = BodyFrame::kImu;

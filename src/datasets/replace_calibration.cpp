@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <stdexcept>
 #include <string>
 
@@ -49,6 +50,9 @@ void replace_calibration(Recording& recording, const RigFile& rig, std::optional
     calibration.T_body_cam0 = own.T_body_cam0;
     recording.notes.emplace_back(
         "the calibration file does not place cam0 on the IMU: the recording's own T_BS stays");
+  }
+  if (calibration.readout_time_s == std::array{0.0, 0.0}) {  // most formats cannot say it
+    calibration.readout_time_s = own.readout_time_s;
   }
   calibration.body = own.body;
   if (own.body == BodyFrame::kCam0) {

@@ -139,6 +139,7 @@ std::size_t render_recording(const Scenario& scenario, std::uint64_t seed, std::
   Recording recording = simulate(scenario, seed, run);
   recording.pixel_noise.reset();
   recording.landmarks_true.clear();
+  if (options.tell_readout) recording.calibration.readout_time_s.fill(options.rolling_shutter);
   write_track_log(recording, folder);
   const fs::path mav0 = folder / "mav0";
   fs::remove_all(mav0 / "tracks0");

@@ -51,6 +51,7 @@ RigFile read_euroc_rig(const fs::path& folder) {
   out.format = "EuRoC sensor.yaml";
   out.calibration.cam0 = read_camera(yaml0);
   out.calibration.cam1 = read_camera(yaml1);
+  out.calibration.readout_time_s = {read_readout_time(yaml0), read_readout_time(yaml1)};
   place_on_imu(out.calibration, yaml0.body_from_sensor(), yaml1.body_from_sensor());
   if (fs::exists(folder / "imu0" / "sensor.yaml")) {
     out.imu_noise = noise_of(SensorYaml(folder / "imu0" / "sensor.yaml"));

@@ -142,6 +142,12 @@ RigFile read_kalibr_rig(const SensorYaml& yaml) {
     if (cam->has("timeshift_cam_imu")) {  // t_imu = t_cam + shift
       out.calibration.time_offset_s[camera] = cam->number("timeshift_cam_imu");
     }
+    const Camera& model = camera == 0 ? out.calibration.cam0 : out.calibration.cam1;
+    for (const auto& [key, unit] : {std::pair{"line_delay", 1.0}, {"line_delay_nanoseconds", 1e-9}}) {
+      if (cam->has(key)) {
+        out.calibration.readout_time_s[camera] = checked_readout(*cam, key, unit * model.height);
+      }
+    }
     ++camera;
   }
   check_rig(

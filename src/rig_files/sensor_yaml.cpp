@@ -13,6 +13,7 @@
 #include "io/yaml_text.hpp"
 #include "io/yaml_words.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/sensors/calibration.hpp"
 
 namespace limber::detail {
 namespace {
@@ -254,6 +255,19 @@ Camera read_camera(const SensorYaml& yaml) {
   read_resolution(yaml, "resolution", camera);
   camera.distortion = read_distortion(yaml);
   return camera;
+}
+
+double checked_readout(const SensorYaml& yaml, const std::string& key, double unit) {
+  const double readout = unit * yaml.number(key);
+  if (std::abs(readout) > kLongestReadout) {
+    yaml.fail(key, fmt::format("{} of at most {} s from the first row to the last", key, kLongestReadout),
+              fmt::format("{} s", readout));
+  }
+  return readout;
+}
+
+double read_readout_time(const SensorYaml& yaml) {
+  return yaml.has("readout_time") ? checked_readout(yaml, "readout_time", 1.0) : 0.0;
 }
 
 }  // namespace limber::detail

@@ -71,4 +71,10 @@ void read_resolution(const SensorYaml& yaml, const std::string& key, Camera& cam
 /// camera_model, intrinsics, resolution, distortion_model and distortion_coefficients.
 [[nodiscard]] Camera read_camera(const SensorYaml& yaml);
 
+/// readout_time, where there is one: from the first row to the last [s].
+[[nodiscard]] double read_readout_time(const SensorYaml& yaml);
+
+/// The value of `key` in units of `unit` [s], as a readout time of a camera.
+[[nodiscard]] double checked_readout(const SensorYaml& yaml, const std::string& key, double unit);
+
 }  // namespace limber::detail

@@ -54,6 +54,10 @@ Pose body_from_camera(const StereoCalibration& calibration, int camera) {
   return camera == 0 ? T_body_cam0 : T_body_cam0 * pose_from_rig(calibration.theta).inverse();
 }
 
+double readout_of(const StereoCalibration& calibration, int camera) {
+  return calibration.readout_time_s.at(static_cast<std::size_t>(camera));
+}
+
 RowMajor matrix_of(const Pose& pose) {
   RowMajor T = RowMajor::Identity(4, 4);
   T.topLeftCorner(3, 3) = pose.R;
@@ -78,6 +82,9 @@ std::string kalibr_camera(const StereoCalibration& calibration, int camera) {
     out += "  T_cam_imu:\n" + rows_text(matrix_of(body_from_camera(calibration, camera).inverse()));
     out += fmt::format("  timeshift_cam_imu: {}\n",
                        calibration.time_offset_s.at(static_cast<std::size_t>(camera)));
+  }
+  if (const double readout = readout_of(calibration, camera); readout != 0.0) {
+    out += fmt::format("  line_delay: {}\n", readout / cam.height);
   }
   if (camera == 1) {
     out += "  T_cn_cnm1:\n" + rows_text(matrix_of(pose_from_rig(calibration.theta)));
@@ -167,8 +174,11 @@ std::string camera_yaml(const Camera& camera, const Pose& T_body_cam) {
 using namespace detail;
 
 std::string euroc_sensor_yaml(const StereoCalibration& calibration, int camera) {
+  const double readout = readout_of(calibration, camera);
   return camera_yaml(camera == 0 ? calibration.cam0 : calibration.cam1,
-                     body_from_camera(calibration, camera));
+                     body_from_camera(calibration, camera)) +
+         (readout == 0.0 ? ""
+                         : fmt::format("readout_time: {}  # from the first row to the last [s]\n", readout));
 }
 
 std::string kalibr_camchain(const StereoCalibration& calibration) {

@@ -57,7 +57,8 @@ Guess guess_by(Method method, const Recording& recording, RunOptions options, Ke
   options.estimated.setZero();
   options.softened.setZero();
   options.watch = false;
-  options.cleaning.clean = false;  // its frames are clean already
+  options.cleaning.clean = false;           // its frames are clean already,
+  options.cleaning.refer_to_stamp = false;  // and where they were at their stamps
   Guess out;
   out.record = run_recording(recording, options, [&frames](std::size_t n) { return frames(n); },
                              {.progress = progress, .observe = [&out](const ObservedFrame& frame) {

@@ -30,8 +30,16 @@ TEST_F(SimulateImages, TakesEverySwitch) {
   EXPECT_THAT(testing::read_text(scene / "faulty_frames.csv"), HasSubstr("0,right,left\n50000000,"));
   EXPECT_THAT(testing::read_text(scene / "moving_boxes.csv"), HasSubstr("\n1,"));
   EXPECT_THAT(testing::read_text(scene / "data.csv"), HasSubstr(",1\n"));
+  EXPECT_THAT(testing::read_text(out() / "mav0" / "cam0" / "sensor.yaml"),
+              ::testing::Not(HasSubstr("readout")));
   const auto again = run_limber({"run", out().string(), "--out", (folder() / "run").string()});
   EXPECT_THAT(again.err, HasSubstr("have no partner with the same timestamp and are left out"));
+}
+
+TEST_F(SimulateImages, TellsTheReadoutTimeIfAsked) {
+  ASSERT_EQ(render({"--images", "--rolling-shutter", "0.02", "--tell-readout"}).exit_code, 0);
+  EXPECT_THAT(testing::read_text(out() / "mav0" / "cam1" / "sensor.yaml"), HasSubstr("readout_time: 0.02"));
+  EXPECT_EQ(render({"--images", "--tell-readout"}).exit_code, 2) << "without --rolling-shutter";
 }
 
 TEST_F(SimulateImages, RefusesWhatMakesNoSense) {

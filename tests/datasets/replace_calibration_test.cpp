@@ -42,6 +42,18 @@ TEST(ReplaceCalibration, TakesTheFileAndKeepsWhatItDoesNotSay) {
   EXPECT_THAT(recording.notes, ::testing::Contains(HasSubstr("T_BS stays")));
 }
 
+TEST(ReplaceCalibration, KeepsTheReadoutTimeThatTheFileDoesNotSay) {
+  StereoCalibration own = some_rig();
+  own.readout_time_s = {0.02, 0.02};
+  Recording recording = recording_of(own);
+  replace_calibration(recording, file_of(some_rig()), std::nullopt);
+  EXPECT_EQ(recording.calibration.readout_time_s, own.readout_time_s);
+  StereoCalibration said = some_rig();
+  said.readout_time_s = {0.01, 0.0};
+  replace_calibration(recording, file_of(said), std::nullopt);
+  EXPECT_EQ(recording.calibration.readout_time_s, said.readout_time_s);
+}
+
 TEST(ReplaceCalibration, ALeftCameraStaysTheBody) {
   StereoCalibration own = some_rig();
   own.body = BodyFrame::kCam0;

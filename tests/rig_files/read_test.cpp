@@ -82,6 +82,22 @@ TEST(ReadRigFile, TakesTimeShiftAndChainOfTheCameras) {
   EXPECT_TRUE(std::holds_alternative<Equidistant>(rig.calibration.cam0.distortion));
 }
 
+TEST(ReadRigFile, TakesTheDelayOfALineInEitherUnit) {
+  const TemporaryFolder folder;
+  const auto readouts = [&](const std::string& line) {
+    return read_rig_file(
+               write_text(folder.path() / "camchain.yaml",
+                          replaced(kalibr_camchain(some_rig()), "cam1:\n", "cam1:\n  " + line + "\n")))
+        .calibration.readout_time_s;
+  };
+  const double height = some_rig().cam1.height;
+  EXPECT_NEAR(readouts("line_delay: 3e-5")[1], 3e-5 * height, 1e-12);
+  EXPECT_NEAR(readouts("line_delay_nanoseconds: 30000")[1], 3e-5 * height, 1e-12);
+  EXPECT_EQ(readouts("line_delay: 3e-5")[0], 0.0);
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(readouts("line_delay: 30")); }).what(),
+              HasSubstr("line_delay of at most 0.1 s"));
+}
+
 struct BadChain {
   const char *name, *from, *to, *words;
   int line;

@@ -55,6 +55,18 @@ TEST(WriteRigFiles, KalibrKeepsTheTimeOffsets) {
   EXPECT_EQ(read_rig_file(folder.path() / "camchain.yaml").calibration.time_offset_s, rig.time_offset_s);
 }
 
+TEST(WriteRigFiles, EurocAndKalibrKeepTheReadoutTimes) {
+  const testing::TemporaryFolder folder;
+  StereoCalibration rig = some_rig();
+  rig.readout_time_s = {0.024, -0.012};
+  static_cast<void>(write_rig_files(folder.path(), rig, std::nullopt));
+  EXPECT_EQ(read_rig_file(folder.path()).calibration.readout_time_s, rig.readout_time_s);
+  const auto kalibr = read_rig_file(folder.path() / "camchain.yaml").calibration.readout_time_s;
+  EXPECT_NEAR(kalibr[0], 0.024, 1e-12);
+  EXPECT_NEAR(kalibr[1], -0.012, 1e-12);
+  EXPECT_EQ(euroc_sensor_yaml(some_rig(), 0).find("readout"), std::string::npos) << "all rows at once";
+}
+
 TEST(WriteRigFiles, TheRectifiedPairSeesOnePointInOneRowAndItsDepthInTheDisparity) {
   const testing::TemporaryFolder folder;
   const StereoCalibration rig = some_rig();

@@ -22,6 +22,9 @@ struct CleaningOptions {
   /// Points of a frame beyond that many are left out, evenly over the image: the cost of a frame grows with
   /// the cube of their number. >= 1
   std::size_t max_points = 500;
+  /// Pixels are moved to where they were at the stamp, as readout_time_s of the calibration says. false: they
+  /// are there already.
+  bool refer_to_stamp = true;
 };
 
 /// What was taken out of the frames so far.
@@ -32,6 +35,8 @@ struct CleaningReport {
   std::size_t leapt_matches = 0;                   ///< tracks whose right pixels are not used any more
   std::size_t rig_jumps = 0;  ///< frames that leap as one change of the rig has them leap: left as they are
   std::size_t thinned_frames = 0, thinned_points = 0;
+  std::size_t waiting_points =
+      0;  ///< sightings left out: the first of a track whose rows have times of their own
 };
 
 /// Each thing that was done, as a sentence with numbers; none if nothing was.
@@ -52,6 +57,10 @@ struct CleaningReport {
 ///   jumped, which is the health monitor's business, and nothing is removed.
 /// - Thinning: of more than max_points those that were kept before stay, and the free places go to the
 ///   emptiest cells of a grid over the left image (the right one for points that the left does not see).
+/// - Rows that are exposed one after the other (readout_time_s): a pixel goes to where its point was at the
+///   stamp, on the parabola through its last three views, each at the time of its own row; on a line through
+///   two. The first view of a track says nothing of its motion and is left out. A right pixel that is new
+///   moves as the left one does, and the reverse.
 class FrameCleaner {
  public:
   FrameCleaner(const StereoCalibration& assumed, const CleaningOptions& options);

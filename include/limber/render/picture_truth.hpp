@@ -19,7 +19,9 @@ struct PictureOptions {
   double vignetting = 0.0;  ///< light lost in the corners, 0 to 1
   double exposure = 0.0;    ///< [s], around the instant of the row: motion blur
   double rolling_shutter =
-      0.0;                   ///< [s] from the first row to the one below the last; the stamp is its middle
+      0.0;  ///< [s] from the first row to the one below the last; the stamp is its middle
+  bool tell_readout =
+      false;                 ///< the recording's calibration says rolling_shutter; else it says nothing of it
   int moving_objects = 0;    ///< boxes that move
   double low_texture = 0.0;  ///< share of the area of all walls that is nearly plain, 0 to 1
   double dropped = 0.0;      ///< share of frames without the picture of one camera; never the first frame

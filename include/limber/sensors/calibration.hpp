@@ -33,10 +33,21 @@ struct StereoCalibration {
   Pose T_body_cam0;  ///< used for kImu; identity for kCam0, derived from theta for kMiddleOfBaseline
   /// How much later than its stamp an image of cam0, cam1 was taken [s], by the clock of IMU or odometry.
   std::array<double, 2> time_offset_s{};
+  /// How long cam0, cam1 take from the first row of an image to its last [s]: row v is exposed at stamp +
+  /// (v / height - 1/2) of it. 0: all rows at once; negative: from the last row to the first.
+  std::array<double, 2> readout_time_s{};
 
   /// Distance between the camera centres [m].
   [[nodiscard]] double baseline() const { return theta.tail<3>().norm(); }
 };
+
+/// The longest that an image may take from its first row to its last [s].
+inline constexpr double kLongestReadout = 0.1;
+
+/// How much later than its stamp row v of a camera is exposed [s].
+[[nodiscard]] inline double row_delay(const Camera& camera, double readout_time_s, double v) {
+  return (v / camera.height - 0.5) * readout_time_s;
+}
 
 /// One plausible error of theta: 0.1 deg, and 5 % of the baseline [rad, m].
 [[nodiscard]] RigParameters plausible_error(double baseline);
