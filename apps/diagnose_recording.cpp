@@ -2,10 +2,13 @@
 #include "diagnose_recording.hpp"
 
 #include <exception>
+#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "limber/clean/frame_cleaner.hpp"
 #include "limber/diagnose/calibration_mistakes.hpp"
 #include "limber/diagnose/imu_mistakes.hpp"
 
@@ -41,6 +44,15 @@ std::vector<std::string> mistakes_of(const Recording& recording, const StereoCal
   return out;
 }
 
+/// Pixels at their stamps, for all that knows no rows; nothing else is cleaned.
+std::vector<StereoFrame> at_stamps(std::vector<StereoFrame> frames, const StereoCalibration& assumed) {
+  FrameCleaner rows(assumed, {.clean = false, .max_points = std::numeric_limits<std::size_t>::max()});
+  for (StereoFrame& frame : frames) {
+    frame = rows.clean(std::move(frame));
+  }
+  return frames;
+}
+
 }  // namespace
 
 Diagnosis diagnose_recording(const Recording& recording, const RunOptions& options, const FrameSource& frames,
@@ -50,21 +62,28 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
   out.dataset = recording.name;
   out.judged_by = watch_options(options);
   const StereoCalibration assumed = corrected(recording.calibration, options.assume_error);
+  ReadoutWatch readout(assumed);
   std::vector<StereoFrame> seen;
   std::size_t first = 0;
   const FrameSource remembered = [&](std::size_t n) {
     first = seen.empty() ? n : first;
     seen.push_back(frames(n));
+    readout.add(seen.back());
     return seen.back();
   };
   try {
-    const RunRecord record = run_recording(recording, options, remembered, {.progress = progress});
-    const RunSummary summary = summarize(recording, options, record);
+    RunRecord record = run_recording(recording, options, remembered, {.progress = progress});
+    RunSummary summary = summarize(recording, options, record);
+    out.readout = readout.estimate();
+    add_readout(out.readout, assumed, record, summary);
+    if (summary.readout_contradicted) {
+      out.readout_contradicted = in_words(*out.readout, assumed);
+    }
     out.frames = summary.frames;
     out.duration_s = summary.duration_s;
     out.nis_per_dof = summary.nis_per_dof;
     out.health = summary.health;
-    if (summary.health) {
+    if (summary.health && !summary.readout_contradicted) {
       out.state = HealthState{recording.name,
                               {camera_in_words(assumed.cam0), camera_in_words(assumed.cam1)},
                               rig_record(summary.health->present, assumed.theta, has_scale(record.motion))};
@@ -74,9 +93,11 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     if (done) {
       done(record, summary);
     }
+    seen = at_stamps(std::move(seen), assumed);
     out.mistakes = mistakes_of(recording, assumed, seen, options.gravity);
   } catch (const std::exception& error) {
     // A gross mistake may leave nothing to navigate with: then it is the answer.
+    seen = at_stamps(std::move(seen), assumed);
     out.mistakes = mistakes_of(recording, assumed, seen, options.gravity);
     if (out.mistakes.empty()) {
       throw;
@@ -88,7 +109,7 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     out.depths = depth_effects(assumed.theta, out.health->present.estimate);
     found.theta += out.health->present.estimate.delta;
   }
-  if (out.mistakes.empty()) {
+  if (out.mistakes.empty() && out.readout_contradicted.empty()) {
     out.cam1_offset = cam1_time_offset(found, seen);
     out.camera_offset = camera_time_offset(found, seen, recording.imu);
   }

@@ -19,6 +19,9 @@ constexpr double kSignificant = 5.0;                      // standard deviations
 constexpr double kLeastCam1 = 1e-3, kLeastCamera = 3e-3;  // ... that is at least that large [s]
 
 std::string advice(const Diagnosis& diagnosis) {
+  if (diagnosis.mistakes.empty() && !diagnosis.readout_contradicted.empty()) {
+    return "say how long an image takes (--readout-time, or readout_time in sensor.yaml), and look again";
+  }
   if (diagnosis.mistakes.empty() && diagnosis.health && diagnosis.health->present.moves()) {
     return "find what lets the cameras move against each other (mount, screws, vibration): no calibration "
            "fits "
@@ -54,6 +57,9 @@ std::optional<std::string> offset_in_words(const std::optional<TimeOffset>& offs
 
 std::vector<std::string> all_mistakes(const Diagnosis& diagnosis) {
   std::vector<std::string> out = diagnosis.mistakes;
+  if (!diagnosis.readout_contradicted.empty()) {
+    out.push_back(diagnosis.readout_contradicted);
+  }
   for (const auto& words :
        {offset_in_words(diagnosis.cam1_offset, kLeastCam1, "time offset: beside cam0, cam1 is taken"),
         offset_in_words(diagnosis.camera_offset, kLeastCamera,
@@ -157,6 +163,9 @@ HealthVerdict verdict_of(const Diagnosis& diagnosis) {
   if (!diagnosis.mistakes.empty()) {
     return HealthVerdict::kDecalibrated;
   }
+  if (!diagnosis.readout_contradicted.empty()) {
+    return HealthVerdict::kCannotTell;
+  }
   return diagnosis.health ? diagnosis.health->verdict : HealthVerdict::kCannotTell;
 }
 
@@ -181,7 +190,11 @@ std::string to_text(const Diagnosis& diagnosis) {
   for (const std::string& mistake : all_mistakes(diagnosis)) {
     fmt::format_to(out, "Looks like a mistake: {}\n", mistake);
   }
-  if (diagnosis.health) {
+  if (!diagnosis.readout_contradicted.empty()) {
+    fmt::format_to(out,
+                   "the rig is not judged: rows with times of their own look like a rig that bends while it "
+                   "moves; what follows has them in it\n");
+  } else if (diagnosis.health) {
     fmt::format_to(out, "{}\n", in_words(*diagnosis.health, diagnosis.judged_by.tolerance));
   }
   if (diagnosis.pose) {
@@ -235,6 +248,9 @@ std::string to_json(const Diagnosis& diagnosis) {
       {"mistakes", all_mistakes(diagnosis)},
       {"time_offset_cam1_cam0", json_of(diagnosis.cam1_offset)},
       {"time_offset_cameras_imu", json_of(diagnosis.camera_offset)},
+      {"readout_time", diagnosis.readout ? Json{{"ms", 1e3 * diagnosis.readout->seconds},
+                                                {"sigma_ms", 1e3 * diagnosis.readout->sigma}}
+                                         : Json(nullptr)},
       {"failure", diagnosis.failure.empty() ? Json(nullptr) : Json(diagnosis.failure)},
       {"advice", advice(diagnosis)}};
   return json.dump(2) + "\n";

@@ -8,6 +8,7 @@
 #include "limber/diagnose/depth_effect.hpp"
 #include "limber/diagnose/health_summary.hpp"
 #include "limber/diagnose/pose_loss.hpp"
+#include "limber/diagnose/readout_watch.hpp"
 #include "limber/diagnose/time_offset.hpp"
 #include "limber/run_files/health_state.hpp"
 
@@ -36,10 +37,14 @@ struct Diagnosis {
   std::vector<std::string> mistakes;        ///< of the calibration, see calibration_mistakes
   std::optional<TimeOffset> cam1_offset;    ///< of cam1 against cam0
   std::optional<TimeOffset> camera_offset;  ///< of the cameras against the IMU
-  std::string failure;                      ///< why the run failed; empty if it did not
+  std::optional<ReadoutTime> readout;       ///< of cam0, as the frames show it
+  std::string
+      readout_contradicted;  ///< why the rig cannot be judged: another readout than was assumed; else empty
+  std::string failure;       ///< why the run failed; empty if it did not
 };
 
-/// That of the calibration; `decalibrated` if a mistake was found.
+/// That of the calibration; `decalibrated` if a mistake was found; else `cannot tell` where the rows of the
+/// images are not exposed as assumed, which looks like a rig that bends.
 [[nodiscard]] HealthVerdict verdict_of(const Diagnosis& diagnosis);
 
 /// 0, 3, 4 or 5.

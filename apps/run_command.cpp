@@ -90,10 +90,15 @@ void require_place_of_page(const RunArguments& arguments) {
   }
 }
 
-/// run_recording with what the command shows meanwhile.
+/// run_recording with what the command shows meanwhile; `readout` sees the frames as they come.
 RunRecord run_and_show(const Recording& recording, const RunOptions& options, const ImageFrames& source,
-                       LiveView* view) {
+                       LiveView* view, ReadoutWatch& readout) {
   Progress progress(to_string(options.method), frame_count(recording));
+  const FrameSource watched = [&](std::size_t n) {
+    StereoFrame frame = source.frames(n);
+    readout.add(frame);
+    return frame;
+  };
   RunCallbacks callbacks;
   callbacks.progress = [&](std::size_t n) { progress.done(n, timing_text(source.record.get())); };
   callbacks.stop = Interrupt::asked;
@@ -105,7 +110,7 @@ RunRecord run_and_show(const Recording& recording, const RunOptions& options, co
     callbacks.observe = [view](const ObservedFrame& frame) { view->show(frame); };
   }
   try {
-    RunRecord record = run_recording(recording, options, source.frames, callbacks);
+    RunRecord record = run_recording(recording, options, watched, callbacks);
     if (source.record) add_frontend(*source.record, record);
     if (view != nullptr) record.elapsed_s -= view->held_s();
     return record;
@@ -123,11 +128,13 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
   const ImageFrames source = frames();
   const std::unique_ptr<LiveView> view =
       open_live_view(arguments.view, recording, options, source.record, Interrupt::asked);
-  const RunRecord record = run_and_show(recording, options, source, view.get());
+  ReadoutWatch readout(corrected(recording.calibration, options.assume_error));
+  RunRecord record = run_and_show(recording, options, source, view.get(), readout);
   if (record.frames.empty()) {
     throw std::runtime_error("stopped before the first frame: nothing is written");
   }
-  const RunSummary summary = summarize(recording, options, record);
+  RunSummary summary = summarize(recording, options, record);
+  add_readout(readout.estimate(), recording.calibration, record, summary);
   {
     const Uninterrupted until_written;
     write_run_output(arguments.out, options, record, summary);
@@ -144,7 +151,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
                              record.frames.size(), record.frames_of_recording, arguments.out.string()));
     if (!record.stopped) view->stay();
   }
-  if (record.stopped || summary.inputs.lost_since_ns) {
+  if (record.stopped || summary.inputs.lost_since_ns || summary.readout_contradicted) {
     throw CLI::RuntimeError(kExitFailed);  // the notes say why
   }
 }

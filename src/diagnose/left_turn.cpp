@@ -27,13 +27,15 @@ constexpr double kMost = 0.8;        // share of the points
 constexpr double kPixel = 0.5;       // standard deviation of a pixel [px]
 constexpr double kDisparity =
     50.0;  // of what stereo says of a point's depth [px]: an error of the rig must fit in
-constexpr double kHuber = 2.0;  // standard deviations
+constexpr double kHuber = 2.0;          // standard deviations
+constexpr double kReadoutPrior = 0.05;  // [s]
 
 /// One point in both frames, z = 1.
 struct Pair {
   Vector3d from;
   Vector2d to;
-  double by_stereo = 0.0, inverse_depth = 0.0;  ///< along `from` [1/m]
+  double by_stereo = 0.0, inverse_depth = 0.0;                                      ///< along `from` [1/m]
+  Vector2d from_per_readout = Vector2d::Zero(), to_per_readout = Vector2d::Zero();  ///< see MovingPoint
 };
 
 std::vector<Pair> pairs_of(const StereoCalibration& calibration, const StereoFrame& from,
@@ -61,41 +63,57 @@ std::vector<Pair> pairs_of(const StereoCalibration& calibration, const StereoFra
   return out;
 }
 
-/// X_to = R X_from + t, in cam0.
+using Vector7d = Eigen::Matrix<double, 7, 1>;
+using Matrix7d = Eigen::Matrix<double, 7, 7>;
+
+/// X_to = R X_from + t, in cam0, with rows that are exposed one after the other.
 struct Motion {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Vector3d t = Vector3d::Zero();
+  double readout = 0.0;  ///< [s]
 };
 
-/// One point's part in a Gauss-Newton step of (R, t, its depth).
+/// One point's part in a Gauss-Newton step of (R, t, readout, its depth).
 struct Linearized {
-  Eigen::Matrix<double, 2, 6> J;
+  Eigen::Matrix<double, 2, 7> J;
   Vector2d J_depth, residual;
 };
 
 std::optional<Linearized> linearize(const Motion& motion, const Pair& p) {
-  const Vector3d X = motion.R * p.from + p.inverse_depth * motion.t;
+  Vector3d from = p.from, from_per_readout = Vector3d::Zero();
+  from_per_readout.head<2>() = p.from_per_readout;
+  from += motion.readout * from_per_readout;
+  const Vector3d X = motion.R * from + p.inverse_depth * motion.t;
   if (!(X.z() > 0.0)) {
     return std::nullopt;
   }
   Eigen::Matrix<double, 2, 3> D;
   D << 1.0 / X.z(), 0.0, -X.x() / (X.z() * X.z()), 0.0, 1.0 / X.z(), -X.y() / (X.z() * X.z());
   Linearized out;
-  out.J << -D * motion.R * skew(p.from), p.inverse_depth * D;
+  out.J << -D * motion.R * skew(from), p.inverse_depth * D,
+      D * motion.R * from_per_readout - p.to_per_readout;
   out.J_depth = D * motion.t;
-  out.residual = p.to - X.head<2>() / X.z();
+  out.residual = p.to + motion.readout * p.to_per_readout - X.head<2>() / X.z();
   return out;
 }
 
 /// What is known beforehand, as standard deviations.
 struct Known {
   double pixel, inverse_depth;
+  double readout = 1.0;  ///< [s]
 };
 
-/// Moves the motion and the depths by a Gauss-Newton step; its length, or nothing where it fails.
-std::optional<double> improve(Motion& motion, std::vector<Pair>& pairs, const Known& known) {
-  Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
-  Eigen::Matrix<double, 6, 1> b = Eigen::Matrix<double, 6, 1>::Zero();
+/// A Gauss-Newton step: its length, and the equations that it solved, without what is known of the readout.
+struct Improved {
+  double length = 0.0,
+         squares = 0.0;  ///< squares of the residuals in standard deviations, with their weights
+  Matrix7d A = Matrix7d::Zero();
+};
+
+/// Moves the motion and the depths by a Gauss-Newton step; nothing where it fails.
+std::optional<Improved> improve(Motion& motion, std::vector<Pair>& pairs, const Known& known) {
+  Improved out;
+  Vector7d b = Vector7d::Zero();
   const double noise = 2.0 * known.pixel * known.pixel;
   const double prior = known.inverse_depth * known.inverse_depth;
   for (const Pair& p : pairs) {
@@ -110,10 +128,14 @@ std::optional<double> improve(Motion& motion, std::vector<Pair>& pairs, const Kn
     const Eigen::Matrix2d information = variance.inverse();
     const double size = std::sqrt(residual.dot(information * residual));
     const double weight = size <= kHuber ? 1.0 : kHuber / size;
-    A += weight * part->J.transpose() * information * part->J;
+    out.A += weight * part->J.transpose() * information * part->J;
+    out.squares += weight * size * size;
     b += weight * part->J.transpose() * information * residual;
   }
-  const Eigen::Matrix<double, 6, 1> step = A.ldlt().solve(b);
+  Matrix7d A = out.A;
+  A(6, 6) += 1.0 / (known.readout * known.readout);
+  b(6) -= motion.readout / (known.readout * known.readout);
+  const Vector7d step = A.ldlt().solve(b);
   if (!step.allFinite()) {
     return std::nullopt;
   }
@@ -125,8 +147,10 @@ std::optional<double> improve(Motion& motion, std::vector<Pair>& pairs, const Kn
     }
   }
   motion.R = so3_normalized(motion.R * so3_exp(step.head<3>()));
-  motion.t += step.tail<3>();
-  return step.norm();
+  motion.t += step.segment<3>(3);
+  motion.readout += step(6);
+  out.length = step.norm();
+  return out;
 }
 
 double most_distances(const Motion& motion, const std::vector<Pair>& pairs) {
@@ -157,9 +181,41 @@ std::optional<TwoViews> left_motion(const StereoCalibration& calibration, const 
     if (!step) {
       return std::nullopt;
     }
-    if (*step < kConverged) {
+    if (step->length < kConverged) {
       return TwoViews{calibration.T_body_cam0.R * so3_log(motion.R.transpose()),
                       focal * most_distances(motion, pairs)};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<PairReadout> readout_between(const MovingPoints& from, const MovingPoints& to, double focal_px,
+                                           double baseline) {
+  std::vector<Pair> pairs;
+  for (const auto& [id, point] : to) {
+    const auto first = from.find(id);
+    if (first != from.end() && first->second.inverse_depth) {
+      const MovingPoint& was = first->second;
+      pairs.push_back({was.place.homogeneous(), point.place, *was.inverse_depth, *was.inverse_depth,
+                       was.per_readout, point.per_readout});
+    }
+  }
+  if (pairs.size() < kFewestPoints) {
+    return std::nullopt;
+  }
+  const Known known{kPixel / focal_px, kDisparity / (focal_px * baseline), kReadoutPrior};
+  Motion motion;
+  for (int i = 0; i < kIterations; ++i) {
+    const auto step = improve(motion, pairs, known);
+    if (!step) {
+      return std::nullopt;
+    }
+    if (step->length < kConverged) {
+      const Eigen::Matrix<double, 6, 6> others = step->A.topLeftCorner<6, 6>();
+      const Eigen::Matrix<double, 6, 1> with = step->A.topRightCorner<6, 1>();
+      const double information = step->A(6, 6) - with.dot(others.ldlt().solve(with));
+      const double gradient = motion.readout * (information + 1.0 / (kReadoutPrior * kReadoutPrior));
+      return PairReadout{information, gradient, step->squares};
     }
   }
   return std::nullopt;

@@ -151,6 +151,20 @@ StartAlignment start_alignment(std::span<const MatchedPose> poses, StartMode sta
              : StartAlignment{first_whole_pose(poses), "whole first pose"};
 }
 
+void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibration& assumed,
+                 RunRecord& record, RunSummary& summary) {
+  summary.readout = readout;
+  summary.readout_contradicted = readout && contradicts(*readout, assumed);
+  if (!summary.readout_contradicted) {
+    return;
+  }
+  record.notes.insert(record.notes.begin(), in_words(*readout, assumed) +
+                                                "; until then poses are wrong by more than their sigmas say");
+  if (summary.health) {
+    summary.health->verdict = HealthVerdict::kCannotTell;
+  }
+}
+
 RunSummary summarize(const Recording& recording, const RunOptions& options, const RunRecord& record) {
   RunSummary out;
   out.method = to_string(options.method);

@@ -104,7 +104,8 @@ Json to_json(const CleaningReport& report) {
           {"leapt_matches", report.leapt_matches},
           {"rig_jumps", report.rig_jumps},
           {"thinned_frames", report.thinned_frames},
-          {"thinned_points", report.thinned_points}};
+          {"thinned_points", report.thinned_points},
+          {"waiting_points", report.waiting_points}};
 }
 
 Json to_json(const RunOptions& options, const RunRecord& record, const RunSummary& s) {
@@ -164,6 +165,11 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["estimated"] = estimated_parameters(record);
   json["complete"] = !record.stopped;
   json["frames_of_recording"] = record.frames_of_recording;
+  json["readout"] = s.readout ? Json{{"ms", 1e3 * s.readout->seconds},
+                                     {"sigma_ms", 1e3 * s.readout->sigma},
+                                     {"explains", s.readout->explains},
+                                     {"contradicts_calibration", s.readout_contradicted}}
+                              : Json(nullptr);
   json["cleaning"] = to_json(record.cleaning);
   json["notes"] = record.notes;
   return json;

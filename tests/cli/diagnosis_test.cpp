@@ -63,6 +63,17 @@ TEST(Diagnosis, CallsAMistakeDecalibratedWhateverTheMonitorSays) {
   EXPECT_THAT(to_text(diagnosis), HasSubstr("Looks like a mistake: the two cameras are swapped"));
 }
 
+TEST(Diagnosis, CannotTellOfARigWhoseRowsAreNotExposedAsAssumed) {
+  Diagnosis diagnosis = with(kDecalibrated);
+  diagnosis.readout_contradicted = "rolling shutter: 20 ms";
+  EXPECT_EQ(verdict_of(diagnosis), kCannotTell);
+  EXPECT_THAT(to_text(diagnosis),
+              ::testing::StartsWith("log: cannot tell\nLooks like a mistake: rolling shutter: 20 ms\n"));
+  EXPECT_THAT(to_text(diagnosis), HasSubstr("What to do: say how long an image takes (--readout-time"));
+  diagnosis.mistakes = {"the two cameras are swapped"};
+  EXPECT_EQ(verdict_of(diagnosis), kDecalibrated);
+}
+
 TEST(Diagnosis, MentionsATimeOffsetThatIsLargeAndCertain) {
   Diagnosis diagnosis = with(kOk);
   diagnosis.cam1_offset = TimeOffset{0.010, 0.001};

@@ -9,6 +9,7 @@
 #include "limber/core/pose.hpp"
 #include "limber/datasets/recording.hpp"
 #include "limber/diagnose/health_summary.hpp"
+#include "limber/diagnose/readout_watch.hpp"
 #include "limber/evaluate/alignment.hpp"
 #include "limber/run/input_summary.hpp"
 #include "limber/run/run_recording.hpp"
@@ -53,6 +54,10 @@ struct RunSummary {
   double points_per_frame = 0.0;
   InputSummary inputs;
   std::optional<HealthSummary> health;  ///< nothing where nothing was watched (mono-left)
+  std::optional<ReadoutTime> readout;   ///< as the frames show it; nothing where they do not, see add_readout
+  /// The frames show another readout time than was assumed: what the run says of itself is not to be
+  /// believed.
+  bool readout_contradicted = false;
   /// What was taken out before position_rmse_m, attitude_rmse_deg and anees: "nothing", "position and yaw of
   /// the first pose" or "whole first pose"; empty without truth.
   std::string alignment;
@@ -70,6 +75,12 @@ struct StartAlignment {
 /// an IMU shows what is down, all of it where nothing does. @param poses  not empty
 [[nodiscard]] StartAlignment start_alignment(std::span<const MatchedPose> poses, StartMode start,
                                              MotionModel motion);
+
+/// @brief Takes in how long the frames of a run show the rows to take. Where that contradicts the calibration
+/// it is the first of the notes, and the rig is not judged: rows with times of their own look like one that
+/// bends.
+void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibration& assumed,
+                 RunRecord& record, RunSummary& summary);
 
 /// @brief Judges a run against the recording's ground truth, where it has one.
 /// position_rmse, attitude_rmse and anees are unaligned for a ground truth start; else the estimate is first
