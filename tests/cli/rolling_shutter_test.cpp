@@ -18,7 +18,8 @@ class RollingShutterLog : public testing::SmallLog {
  protected:
   RollingShutterLog() {
     Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-    scenario.duration = 14.0;
+    scenario.duration = 12.0;
+    scenario.world.points = 120;
     scenario.noise.pixel = 0.15;  // as a tracker has it
     write_track_log(testing::with_rolling_rows(scenario, 0.025, 5), log());
   }
