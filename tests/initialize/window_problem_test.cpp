@@ -86,11 +86,8 @@ TEST(WindowProblem, TheSolverComesDown) {
   EXPECT_LT(solve_window(problem.model, problem.state, 10).cost, 0.5 * before);
 }
 
-/// A full Newton step's promise: twice what the cost could still come down, summed over all directions, in
-/// variances of each. Those of weak directions (scale, tilt, biases) do not show in the cost itself.
-TEST(WindowProblem, TheSolverGoesOnUntilNoDirectionIsOff) {
-  Problem problem(MotionModel::kImu, 20);
-  const WindowNormal normal = solve_window(problem.model, problem.state, 25);
+/// The normal equations' matrix of frames and points.
+MatrixXd whole(const WindowNormal& normal) {
   const Index n = normal.g.size(), points = normal.g_points.size();
   MatrixXd A(n + points, n + points);
   A.topLeftCorner(n, n) = normal.A.selfadjointView<Eigen::Lower>();
@@ -100,7 +97,27 @@ TEST(WindowProblem, TheSolverGoesOnUntilNoDirectionIsOff) {
   for (std::size_t j = 0; j < normal.V.size(); ++j) {
     A.block<3, 3>(n + static_cast<Index>(3 * j), n + static_cast<Index>(3 * j)) = normal.V[j];
   }
-  VectorXd g(n + points);
+  return A;
+}
+
+TEST(WindowProblem, CovarianceOfTheFramesIsThatOfTheWholeProblem) {
+  const Problem problem(MotionModel::kImu, 12);
+  const WindowNormal normal = linearise(problem.model, problem.state);
+  const Index n = normal.g.size();
+  const MatrixXd P = frame_covariance(normal);
+  ASSERT_EQ(P.rows(), n);
+  const VectorXd scale = P.diagonal().cwiseSqrt().cwiseInverse();
+  const MatrixXd dense = whole(normal).ldlt().solve(MatrixXd::Identity(whole(normal).rows(), n));
+  EXPECT_LE((scale.asDiagonal() * (P - dense.topRows(n)) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+/// A full Newton step's promise: twice what the cost could still come down, summed over all directions, in
+/// variances of each. Those of weak directions (scale, tilt, biases) do not show in the cost itself.
+TEST(WindowProblem, TheSolverGoesOnUntilNoDirectionIsOff) {
+  Problem problem(MotionModel::kImu, 20);
+  const WindowNormal normal = solve_window(problem.model, problem.state, 25);
+  const MatrixXd A = whole(normal);
+  VectorXd g(A.rows());
   g << normal.g, normal.g_points;
   EXPECT_LE(g.dot(A.ldlt().solve(g)), 0.01);
 }
