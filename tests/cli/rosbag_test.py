@@ -7,8 +7,12 @@ import tempfile
 from pathlib import Path
 
 try:
+    import diagnostic_msgs.msg  # noqa: F401: rosbag finds the messages' classes by name
+    import nav_msgs.msg  # noqa: F401
     import roslib.message
     import rosbag
+    import sensor_msgs.msg  # noqa: F401
+    import tf2_msgs.msg  # noqa: F401
 except ImportError as missing:
     print(f"skipped: needs Debian's python3-rosbag, python3-sensor-msgs, python3-nav-msgs, "
           f"python3-tf2-msgs, python3-diagnostic-msgs: {missing}")
