@@ -26,7 +26,7 @@ constexpr double kOffCentre = 0.2, kCorner = 0.6;  // of width and height
 
 struct Mistake {
   Pose T_cam1_cam0;  ///< without it
-  std::string words;
+  const char* words;
 };
 
 /// What may have been written instead of this rig.

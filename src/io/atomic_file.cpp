@@ -33,7 +33,9 @@ constexpr int kAttempts = 100;
 
 fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : "."; }
 
-std::string beginning_of(const fs::path& final_name) { return "." + final_name.filename().string() + "."; }
+std::string beginning_of(const fs::path& final_name) {
+  return fmt::format(".{}.", final_name.filename().string());
+}
 
 /// Removes what killed processes left for the same final name: nobody holds its lock.
 void remove_abandoned(const fs::path& final_name) {

@@ -44,7 +44,7 @@ std::optional<std::int64_t> scaled_integer(std::string digits, std::int64_t scal
   } else {
     const auto cut = static_cast<std::size_t>(-scale);
     round_up = cut <= digits.size() && digits[digits.size() - cut] >= '5';
-    digits.resize(digits.size() - std::min(cut, digits.size()));
+    digits.erase(digits.size() - std::min(cut, digits.size()));
   }
   const auto value = digits.empty() ? std::optional<std::int64_t>(0) : parse_integer(digits);
   if (!value || *value == std::numeric_limits<std::int64_t>::max()) {
