@@ -9,8 +9,9 @@ namespace {
 
 // The frames of the start get poses smoothed over that long [ns].
 constexpr std::int64_t kSmoothedNs = 4'000'000'000;
-constexpr double kLongestShare =
-    0.5;  // of a short recording, that a start may take which learns nothing more
+// Of a short recording, what a start may take: the filter has the rest, of which alone health and NIS are
+// known.
+constexpr double kLongestShare = 0.5, kLongestMovingShare = 0.8;
 
 /// Reads a little further and lets the window's frames have what those behind it say of them.
 void smooth(const Recording& recording, const FrameSource& source, std::size_t next, MotionModel motion,
@@ -33,9 +34,10 @@ SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setu
                                 std::size_t first, const RunCallbacks& callbacks) {
   const MotionModel motion = setup.navigator.motion;
   StartOptions options;
-  const std::int64_t duration_ns =
-      frame_time(recording, frame_count(recording) - 1) - frame_time(recording, first);
-  options.longest_s = std::min(options.longest_s, kLongestShare * 1e-9 * static_cast<double>(duration_ns));
+  const double duration_s = 1e-9 * static_cast<double>(frame_time(recording, frame_count(recording) - 1) -
+                                                       frame_time(recording, first));
+  options.longest_s = std::min(options.longest_s, kLongestShare * duration_s);
+  options.longest_moving_s = std::min(options.longest_moving_s, kLongestMovingShare * duration_s);
   SensorStart start(setup.navigator, setup.calibration, options);
   InputFeed feed(recording);
   SensorWindow out;
