@@ -9,9 +9,9 @@ namespace {
 
 // The frames of the start get poses smoothed over that long [ns].
 constexpr std::int64_t kSmoothedNs = 4'000'000'000;
-// Of a short recording, what a start may take: the filter has the rest, of which alone health and NIS are
-// known.
+// What a start may take of a short recording: of the rest alone health and NIS are known.
 constexpr double kLongestShare = 0.5, kLongestMovingShare = 0.8;
+constexpr double kLeastFiltered = 1.0;  // [s]
 
 /// Reads a little further and lets the window's frames have what those behind it say of them.
 void smooth(const Recording& recording, const FrameSource& source, std::size_t next, MotionModel motion,
@@ -37,7 +37,9 @@ SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setu
   const double duration_s = 1e-9 * static_cast<double>(frame_time(recording, frame_count(recording) - 1) -
                                                        frame_time(recording, first));
   options.longest_s = std::min(options.longest_s, kLongestShare * duration_s);
-  options.longest_moving_s = std::min(options.longest_moving_s, kLongestMovingShare * duration_s);
+  options.longest_moving_s = std::min(
+      options.longest_moving_s,
+      std::max(options.longest_s, std::min(kLongestMovingShare * duration_s, duration_s - kLeastFiltered)));
   SensorStart start(setup.navigator, setup.calibration, options);
   InputFeed feed(recording);
   SensorWindow out;

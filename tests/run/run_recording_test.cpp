@@ -378,12 +378,14 @@ TEST(RunRecording, TellsOfEveryFrameWhileAStartFromTheSensorsWaitsAndWhatItWaits
 }
 
 TEST(RunRecording, LeavesTheFilterTheEndOfAShortRecordingWhoseScaleNobodyKnows) {
-  const Recording recording = short_recording();
+  Scenario scenario = testing::short_scenario();
+  scenario.duration = 3.0;
+  const Recording recording = simulate(scenario, 1);
   const RunRecord record = run(recording, {});
   expect_sound(record, recording.frames.size());
   ASSERT_TRUE(record.sensor_start);
   EXPECT_EQ(record.sensor_start->status, StartStatus::kTimedOut);
-  EXPECT_NEAR(record.sensor_start->waited_s, 1.6, 0.06);
+  EXPECT_NEAR(record.sensor_start->waited_s, 2.0, 0.06);
   EXPECT_THAT(record.notes, Contains(HasSubstr("no acceleration yet that tells the scale")));
 }
 
