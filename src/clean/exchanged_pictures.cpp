@@ -10,19 +10,21 @@
 namespace limber::detail {
 namespace {
 
-constexpr std::size_t kFewestShared = 8;  // points
-constexpr double kLongest = 1.0;          // [s] after which the pictures are taken as they are
-constexpr double kClearly = 0.8;          // of what it is as given
-constexpr double kLeast = 4.0;            // [px] both ways together; less is no exchange to speak of
+constexpr double kLongest = 1.0;  // [s] after which the pictures are taken as they are
+constexpr double kClearly = 0.8;  // of what it is as given
+constexpr double kLeast = 4.0;    // [px] both ways together; less is no exchange to speak of
 
 }  // namespace
 
 /// How far the left and the right pixel are from where they were to come, together: |a| + |b|. With parallax
 /// d it would be |a - d| + |b + d| if the pictures were exchanged, which is no less where both cameras are
 /// off alike (a = b); whatever the rig is, and however it moves.
-bool ExchangedPictures::is_exchanged(const StereoFrame& frame) {
-  std::vector<double> as_it_is, exchanged;
+std::optional<FrameContinuity> ExchangedPictures::continuity(const StereoFrame& frame) const {
   const double dt = t_ns_ ? seconds_between(*t_ns_, frame.t_ns) : 0.0;
+  if (before_.size() < kFewestToJudgeOrder || dt > kLongest) {
+    return std::nullopt;
+  }
+  std::vector<double> as_it_is, exchanged;
   for (const StereoObservation& point : frame.observations) {
     const auto it = before_.find(point.track_id);
     if (!point.in_cam0 || !point.in_cam1 || it == before_.end()) {
@@ -33,11 +35,23 @@ bool ExchangedPictures::is_exchanged(const StereoFrame& frame) {
     as_it_is.push_back((point.uv_cam0 - left).norm() + (point.uv_cam1 - right).norm());
     exchanged.push_back((point.uv_cam0 - right).norm() + (point.uv_cam1 - left).norm());
   }
-  if (as_it_is.size() >= kFewestShared && dt <= kLongest) {
-    const double off = upper_median(std::move(as_it_is));
-    if (off > kLeast && upper_median(std::move(exchanged)) < kClearly * off) {
-      return true;
-    }
+  FrameContinuity out{before_.size(), as_it_is.size()};
+  if (out.shared > 0) {
+    out.off = upper_median(std::move(as_it_is));
+    out.exchanged = upper_median(std::move(exchanged));
+  }
+  return out;
+}
+
+bool looks_exchanged(const FrameContinuity& continuity) {
+  return continuity.shared >= kFewestToJudgeOrder && continuity.off > kLeast &&
+         continuity.exchanged < kClearly * continuity.off;
+}
+
+bool ExchangedPictures::is_exchanged(const StereoFrame& frame) {
+  const std::optional<FrameContinuity> now = continuity(frame);
+  if (now && looks_exchanged(*now)) {
+    return true;
   }
   remember(frame);
   return false;

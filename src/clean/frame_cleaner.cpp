@@ -36,6 +36,7 @@ FrameCleaner::~FrameCleaner() = default;
 
 StereoFrame FrameCleaner::clean(StereoFrame frame) {
   ++report_.frames;
+  report_.put_back_frames += frame.put_back ? 1 : 0;
   if (options_.clean) {
     if (steps_->exchanged.is_exchanged(frame)) {
       ++report_.exchanged_frames;
@@ -63,6 +64,10 @@ std::vector<std::string> in_words(const CleaningReport& report) {
   if (report.exchanged_frames > 0) {
     out.push_back("in " + std::to_string(report.exchanged_frames) + of_frames +
                   " the left and the right picture are exchanged: their points are not used");
+  }
+  if (report.put_back_frames > 0) {
+    out.push_back("in " + std::to_string(report.put_back_frames) + of_frames +
+                  " the left and the right picture were exchanged: put back");
   }
   if (report.stale_points > 0) {
     out.push_back("in " + std::to_string(report.stale_frames) + of_frames +

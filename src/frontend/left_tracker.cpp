@@ -117,7 +117,7 @@ void LeftTracker::add_corners() {
                               kBorder};
   for (const Eigen::Vector2d& uv : new_corners(image_[0], taken, options)) {
     if (const auto patch = Patch::cut(view_of(image_[0]), uv)) {
-      tracks_.push_back({next_id_++, {uv}, std::make_unique<const Patch>(*patch)});
+      tracks_.push_back({next_id_++, {uv}, std::make_shared<const Patch>(*patch)});
     }
   }
 }

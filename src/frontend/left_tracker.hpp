@@ -18,7 +18,7 @@ namespace limber::frontend {
 struct LeftTrack {
   std::int64_t id = 0;
   std::vector<Eigen::Vector2d> path;                    ///< [px] in the latest frames, this one last
-  std::unique_ptr<const Patch> reference;               ///< what it looked like at first
+  std::shared_ptr<const Patch> reference;               ///< what it looked like at first
   Eigen::Matrix2d shape = Eigen::Matrix2d::Identity();  ///< of the reference in this frame
 
   [[nodiscard]] const Eigen::Vector2d& uv() const { return path.back(); }

@@ -4,9 +4,11 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "frontend/image_file.hpp"
 #include "frontend/left_tracker.hpp"
+#include "frontend/picture_order.hpp"
 #include "frontend/pyramid.hpp"
 #include "frontend/right_matcher.hpp"
 #include "limber/frontend/image_reader.hpp"
@@ -59,8 +61,7 @@ class StereoTracker::Impl {
       : reader0(assumed.cam0),
         reader1(assumed.cam1),
         assumed_(assumed),
-        left_(assumed.cam0, options),
-        right_(assumed, options) {}
+        tracks_{{assumed.cam0, options}, {assumed, options}} {}
 
   [[nodiscard]] const StereoCalibration& assumed() const { return assumed_; }
   void require_later(std::int64_t t_ns) const;
@@ -69,9 +70,17 @@ class StereoTracker::Impl {
   ImageReader reader0, reader1;
 
  private:
+  /// What a pair is tracked with. Patches and pictures are shared, so that a copy costs little.
+  struct Tracks {
+    frontend::LeftTracker left;
+    frontend::RightMatcher right;
+  };
+  [[nodiscard]] static StereoFrame follow(Tracks& tracks, std::int64_t t_ns, const frontend::Pyramid& left,
+                                          const frontend::Pyramid& right);
+
   StereoCalibration assumed_;
-  frontend::LeftTracker left_;
-  frontend::RightMatcher right_;
+  Tracks tracks_;
+  frontend::PictureOrder order_;
   std::optional<std::int64_t> t_ns_;
 };
 
@@ -85,15 +94,32 @@ void StereoTracker::Impl::require_later(std::int64_t t_ns) const {
 StereoFrame StereoTracker::Impl::process(std::int64_t t_ns, const cv::Mat& image0, const cv::Mat& image1) {
   const frontend::Pyramid pyramid0 = frontend::pyramid_of(image0), pyramid1 = frontend::pyramid_of(image1);
   t_ns_ = t_ns;
-  left_.follow(pyramid0);
+  const Tracks before = tracks_;
+  StereoFrame frame = follow(tracks_, t_ns, pyramid0, pyramid1);
+  if (order_.doubts(frame)) {
+    Tracks tracks = before;
+    StereoFrame put_back = follow(tracks, t_ns, frontend::pyramid_of(image1.clone()), pyramid0);
+    if (order_.prefers(put_back, frame)) {
+      put_back.put_back = true;
+      tracks_ = std::move(tracks);
+      frame = std::move(put_back);
+    }
+  }
+  order_.remember(frame);
+  return frame;
+}
+
+StereoFrame StereoTracker::Impl::follow(Tracks& tracks, std::int64_t t_ns, const frontend::Pyramid& left,
+                                        const frontend::Pyramid& right) {
+  tracks.left.follow(left);
   StereoFrame frame{t_ns, {}};
-  for (const frontend::LeftTrack& track : left_.tracks()) {
+  for (const frontend::LeftTrack& track : tracks.left.tracks()) {
     StereoObservation& observation = frame.observations.emplace_back();
     observation.track_id = track.id;
     observation.uv_cam0 = track.uv();
     observation.in_cam1 = false;
   }
-  right_.match(pyramid0, pyramid1, frame);
+  tracks.right.match(left, right, frame);
   return frame;
 }
 

@@ -74,7 +74,7 @@ std::string in_words(const RunEvent& e) {
     return fmt::format("{} no input sample had come yet: the motion was guessed", when);
   }
   if (e.what == "no points") {
-    return fmt::format("{} no point could be used: dead reckoning", when);
+    return fmt::format("{} no point could be used in {} frames: dead reckoning", when, e.frames);
   }
   if (e.what == "reset") {
     return fmt::format("{} the filter had broken down and began anew, {} times", when, e.frames);

@@ -147,6 +147,16 @@ TEST(FrameCleaner, UsesNoExchangedPictures) {
   }
 }
 
+TEST(FrameCleaner, CountsPicturesThatTheFrontEndPutBack) {
+  Frames put_back = with_exchanged({}, 0.3, 8);
+  put_back[5].put_back = true;
+  const auto [frames, report] = cleaned(put_back, rig_of(0.1));
+  EXPECT_EQ(frames[5].observations.size(), put_back[5].observations.size());
+  EXPECT_EQ(report.put_back_frames, 1u);
+  EXPECT_THAT(in_words(report),
+              ElementsAre(HasSubstr("in 1 of 8 frames the left and the right picture were")));
+}
+
 TEST(FrameCleaner, TakesNoMotionForAnExchange) {
   for (const double baselines : {-2.0, -1.0, 1.0, 2.0}) {  // with 1, left pixels stand where right ones did
     EXPECT_EQ(cleaned(with_exchanged({}, baselines, 8), rig_of(0.1)).report.exchanged_frames, 0u)

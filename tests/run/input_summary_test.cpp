@@ -54,6 +54,13 @@ TEST(InputSummary, FramesWithTheSameTroubleAreOneEvent) {
               Contains(HasSubstr("from 0.950 s to 1.950 s 200 input samples were stuck")));
 }
 
+TEST(InputSummary, SaysInHowManyFramesNothingWasSeen) {
+  std::vector<FrameReport> frames = sound_frames(200);
+  for (const std::size_t k : {20U, 35U, 50U}) frames[k].status = UpdateStatus::kEmpty;
+  EXPECT_THAT(remarks_on_inputs(summarize_inputs(frames)),
+              Contains(HasSubstr("no point could be used in 3 frames: dead reckoning")));
+}
+
 TEST(InputSummary, SamplesDroppedHereAndThereAreNoLongGap) {
   std::vector<FrameReport> frames = sound_frames(200);
   for (std::size_t k = 20; k < 100; k += k < 60 ? 7 : 1) {

@@ -31,6 +31,7 @@ struct CleaningOptions {
 struct CleaningReport {
   std::size_t frames = 0;
   std::size_t exchanged_frames = 0;                ///< whose points are not used
+  std::size_t put_back_frames = 0;                 ///< whose pictures the front end has put back
   std::size_t stale_frames = 0, stale_points = 0;  ///< see FrameCleaner
   std::size_t leapt_matches = 0;                   ///< tracks whose right pixels are not used any more
   std::size_t rig_jumps = 0;  ///< frames that leap as one change of the rig has them leap: left as they are

@@ -35,6 +35,7 @@ struct StereoObservation {
 struct StereoFrame {
   std::int64_t t_ns = 0;
   std::vector<StereoObservation> observations;
+  bool put_back = false;  ///< the pictures came exchanged; the points are of those put back
 };
 
 /// Full state as a recording's ground truth gives it. Velocity and biases may be unknown.
