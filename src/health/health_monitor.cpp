@@ -32,6 +32,7 @@ constexpr double kNamedLater = 4.5;
 constexpr double kSuspectFactor = 20.0;    // suspect where an alarm's p-value is that near
 constexpr double kRecovered = 0.01;        // p-value of a window that ends an alarm
 constexpr double kLongestFrame = 1.0;      // [s], a longer gap has no more chances of a false alarm
+constexpr double kFirstFrame = 0.01;       // [s], taken for the time since a frame that was not
 constexpr double kKeptPerWindow = 0.9;     // of what earlier windows said about scatter
 constexpr double kRemembered = 0.98;       // of the largest scatter of a window, per window
 constexpr double kLuckyScatter = 1.25;     // the largest of many windows of white frames
@@ -161,9 +162,10 @@ void HealthMonitor::name_axes(const Offset& offset, double threshold) {
 /// The tests: each frame, and each window as it ends.
 bool HealthMonitor::test(const HealthInput& input, double frame_p, double window_p, const Offset& frame,
                          const Offset& gathered) {
-  const double hours = std::min(seconds_between(last_ns_, input.t_ns), kLongestFrame) / 3600.0;
+  const double seconds = started_ ? seconds_between(last_ns_, input.t_ns) : kFirstFrame;
+  const double hours = std::min(seconds, kLongestFrame) / 3600.0;
   const double share = 0.5 * options_.false_alarms_per_hour;
-  const double frame_limit = started_ ? share * hours : 0.0;
+  const double frame_limit = share * hours;
   const double window_limit = share * options_.window_s / 3600.0 / static_cast<double>(kLooks.size());
   const double age = seconds_between(gathered_since_ns_, input.t_ns);
   const bool looks = looks_ < kLooks.size() && age >= kLooks[looks_] * options_.window_s;

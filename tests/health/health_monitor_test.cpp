@@ -100,6 +100,15 @@ TEST(HealthMonitor, AStepIsFoundAtOnceAndItsAxisNamed) {
   }
 }
 
+TEST(HealthMonitor, ALargeErrorIsFoundInTheFirstFrame) {
+  HealthMonitor monitor({}, kBaseline);
+  EXPECT_TRUE(monitor.judge(Frames(5).next(Vector6::Constant(20.0))).alarm);
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    HealthMonitor sound({}, kBaseline);
+    EXPECT_FALSE(sound.judge(Frames(seed).next(Vector6::Zero())).alarm) << seed;
+  }
+}
+
 TEST(HealthMonitor, WhatOneFrameCannotShowAWindowDoes) {
   Frames frames(3);
   HealthMonitor monitor({.false_alarms_per_hour = 6.0}, kBaseline);

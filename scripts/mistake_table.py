@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Makes each common mistake in a copy of a recording, and asks `limber health` what is wrong.
+
+  scripts/mistake_table.py RECORDING... [--limber FILE]
+
+RECORDING: a folder in EuRoC's layout, with images or a track log, calibrated right. A row: the mistake, the verdict, what was
+named. Mistakes that a recording cannot have (an IMU that it does not hold) are left out.
+"""
+import argparse
+import json
+import math
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def columns(file, change):
+    """Changes the numbers of each line of a CSV file."""
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join(x if x.startswith("#") or not x.strip() else ",".join(change(x.split(","))) for x in lines) + "\n")
+
+
+def scaled(row, first, last, factor):
+    return row[:first] + [repr(float(x) * factor) for x in row[first:last]] + row[last:]
+
+
+def matrix(sensor):
+    text = re.search(r"(?s)T_BS:.*?data:\s*\[(.*?)\]", sensor.read_text()).group(1)
+    x = [float(v) for v in text.split(",")]
+    return [x[4 * i:4 * i + 4] for i in range(4)]
+
+
+def set_matrix(sensor, m):
+    flat = ", ".join(repr(v) for row in m for v in row)
+    sensor.write_text(re.sub(r"(?s)(T_BS:.*?data:\s*\[).*?\]", lambda found: found.group(1) + flat + "]", sensor.read_text()))
+
+
+def inverse(m):
+    rotation = [[m[j][i] for j in range(3)] for i in range(3)]
+    shift = [-sum(rotation[i][k] * m[k][3] for k in range(3)) for i in range(3)]
+    return [[*rotation[i], shift[i]] for i in range(3)] + [[0.0, 0.0, 0.0, 1.0]]
+
+
+def sensors(mav0):
+    return [mav0 / f"cam{k}/sensor.yaml" for k in (0, 1)]
+
+
+def imu(first, last, factor):
+    return lambda mav0: columns(mav0 / "imu0/data.csv", lambda row: scaled(row, first, last, factor))
+
+
+def imu_late(seconds):
+    return lambda mav0: columns(mav0 / "imu0/data.csv", lambda row: [str(int(row[0]) + round(1e9 * seconds)), *row[1:]])
+
+
+def imu_in_seconds(mav0):
+    columns(mav0 / "imu0/data.csv", lambda row: [f"{1e-9 * int(row[0]):.6f}", *row[1:]])
+
+
+def swapped(mav0):
+    """Pictures (or pixels) of the one under the name of the other, calibrations stay."""
+    tracks = mav0 / "tracks0/data.csv"
+    if tracks.exists():
+        columns(tracks, lambda row: [*row[:2], *row[4:6], *row[2:4]] if "" not in row[2:6] else row)
+        return
+    for name in ("data", "data.csv"):
+        one, other, aside = mav0 / "cam0" / name, mav0 / "cam1" / name, mav0 / "aside"
+        one.rename(aside), other.rename(one), aside.rename(other)
+
+
+def inverted(which):
+    def change(mav0):
+        for k in which:
+            set_matrix(sensors(mav0)[k], inverse(matrix(sensors(mav0)[k])))
+    return change
+
+
+def halved(mav0):
+    """As if calibrated at half the size."""
+    for sensor in sensors(mav0):
+        def half(found):
+            return found.group(1) + ", ".join(repr(float(v) / 2) for v in found.group(2).split(",")) + "]"
+        sensor.write_text(re.sub(r"(intrinsics:\s*\[)(.*?)\]", half, sensor.read_text()))
+
+
+def rectified(mav0):
+    """The calibration of rectified pictures."""
+    for sensor in sensors(mav0):
+        text = re.sub(r"distortion_model:.*", "distortion_model: none", sensor.read_text())
+        sensor.write_text(re.sub(r"(?s)distortion_coefficients:\s*\[.*?\]", "distortion_coefficients: []", text))
+
+
+def raw(mav0):
+    """The calibration of raw pictures, for those of a lens that has no distortion."""
+    for sensor in sensors(mav0):
+        text = re.sub(r"distortion_model:.*", "distortion_model: radial-tangential", sensor.read_text())
+        sensor.write_text(re.sub(r"(?s)distortion_coefficients:\s*\[.*?\]", "distortion_coefficients: [-0.28, 0.07, 0.0, 0.0]", text))
+
+
+def right_late(mav0):
+    """The right pixels (or pictures) are those of the frame before."""
+    tracks = mav0 / "tracks0/data.csv"
+    if not tracks.exists():
+        rows = (mav0 / "cam1/data.csv").read_text().splitlines()
+        header, pairs = rows[0], [row.split(",") for row in rows[1:] if row.strip()]
+        late = [f"{now[0]},{before[1]}" for before, now in zip(pairs, pairs[1:])]
+        (mav0 / "cam1/data.csv").write_text("\n".join([header, *late]) + "\n")
+        return
+    before, now, stamp = {}, {}, None
+
+    def change(row):
+        nonlocal before, now, stamp
+        if row[0] != stamp:
+            before, now, stamp = now, {}, row[0]
+        now[row[1]] = row[4:6]
+        return [*row[:4], *before.get(row[1], row[4:6])]
+
+    columns(tracks, change)
+
+
+MISTAKES = {
+    "none": lambda mav0: None,
+    "gyro in deg/s": imu(1, 4, 180.0 / math.pi),
+    "accelerometer in g": imu(4, 7, 1.0 / 9.80665),
+    "stamps of the IMU in s": imu_in_seconds,
+    "IMU 20 ms late": imu_late(0.02),
+    "IMU 0.1 s early": imu_late(-0.1),
+    "cameras swapped": swapped,
+    "T_BS of both cameras inverted": inverted((0, 1)),
+    "T_BS of cam1 inverted": inverted((1,)),
+    "calibrated at half the resolution": halved,
+    "rectified calibration, raw pictures": rectified,
+    "raw calibration, rectified pictures": raw,
+    "right pictures a frame late": right_late,
+}
+
+
+def has_distortion(mav0):
+    return "distortion_model: none" not in sensors(mav0)[0].read_text()
+
+
+def applies(name, mav0):
+    if "IMU" in name or "gyro" in name or "accelerometer" in name:
+        return (mav0 / "imu0/data.csv").exists()
+    if name.startswith("rectified"):
+        return has_distortion(mav0)
+    return not (name.startswith("raw") and has_distortion(mav0))
+
+
+def copy(recording, into):
+    """Pictures are not changed, so links will do."""
+    def link_or_copy(source, target):
+        if pathlib.Path(source).suffix in (".csv", ".yaml", ".txt", ".json"):
+            shutil.copyfile(source, target)
+        else:
+            os.symlink(pathlib.Path(source).resolve(), target)
+    shutil.copytree(recording, into, copy_function=link_or_copy)
+    return into / "mav0" if (into / "mav0").exists() else into
+
+
+def judged(limber, folder):
+    done = subprocess.run([limber, "health", folder, "--json"], capture_output=True, text=True)
+    try:
+        found = json.loads(done.stdout)
+    except json.JSONDecodeError:
+        return "refused", done.stderr.strip().splitlines()[-1]
+    return found["verdict"], "; ".join(found["mistakes"])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("recordings", nargs="+", type=pathlib.Path)
+    parser.add_argument("--limber", type=pathlib.Path, default=ROOT / "build/release/limber")
+    arguments = parser.parse_args()
+    print("| recording | mistake | verdict | named |\n| --- | --- | --- | --- |", flush=True)
+    for recording in arguments.recordings:
+        for name, make in MISTAKES.items():
+            with tempfile.TemporaryDirectory() as scratch:
+                folder = pathlib.Path(scratch) / recording.name
+                mav0 = copy(recording, folder)
+                if not applies(name, mav0):
+                    continue
+                make(mav0)
+                verdict, named = judged(arguments.limber.resolve(), folder)
+                print(f"| {recording.name} | {name} | {verdict} | {named.replace(str(folder), recording.name)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
