@@ -16,6 +16,7 @@
 #include "limber/bags/write_results.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/nearest_word.hpp"
+#include "limber/datasets/recording_place.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/datasets/trajectory_files.hpp"
 #include "limber/datasets/write_euroc.hpp"
@@ -50,6 +51,11 @@ bool is_trajectory(const fs::path& out) {
   return ending == ".tum" || ending == ".txt" || ending == ".csv" || ending == ".kitti";
 }
 
+bool is_folder(const fs::path& out) {
+  const std::string ending = ending_of(out);
+  return !is_trajectory(out) && ending != ".mcap" && ending != ".bag" && !fs::is_regular_file(out);
+}
+
 /// Nothing: --out names no file of messages.
 std::optional<BagOutput> bag_output_of(const ConvertArguments& arguments) {
   const std::string ending = ending_of(arguments.out);
@@ -74,10 +80,12 @@ void require_free(const ConvertArguments& arguments) {
   const fs::path& out = arguments.out;
   const RecordingArguments& in = arguments.recording;
   std::error_code ignored;
-  if (fs::equivalent(out, in.dataset, ignored)) {
+  if (fs::equivalent(out, in.dataset, ignored) || fs::equivalent(out / "mav0", in.dataset, ignored)) {
     throw DataError(out.string(), 0, "a name for the result that is not also the input", "what is converted");
   }
-  if (!fs::is_directory(out)) {  // write_euroc and write_track_log know their own folders
+  if (is_folder(out)) {
+    require_place_for_mav0(out, arguments.force);
+  } else {
     require_replaceable(out, kNoMark, arguments.force, {in.dataset, in.calibration, in.imu});
   }
 }
@@ -151,7 +159,7 @@ void convert_recording(const ConvertArguments& arguments, const std::optional<Ba
                                " holds matched points, for which there is no message type: "
                                "give a folder as --out");
     }
-    write_track_log(recording, arguments.out);
+    write_track_log(recording, arguments.out, arguments.force);
     return;
   }
   Progress progress("convert", recording.images.size());
@@ -274,7 +282,7 @@ void add_convert_command(CLI::App& app) {
       ->add_option("--compression", arguments->compression,
                    "Of FILE.mcap: zstd (default), lz4 or none; of FILE.bag: lz4 (default), bz2 or none")
       ->check(CLI::IsMember({"zstd", "lz4", "bz2", "none"}));
-  command->add_flag("--force", arguments->force, "Replace an older result");
+  add_force_option(*command, arguments->force, "Replace an older result; of folders those that limber wrote");
   command->footer(
       "\nIMU, stamps and images keep every bit; Bayer and YUV images become grey in an EuRoC folder.\n"
       "Of a run's folder a file of messages gets odometry, tf, path, map and diagnostics, of a trajectory "

@@ -10,6 +10,7 @@
 #include "limber/bags/bag_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/read_recording.hpp"
+#include "limber/datasets/recording_place.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/decalibrate/bend_images.hpp"
 #include "limber/decalibrate/bend_tracks.hpp"
@@ -19,6 +20,7 @@
 #include "messages.hpp"
 #include "output_folder.hpp"
 #include "progress.hpp"
+#include "replaceable.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
 
@@ -31,12 +33,18 @@ struct DecalibrateArguments {
   fs::path dataset, out;
   std::string as;
   std::uint64_t seed = 0;
+  bool force = false;
 };
 
+bool lies_in(const fs::path& inner, const fs::path& outer) {
+  return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+}
+
 void require_outside(const fs::path& out, const fs::path& recording) {
-  const fs::path inner = fs::weakly_canonical(fs::absolute(out)), outer = fs::canonical(recording);
-  if (std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end()) {
-    throw DataError(out.string(), 0, "a folder outside the recording", "one within it");
+  const fs::path to = (fs::weakly_canonical(fs::absolute(out)) / "").parent_path(),
+                 from = fs::canonical(recording);
+  if (lies_in(to, from) || lies_in(from, to)) {
+    throw DataError(out.string(), 0, "a folder outside the recording, and not around it", "the same files");
   }
 }
 
@@ -90,7 +98,7 @@ void bend_points(const DecalibrateArguments& arguments, const Recording& recordi
       bend_tracks(recording, BentRig(recording, signals, arguments.seed, BentRig::Parts::kAll));
   {
     const Uninterrupted until_written;
-    write_track_log(bent.recording, arguments.out);
+    write_track_log(bent.recording, arguments.out, arguments.force);
   }
   fmt::print("{}: {} right pixels moved, {} of them out of the image, written to {}\n", recording.name,
              bent.points + bent.left_image, bent.left_image, arguments.out.string());
@@ -105,11 +113,11 @@ void decalibrate(const DecalibrateArguments& arguments) {
     throw DataError(arguments.dataset.string(), 0, "the folder of a recording",
                     "a bag: limber convert makes a folder of it");
   }
+  require_place_for_recording(arguments.out, arguments.force);
+  require_writable_folder(arguments.out);
   const Recording recording = limber::read_recording(arguments.dataset);
   const std::vector<DecalibrationSignal> signals = signals_of(arguments.as, recording);
-  require_new_folder(arguments.out);
   require_outside(arguments.out, arguments.dataset);
-  require_writable_folder(arguments.out);
   recording.images.empty() ? bend_points(arguments, recording, signals)
                            : bend_pictures(arguments, recording, signals);
 }
@@ -134,6 +142,7 @@ void add_decalibrate_command(CLI::App& app) {
   command->add_option("--seed", arguments->seed, "Of random profiles")
       ->check(whole_number())
       ->capture_default_str();
+  add_force_option(*command, arguments->force, kEarlierRecording);
   command->footer(
       "\nRight images are turned by the exact homography of the rotation, through the lens; the right pixels "
       "of\n"

@@ -71,6 +71,9 @@ Diagnosis navigate(const HealthArguments& arguments, const Recording& recording,
 }
 
 void require_output(const HealthArguments& arguments) {
+  if (arguments.out.empty()) {
+    return;
+  }
   std::error_code ignored;
   if (!arguments.since.empty() && std::filesystem::equivalent(arguments.out / kHealthStateName,
                                                               health_state_file(arguments.since), ignored)) {
@@ -84,9 +87,6 @@ void require_output(const HealthArguments& arguments) {
 Diagnosis diagnose(const HealthArguments& arguments) {
   const Recording recording = open_recording(arguments);
   const RunOptions options = to_options(arguments, recording);
-  if (!arguments.out.empty()) {
-    require_output(arguments);
-  }
   std::optional<HealthState> before;
   if (!arguments.since.empty()) {
     before = earlier_state(arguments.since, corrected(recording.calibration, options.assume_error));
@@ -111,6 +111,9 @@ HealthArguments member(const HealthArguments& fleet, std::size_t n) {
 }
 
 int fleet(const HealthArguments& arguments) {
+  for (std::size_t n = 0; n <= arguments.more.size(); ++n) {
+    require_output(member(arguments, n));
+  }
   std::vector<FleetRow> rows;
   for (std::size_t n = 0; n <= arguments.more.size(); ++n) {
     const HealthArguments one = member(arguments, n);
@@ -140,6 +143,7 @@ void health(const HealthArguments& arguments) {
   if (arguments.fleet) {
     code = fleet(arguments);
   } else {
+    require_output(arguments);
     const Diagnosis diagnosis = diagnose(arguments);
     fmt::print("{}", arguments.json ? to_json(diagnosis) : to_text(diagnosis));
     code = exit_code(verdict_of(diagnosis));

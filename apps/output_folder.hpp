@@ -28,14 +28,4 @@ inline void require_writable_folder(const std::filesystem::path& path) {
   }
 }
 
-/// A place for a recording with images: nothing is replaced.
-/// @throws DataError
-inline void require_new_folder(const std::filesystem::path& path) {
-  namespace fs = std::filesystem;
-  if (fs::exists(path) && !(fs::is_directory(path) && fs::is_empty(path))) {
-    throw DataError(path.string(), 0, "no folder of this name, or an empty one",
-                    "something that is there already");
-  }
-}
-
 }  // namespace limber::app

@@ -28,14 +28,14 @@ struct RecalibrateArguments : RecordingArguments {
 };
 
 void recalibrate_dataset(const RecalibrateArguments& arguments) {
-  const Recording recording = open_recording(arguments);
-  RecalibrateOptions options;
-  options.run = to_run_options(arguments, recording);
   const fs::path& calibration = arguments.calibration;
   require_replaceable_recalibration(arguments.out, arguments.force,
                                     {arguments.dataset, calibration, arguments.imu,
                                      calibration / "cam0/sensor.yaml", calibration / "cam1/sensor.yaml"});
   require_writable_folder(arguments.out);
+  const Recording recording = open_recording(arguments);
+  RecalibrateOptions options;
+  options.run = to_run_options(arguments, recording);
   RecalibrationOutcome outcome;
   {
     Progress progress("recalibrate", 100);

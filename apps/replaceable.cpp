@@ -34,11 +34,13 @@ void require_regular(const fs::path& file) {
   }
 }
 
-[[noreturn]] void refuse(const fs::path& file, bool has_mark = true) {
-  throw DataError(file.string(), 0,
-                  has_mark ? "no file of this name, or one that limber wrote" : "no file of this name",
-                  has_mark ? "another one; --force replaces it" : "one; --force replaces it");
+[[noreturn]] void refuse(const fs::path& file, const char* found) {
+  throw DataError(file.string(), 0, "no file of this name", found);
 }
+
+constexpr const char* kEarlier = "an earlier result; --force replaces it";
+constexpr const char* kForeign = "one that limber did not write; --force replaces it, too";
+constexpr const char* kAnyone = "one; --force replaces it";
 
 /// A file of this name, if it exists, lies within the folder, seen through links.
 bool lies_within(const fs::path& file, const fs::path& folder) {
@@ -55,7 +57,8 @@ void require_replaceable(const fs::path& file, std::string_view mark, bool force
   if (!fs::exists(file)) {
     return;
   }
-  const bool own = fs::file_size(file) == 0 || (mark != kNoMark && bears(file, mark));
+  const bool empty = fs::file_size(file) == 0;
+  const bool own = empty || (mark != kNoMark && bears(file, mark));
   for (const fs::path& input : inputs) {
     std::error_code ignored;
     if (fs::equivalent(file, input, ignored) ||
@@ -64,22 +67,30 @@ void require_replaceable(const fs::path& file, std::string_view mark, bool force
                       "what this command reads");
     }
   }
-  if (!own && !force) {
-    refuse(file, mark != kNoMark);
+  if (!empty && !force) {
+    refuse(file, mark == kNoMark ? kAnyone : own ? kEarlier : kForeign);
   }
 }
 
+void require_remakable(const fs::path& made, std::string_view mark, const fs::path& results, bool force) {
+  const bool again = fs::exists(results) && fs::is_regular_file(made) && bears(made, mark);
+  require_replaceable(made, mark, force || again, {results});
+}
+
 void require_replaceable_run(const fs::path& folder, bool force) {
-  std::string foreign;
+  std::string there;
   for (const std::string& name : run_file_names()) {
     require_regular(folder / name);
-    if (fs::exists(folder / name) && foreign.empty()) {
-      foreign = name;
+    if (fs::exists(folder / name) && there.empty()) {
+      there = name;
     }
   }
-  const bool own = fs::exists(folder / "summary.json") && bears(folder / "summary.json", kRunMark);
-  if (!foreign.empty() && !own && !force) {
-    refuse(folder / foreign);
+  if (!there.empty() && !force) {
+    if (fs::exists(folder / "summary.json") && bears(folder / "summary.json", kRunMark)) {
+      throw DataError(folder.string(), 0, "a folder without results",
+                      "those of an earlier run; --force replaces them");
+    }
+    refuse(folder / there, kForeign);
   }
   require_replaceable(folder / "report.html", kPageMark, force);
 }
@@ -89,10 +100,10 @@ void require_replaceable_export(const fs::path& database, std::string_view forma
     return database.parent_path() / (database.stem().string() + ending);
   };
   if (format == "csv") {
-    require_replaceable(beside("_runs.csv"), kRunsTableMark, force);
-    require_replaceable(beside("_curves.csv"), kCurvesTableMark, force);
+    require_remakable(beside("_runs.csv"), kRunsTableMark, database, force);
+    require_remakable(beside("_curves.csv"), kCurvesTableMark, database, force);
   } else if (format == "json") {
-    require_replaceable(beside(".json"), kStudyJsonMark, force, {database});
+    require_remakable(beside(".json"), kStudyJsonMark, database, force);
   }
 }
 
@@ -102,7 +113,7 @@ void require_replaceable_page(const fs::path& results, bool force) {
     throw DataError(results.string(), 0, "a name that does not end in .html, which its page gets",
                     results.filename().string());
   }
-  require_replaceable(page, kPageMark, force, {results});
+  require_remakable(page, kPageMark, results, force);
 }
 
 }  // namespace limber::app

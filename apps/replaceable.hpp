@@ -3,15 +3,21 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
-/// What limber may replace: its own earlier results. Each kind of file carries a mark; a regular file with
-/// the mark is replaced, any other only with --force, and what a command reads never is.
+/// What limber may replace: nothing, unless --force is given; then any regular file of a result's name, but
+/// never what a command reads. The mark of each kind of file tells limber's own, for the message, and for
+/// what is made anew from results beside it, by which nothing is lost.
 namespace limber::app {
 
-inline void add_force_option(CLI::App& command, bool& force) {
-  command.add_flag("--force", force, "Replace files of the results' names that limber did not write, too");
+inline constexpr const char* kEarlierRecording = "Replace an older recording that limber wrote";
+
+inline void add_force_option(
+    CLI::App& command, bool& force,
+    const std::string& description = "Replace earlier results, and other files of their names") {
+  command.add_flag("--force", force, description);
 }
 
 inline constexpr std::string_view kNoMark;  ///< of kinds that others write just as well
@@ -23,13 +29,16 @@ inline constexpr std::string_view kCurvesTableMark = "case,method,t [s],runs";
 inline constexpr std::string_view kStudyJsonMark = "\"program_version\"";
 
 /// @param inputs  files and folders that the command reads
-/// @throws DataError unless `file` is missing, or a regular file with the mark; with `force` any regular
-/// file, but for an input and what lies in one
+/// @throws DataError unless `file` is missing or empty; with `force` it may be any regular file but an input
+///         and, without the mark, what lies in one
 void require_replaceable(const std::filesystem::path& file, std::string_view mark, bool force,
                          const std::vector<std::filesystem::path>& inputs = {});
 
-/// The results of a run and its page: `folder` holds none of these names yet, or those of an earlier run.
-/// @throws DataError
+/// The same for `made`, which limber makes of the results beside it: its own may be there, if they are, too.
+void require_remakable(const std::filesystem::path& made, std::string_view mark,
+                       const std::filesystem::path& results, bool force);
+
+/// The results of a run and its page. @throws DataError
 void require_replaceable_run(const std::filesystem::path& folder, bool force);
 
 /// What export_csv or export_json write beside a database.

@@ -20,7 +20,11 @@ struct ReportArguments {
 void report(const ReportArguments& arguments) {
   const std::filesystem::path page =
       arguments.out.empty() ? default_report_path(arguments.results) : arguments.out;
-  require_replaceable(page, kPageMark, arguments.force, {arguments.results});
+  if (arguments.out.empty()) {
+    require_remakable(page, kPageMark, arguments.results, arguments.force);
+  } else {
+    require_replaceable(page, kPageMark, arguments.force, {arguments.results});
+  }
   make_report(arguments.results, page);
   fmt::print("{}\n", page.string());
 }
@@ -36,7 +40,8 @@ void add_report_command(CLI::App& app) {
   add_force_option(*command, arguments->force);
   command->footer(
       "\nPrints the name of the file. Made anew from the results as they are, also of a study that still "
-      "runs.\nExample:\n  limber report runs/v101 --out v101.html");
+      "runs;\nonly what --out names has to be new, unless --force is given.\nExample:\n  limber report "
+      "runs/v101 --out v101.html");
   command->callback([arguments] { report(*arguments); });
 }
 

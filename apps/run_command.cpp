@@ -122,9 +122,6 @@ RunRecord run_and_show(const Recording& recording, const RunOptions& options, co
 
 void run_on(const Recording& recording, const RepeatedFrames& frames, const RunArguments& arguments) {
   const RunOptions options = to_options(arguments, recording);
-  require_replaceable_run(arguments.out, arguments.force);
-  require_writable_folder(arguments.out);
-  require_place_of_page(arguments);
   const ImageFrames source = frames();
   const std::unique_ptr<LiveView> view =
       open_live_view(arguments.view, recording, options, source.record, Interrupt::asked);
@@ -157,6 +154,9 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
 }
 
 void run(const RunArguments& arguments) {
+  require_replaceable_run(arguments.out, arguments.force);
+  require_writable_folder(arguments.out);
+  require_place_of_page(arguments);
   const Interrupt interrupt;
   const Recording recording = open_recording(arguments);
   run_on(

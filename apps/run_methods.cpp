@@ -119,6 +119,7 @@ void run_methods(const std::vector<std::string>& methods, const fs::path& out, b
                  const RunOneMethod& run) {
   for (const std::string& method : methods) {
     require_replaceable_run(out / method, force);
+    require_writable_folder(out / method);
   }
   require_replaceable(out / kComparisonPage, kPageMark, force);
   require_writable_folder(out);

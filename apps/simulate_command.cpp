@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "limber/datasets/recording_place.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/io/atomic_file.hpp"
 #include "limber/simulate/scenario_file.hpp"
@@ -15,6 +16,7 @@
 #include "output_folder.hpp"
 #include "parsed_by.hpp"
 #include "progress.hpp"
+#include "replaceable.hpp"
 #include "scenario_options.hpp"
 #include "uninterrupted.hpp"
 #include "validators.hpp"
@@ -28,7 +30,7 @@ namespace {
 struct SimulateArguments {
   std::filesystem::path scenario, out;
   std::uint64_t seed = 0, run = 0;
-  bool without_imu = false, print = false;
+  bool without_imu = false, print = false, force = false;
 #ifdef LIMBER_WITH_FRONTEND
   bool images = false;
   std::string scene = "room";
@@ -39,7 +41,7 @@ struct SimulateArguments {
 
 #ifdef LIMBER_WITH_FRONTEND
 void render(const SimulateArguments& arguments, const Scenario& scenario) {
-  require_new_folder(arguments.out);
+  require_place_for_recording(arguments.out, arguments.force);
   require_writable_folder(arguments.out);
   PictureOptions options = arguments.pictures;
   options.scene = scene_from_string(arguments.scene);
@@ -79,9 +81,8 @@ class NumberOptions {
 };
 
 void add_picture_options(CLI::App& command, SimulateArguments& arguments) {
-  CLI::Option* images =
-      command.add_flag("--images", arguments.images,
-                       "Rendered pictures (EuRoC folder) in place of matched points; --out must be new");
+  CLI::Option* images = command.add_flag("--images", arguments.images,
+                                         "Rendered pictures (EuRoC folder) in place of matched points");
   command.add_option("--scene", arguments.scene, "What they show: room, hall or street")
       ->check(parsed_by(scene_from_string))
       ->needs(images)
@@ -129,11 +130,12 @@ void simulate(const SimulateArguments& arguments) {
     return;
   }
 #endif
+  require_place_for_mav0(arguments.out, arguments.force);
   require_writable_folder(arguments.out);
   const Recording recording = limber::simulate(scenario, arguments.seed, arguments.run);
   {
     const Uninterrupted until_written;
-    write_track_log(recording, arguments.out);
+    write_track_log(recording, arguments.out, arguments.force);
   }
   std::size_t points = 0;
   for (const StereoFrame& frame : recording.frames) {
@@ -165,6 +167,7 @@ void add_simulate_command(CLI::App& app) {
       ->check(whole_number())
       ->capture_default_str();
   command->add_flag("--without-imu", arguments->without_imu, "Leave the IMU out, whatever the scenario says");
+  add_force_option(*command, arguments->force, kEarlierRecording);
   command->add_flag("--print", arguments->print, "Print the scenario with every default filled in, and stop");
   add_scenario_options(*command, arguments->changes);
 #ifdef LIMBER_WITH_FRONTEND

@@ -51,10 +51,10 @@ SmoothOptions to_options(const SmoothArguments& arguments, const Recording& reco
 }
 
 void smooth(const SmoothArguments& arguments) {
-  const Recording recording = open_recording(arguments);
-  const SmoothOptions options = to_options(arguments, recording);
   require_replaceable_run(arguments.out, arguments.force);
   require_writable_folder(arguments.out);
+  const Recording recording = open_recording(arguments);
+  const SmoothOptions options = to_options(arguments, recording);
   RunRecord record;
   {
     Progress progress("smooth", 100);

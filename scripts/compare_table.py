@@ -28,6 +28,7 @@ def differences(arguments, scenario):
     out = []
     for seed in range(arguments.seed, arguments.seed + arguments.runs):
         folder = arguments.out / f"{scenario}_{seed}"
+        shutil.rmtree(folder, ignore_errors=True)
         limber(arguments, "simulate", ROOT / f"scenarios/{scenario}.yaml", "--seed", str(seed), "--out", folder / "log")
         try:
             limber(arguments, "run", folder / "log", "--methods", arguments.methods, "--out", folder / "runs")

@@ -5,6 +5,7 @@
 # fared. The page beside the table opens on the same answer.
 #
 #   scripts/demo.sh [OUTPUT_FOLDER]       default: results/demo
+# Called again it goes on with the study that is there, and prints and draws the same.
 set -euo pipefail
 
 usage="usage: scripts/demo.sh [OUTPUT_FOLDER]"

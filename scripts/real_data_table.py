@@ -50,7 +50,7 @@ def jobs(data, out):
             for method, options in variants(fixed_scale):
                 label = method + (f" ({options[1]})" if options else "")
                 folder = out / f"{name.replace('/', '_')}-{label.replace(' ', '')}-{error.replace('%', 'p') or 'given'}"
-                command = [data / name, "--method", method, "--out", folder, *options]
+                command = [data / name, "--method", method, "--out", folder, "--force", *options]
                 if error:
                     command += ["--assume-error", error]
                 yield pathlib.Path(name).name, error or "given", label, folder, command

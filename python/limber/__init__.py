@@ -155,7 +155,7 @@ class Recalibration(dict):
     def write(self, folder, *, force=False):
         """Writes recalibration.json and the corrected calibration in all formats, whatever the verdict.
 
-        force: replace files of these names that limber did not write, too
+        force: replace earlier results, and other files of their names
         """
         self._found.write(folder, force)
 

@@ -145,8 +145,12 @@ void bind_inputs(py::module_& module) {
           "Adds an error to the assumed calibration, as --assume-error of the program: "
           "'ax,ay,az,tx,ty,tz' in degrees and metres (5% is of the baseline), 'NAME=VALUE' for others.")
       .def(
-          "write", [](const Recording& self, const fs::path& folder) { write_track_log(self, folder); },
-          py::arg("folder"), py::call_guard<py::gil_scoped_release>(), DOC(write_track_log));
+          "write",
+          [](const Recording& self, const fs::path& folder, bool force) {
+            write_track_log(self, folder, force);
+          },
+          py::arg("folder"), py::arg("force") = false, py::call_guard<py::gil_scoped_release>(),
+          DOC(write_track_log));
 }
 
 /// Poses of the ground truth, as views.

@@ -329,7 +329,7 @@ void bind_run(py::module_& module) {
           },
           py::arg("folder"), py::arg("force") = false, py::call_guard<py::gil_scoped_release>(),
           "Writes the files of limber run, byte for byte, into a folder; limber report makes a page of it.\n"
-          "force: replace files of these names that limber did not write, too");
+          "force: replace earlier results, and other files of their names");
 }
 
 void bind_running(py::module_& module) {
@@ -419,8 +419,11 @@ void bind_evaluation(py::module_& module) {
       .def("__len__", [](const TrajectoryInput& input) { return input.poses.size(); })
       .def(
           "write_tum",
-          [](const TrajectoryInput& input, const fs::path& path) { write_tum(path, input.poses); },
-          py::arg("path"), "Writes a TUM file; an existing file of that name is replaced.");
+          [](const TrajectoryInput& input, const fs::path& path, bool force) {
+            app::require_replaceable(path, app::kNoMark, force, {input.path});
+            write_tum(path, input.poses);
+          },
+          py::arg("path"), py::arg("force") = false, "Writes a TUM file. force: replace a file of that name");
   module.def("read_trajectory", &app::load_trajectory, py::arg("path"),
              py::call_guard<py::gil_scoped_release>(), DOC(read_trajectory));
   module.def(

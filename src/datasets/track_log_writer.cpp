@@ -10,8 +10,8 @@
 
 #include "euroc_folder.hpp"
 #include "io/table_text.hpp"
-#include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/datasets/recording_place.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/io/atomic_file.hpp"
 #include "rig_files/euroc_text.hpp"
@@ -28,7 +28,7 @@ constexpr std::array<const char*, 8> kFolders = {
     "landmarks0", "calibration_truth0"};
 
 // Nothing but what this writer makes; so that images, other people's files or logs are never removed.
-void require_replaceable(const fs::path& mav0) {
+void require_only_track_log(const fs::path& mav0) {
   if (!fs::exists(mav0)) {
     return;
   }
@@ -40,19 +40,12 @@ void require_replaceable(const fs::path& mav0) {
   for (const char* const folder : kFolders) {
     known.insert({mav0 / folder, mav0 / folder / "data.csv", mav0 / folder / "sensor.yaml"});
   }
-  if (!fs::is_directory(mav0)) {
-    refuse("a file of this name");
-  }
   known.erase(mav0 / "cam0" / "data.csv");  // lists images
   known.erase(mav0 / "cam1" / "data.csv");
   for (const fs::path& entry : fs::recursive_directory_iterator(mav0)) {
     if (!known.contains(entry)) {
       refuse(entry);
     }
-  }
-  if (!fs::is_empty(mav0) &&
-      detail::load_text(mav0 / "cam0" / "sensor.yaml").find(detail::kIntrinsicsMark) == std::string::npos) {
-    refuse("a log that limber did not write");
   }
 }
 
@@ -156,11 +149,12 @@ std::string calibration_truth_text(const std::vector<CalibrationTruth>& truth) {
   return std::string(table.text());
 }
 
-void write_track_log(const Recording& recording, const fs::path& folder) {
+void write_track_log(const Recording& recording, const fs::path& folder, bool replace) {
   require_writable_content(recording);
   try {
     const FolderUnlessEmpty outer(folder);
-    require_replaceable(folder / "mav0");
+    require_place_for_mav0(folder, replace);
+    require_only_track_log(folder / "mav0");
     EurocFolder mav0(folder / "mav0");
     mav0.write_cameras(recording.calibration);
     mav0.write_imu(recording);

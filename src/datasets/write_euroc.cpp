@@ -8,28 +8,14 @@
 
 #include "euroc_folder.hpp"
 #include "io/table_text.hpp"
-#include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/image_files.hpp"
-#include "rig_files/euroc_text.hpp"
+#include "limber/datasets/recording_place.hpp"
 
 namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
-
-void require_free(const fs::path& mav0, bool replace) {
-  if (!fs::exists(mav0)) {
-    return;
-  }
-  const fs::path yaml = mav0 / "cam0" / "sensor.yaml";
-  const bool own =
-      fs::exists(yaml) && detail::load_text(yaml).find(detail::kIntrinsicsMark) != std::string::npos;
-  if (!own || !replace) {
-    throw DataError(mav0.string(), 0, "no folder of this name",
-                    own ? "one that limber wrote; --force replaces it" : "one that limber did not write");
-  }
-}
 
 std::string_view text_of(const std::vector<std::uint8_t>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -44,7 +30,7 @@ void write_euroc(const Recording& recording, const fs::path& folder, const Image
   }
   try {
     const FolderUnlessEmpty outer(folder);
-    require_free(folder / "mav0", replace);
+    require_place_for_mav0(folder, replace);
     detail::EurocFolder mav0(folder / "mav0");
     mav0.write_cameras(recording.calibration);
     mav0.write_imu(recording);

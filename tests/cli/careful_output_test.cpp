@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What limber replaces (its own earlier results), and what it does not.
+// What is there stays there: results, too, are replaced only with --force.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include "cli/small_log.hpp"
+#include "limber/report/write_report.hpp"
 
 namespace limber {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::expect_refused;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::read_text;
 using testing::run_command;
 using testing::run_limber;
@@ -31,12 +33,52 @@ class CarefulOutput : public testing::SmallLog {
   }
 };
 
-TEST_F(CarefulOutput, RepeatsARunButKeepsOtherPeoplesFilesUnlessForced) {
+TEST_F(CarefulOutput, KeepsAnEarlierRunUnlessForced) {
   ASSERT_EQ(run().exit_code, 0);
-  EXPECT_EQ(run({"--method", "ekf"}).exit_code, 0) << "into a folder that a run has written";
+  const std::string before = read_text(out() / "summary.json");
+  for (const char* const command : {"run", "smooth", "health"}) {
+    const auto again = run_limber({command, log().string(), "--out", out().string()});
+    expect_refused(
+        again, 1,
+        out().string() +
+            ": expected a folder without results, found those of an earlier run; --force replaces");
+    EXPECT_THAT(again.err, Not(HasSubstr("note"))) << "refused before the recording is read";
+  }
+  EXPECT_EQ(read_text(out() / "summary.json"), before);
+  ASSERT_EQ(run({"--method", "ekf", "--force"}).exit_code, 0);
+  EXPECT_NE(read_text(out() / "summary.json"), before);
+}
+
+TEST_F(CarefulOutput, RefusesBeforeTheInputIsRead) {
+  ASSERT_EQ(run().exit_code, 0);
+  const std::string nowhere = (folder() / "nowhere").string();
+  for (const char* const command : {"run", "smooth", "health"}) {
+    expect_refused(run_limber({command, nowhere, "--out", out().string()}), 1, "--force replaces them");
+  }
+  write_text(folder() / "mended/recalibration.json", "{\"recalibration\": 1}");
+  expect_refused(run_limber({"recalibrate", nowhere, "--out", (folder() / "mended").string()}), 1,
+                 "recalibration.json: expected no file of this name, found an earlier result; --force");
+  expect_refused(run_limber({"convert", nowhere, "--out", log().string()}), 1,
+                 "found a recording that limber wrote; --force replaces it");
+  expect_refused(run_limber({"decalibrate", nowhere, "--as", "ay=1", "--out", log().string()}), 1,
+                 "found a recording that limber wrote; --force replaces it");
+}
+
+TEST_F(CarefulOutput, KeepsEveryRunOfAFleetAndOfSeveralMethods) {
+  write_text(out() / "02-log/summary.json", "mine");
+  write_text(out() / "ekf/report.html", "mine");
+  expect_refused(run_limber({"health", log().string(), log().string(), "--fleet", "--out", out().string()}),
+                 1, "02-log/summary.json: expected no file of this name");
+  expect_refused(run({"--methods", "lcekf,ekf"}), 1, "ekf/report.html: expected no file of this name");
+  EXPECT_FALSE(fs::exists(out() / "01-log"));
+  EXPECT_FALSE(fs::exists(out() / "lcekf"));
+}
+
+TEST_F(CarefulOutput, KeepsOtherPeoplesFilesUnlessForced) {
   const fs::path other = folder() / "other";
   write_text(other / "frames.csv", "mine");
-  expect_refused(run_into(other), 1, "frames.csv: expected no file of this name, or one that limber wrote");
+  expect_refused(run_into(other), 1,
+                 "frames.csv: expected no file of this name, found one that limber did not write; --force");
   EXPECT_EQ(read_text(other / "frames.csv"), "mine");
   EXPECT_EQ(run_into(other, {"--force"}).exit_code, 0);
   EXPECT_NE(read_text(other / "frames.csv"), "mine");
@@ -57,9 +99,12 @@ TEST_F(CarefulOutput, NeverReplacesAnInputOfAnEvaluation) {
   }
   const fs::path json = folder() / "e.json";
   EXPECT_EQ(run_limber({"evaluate", t, t, "--out", json.string()}).exit_code, 0);
-  EXPECT_EQ(run_limber({"evaluate", t, t, "--out", json.string()}).exit_code, 0) << "its own, again";
+  expect_refused(run_limber({"evaluate", t, t, "--out", json.string()}), 1,
+                 "found an earlier result; --force replaces it");
+  EXPECT_EQ(run_limber({"evaluate", t, t, "--out", json.string(), "--force"}).exit_code, 0);
   write_text(json, "{\"mine\": 1}");
-  expect_refused(run_limber({"evaluate", t, t, "--out", json.string()}), 1, "--force replaces it");
+  expect_refused(run_limber({"evaluate", t, t, "--out", json.string()}), 1,
+                 "found one that limber did not write; --force replaces it, too");
   EXPECT_EQ(run_limber({"evaluate", t, t, "--out", json.string(), "--force"}).exit_code, 0);
 }
 
@@ -71,7 +116,7 @@ TEST_F(CarefulOutput, NeverPutsAPageInPlaceOfAStudyOrOfAnotherPage) {
   EXPECT_EQ(read_text(folder() / "notes.html"), "mine");
   EXPECT_FALSE(fs::exists(folder() / "notes.sqlite")) << "refused before the work";
   ASSERT_EQ(run_limber(study("s.sqlite")).exit_code, 0);
-  ASSERT_EQ(run_limber(study("s.sqlite")).exit_code, 0) << "again, over its own page";
+  ASSERT_EQ(run_limber(study("s.sqlite")).exit_code, 0) << "goes on, and draws its page anew";
   const std::string database = (folder() / "s.sqlite").string(), before = read_text(database);
   for (const char* const force : {"", "--force"}) {
     std::vector<std::string> arguments = {"report", database, "--out", database};
@@ -81,9 +126,39 @@ TEST_F(CarefulOutput, NeverPutsAPageInPlaceOfAStudyOrOfAnotherPage) {
     expect_refused(run_limber(arguments), 1, "found what this command reads");
   }
   EXPECT_EQ(read_text(database), before);
+  const std::vector<std::string> to_csv = {"study", "show", database, "--export", "csv"};
+  EXPECT_EQ(run_limber(to_csv).exit_code, 0);
+  EXPECT_EQ(run_limber(to_csv).exit_code, 0) << "made anew of the same database";
   write_text(folder() / "s_runs.csv", "mine");
   EXPECT_EQ(run_limber({"study", "show", database, "--export", "csv"}).exit_code, 1);
   EXPECT_EQ(read_text(folder() / "s_runs.csv"), "mine");
+}
+
+TEST_F(CarefulOutput, APageThatOutlivedItsStudyIsKept) {
+  if (!can_write_reports()) {
+    GTEST_SKIP() << why_no_reports();
+  }
+  ASSERT_EQ(run_limber(study("s.sqlite")).exit_code, 0);
+  const fs::path page = folder() / "s.html";
+  const std::string before = read_text(page);
+  fs::remove(folder() / "s.sqlite");
+  expect_refused(run_limber(study("s.sqlite")), 1, "s.html: expected no file of this name");
+  EXPECT_EQ(read_text(page), before);
+  std::vector<std::string> forced = study("s.sqlite");
+  forced.emplace_back("--force");
+  EXPECT_EQ(run_limber(forced).exit_code, 0);
+}
+
+TEST_F(CarefulOutput, AReportIsDrawnAnewInItsPlaceButNotElsewhere) {
+  if (!can_write_reports()) {
+    GTEST_SKIP() << why_no_reports();
+  }
+  ASSERT_EQ(run().exit_code, 0);
+  EXPECT_EQ(run_limber({"report", out().string()}).exit_code, 0) << "of the results beside it";
+  const std::string elsewhere = (folder() / "a.html").string();
+  ASSERT_EQ(run_limber({"report", out().string(), "--out", elsewhere}).exit_code, 0);
+  expect_refused(run_limber({"report", out().string(), "--out", elsewhere}), 1, "--force replaces it");
+  EXPECT_EQ(run_limber({"report", out().string(), "--out", elsewhere, "--force"}).exit_code, 0);
 }
 
 TEST_F(CarefulOutput, LeavesDevicesAndPipesAlone) {
@@ -102,9 +177,9 @@ TEST_F(CarefulOutput, ReplacesNoTrackLogOfAnotherProgram) {
   const fs::path yaml = mav0() / "cam0" / "sensor.yaml";
   write_text(yaml, testing::replaced(read_text(yaml), "  # fu, fv, cu, cv", ""));
   const auto before = read_text(mav0() / "tracks0/data.csv");
-  const auto result = run_limber({"simulate", scenario().string(), "--out", log().string()});
+  const auto result = run_limber({"simulate", scenario().string(), "--out", log().string(), "--force"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("a log that limber did not write"));
+  EXPECT_THAT(result.err, HasSubstr("found something that limber did not write"));
   EXPECT_EQ(read_text(mav0() / "tracks0/data.csv"), before);
 }
 

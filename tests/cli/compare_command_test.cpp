@@ -78,7 +78,8 @@ TEST_F(CompareCommand, DrawsAPageThatReplacesNobodysFile) {
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
   EXPECT_THAT(drawn.err, HasSubstr("written: " + page.string()));
   EXPECT_THAT(read_text(page), HasSubstr("<title>2 runs on walk</title>"));
-  EXPECT_EQ(run_limber({"compare", b(), a(), "--out", page.string()}).exit_code, 0) << "its own, again";
+  expect_refused(run_limber({"compare", b(), a(), "--out", page.string()}), 1, "--force replaces it");
+  EXPECT_EQ(run_limber({"compare", b(), a(), "--out", page.string(), "--force"}).exit_code, 0);
   write_text(page, "mine");
   expect_refused(run_limber({"compare", a(), b(), "--out", page.string()}), 1, "page.html: expected no file");
   EXPECT_EQ(read_text(page), "mine");

@@ -43,7 +43,7 @@ TEST_F(DecalibrateCommand, TakesTheDecalibrationOfAScenario) {
   EXPECT_THAT(refused.err, HasSubstr("expected a scenario with a decalibration, found none"));
 }
 
-TEST_F(DecalibrateCommand, NeverReplacesAnything) {
+TEST_F(DecalibrateCommand, ReplacesOnlyWithForceWhatItMadeAndNeverItsInput) {
   const std::string before = read_text(mav0() / "tracks0" / "data.csv");
   EXPECT_THAT(decalibrate("ay=1", log().string()).err, HasSubstr("expected no folder of this name"));
   EXPECT_THAT(decalibrate("ay=1", (log() / "bent").string()).err,
@@ -52,7 +52,20 @@ TEST_F(DecalibrateCommand, NeverReplacesAnything) {
   ASSERT_EQ(decalibrate("ay=1", out().string()).exit_code, 0);
   const auto again = decalibrate("ay=2", out().string());
   EXPECT_EQ(again.exit_code, 1);
-  EXPECT_THAT(again.err, HasSubstr("something that is there already"));
+  EXPECT_THAT(again.err, HasSubstr("found a recording that limber wrote; --force replaces it"));
+  const auto forced = [this](const std::string& out) {
+    return run_limber({"decalibrate", log().string(), "--as", "ay=2", "--out", out, "--force"});
+  };
+  EXPECT_EQ(forced(out().string()).exit_code, 0);
+  const auto turned_by = [](const std::filesystem::path& folder) {
+    return read_recording(folder).calibration_true.front().theta[1];
+  };
+  EXPECT_NEAR(turned_by(out()) - turned_by(log()), 2.0 * 0.017453292519943295, 1e-9);
+  EXPECT_THAT(forced(log().string()).err, HasSubstr("expected a folder outside the recording"));
+  EXPECT_EQ(read_text(mav0() / "tracks0" / "data.csv"), before);
+  const auto beside = testing::write_text(out() / "run/notes.txt", "mine");
+  EXPECT_THAT(forced(out().string()).err, HasSubstr("or not alone"));
+  EXPECT_EQ(read_text(beside), "mine");
 }
 
 TEST_F(DecalibrateCommand, RefusesProfilesThatItCannotRead) {
@@ -76,6 +89,9 @@ TEST_F(DecalibrateCommand, BendsWhatSimulateHasRendered) {
   EXPECT_THAT(rendered.out, HasSubstr("3 pairs of images"));
   EXPECT_EQ(read_recording(pictures).images.size(), 3u);
   EXPECT_THAT(run_limber(simulate).err, HasSubstr("expected no folder of this name, or an empty one"));
+  auto forced = simulate;
+  forced.emplace_back("--force");
+  EXPECT_EQ(run_limber(forced).exit_code, 0);
   ASSERT_EQ(run_limber({"decalibrate", pictures.string(), "--as", "az=1", "--out", out().string()}).exit_code,
             0);
   EXPECT_NEAR(read_recording(out()).calibration_true.front().theta[2], 0.017453292519943295, 1e-9);

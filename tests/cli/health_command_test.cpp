@@ -27,7 +27,7 @@ class HealthCommand : public testing::SmallLog {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_limber(arguments);
   }
-  void write(const Recording& recording) { write_track_log(recording, log()); }
+  void write(const Recording& recording) { write_track_log(recording, log(), true); }
 };
 
 Recording sound() {

@@ -21,7 +21,7 @@ class RollingShutterLog : public testing::SmallLog {
     scenario.duration = 12.0;
     scenario.world.points = 120;
     scenario.noise.pixel = 0.15;  // as a tracker has it
-    write_track_log(testing::with_rolling_rows(scenario, 0.025, 5), log());
+    write_track_log(testing::with_rolling_rows(scenario, 0.025, 5), log(), true);
   }
 };
 

@@ -187,14 +187,17 @@ TEST_F(SimulateCommand, FailsWhereTheOutputCannotBeWritten) {
   EXPECT_EQ(read_text(file), "mine");
 }
 
-TEST_F(SimulateCommand, ReplacesAnOlderLogButNobodysImages) {
+TEST_F(SimulateCommand, ReplacesAnOlderLogOnlyWithForceAndNobodysImages) {
   ASSERT_EQ(simulate({"--seed", "1"}).exit_code, 0);
   const std::string older = content_of_all(out());
-  ASSERT_EQ(simulate({"--seed", "2"}).exit_code, 0);
+  EXPECT_THAT(simulate({"--seed", "2"}).err,
+              HasSubstr("found a recording that limber wrote; --force replaces it"));
+  EXPECT_EQ(content_of_all(out()), older);
+  ASSERT_EQ(simulate({"--seed", "2", "--force"}).exit_code, 0);
   EXPECT_NE(content_of_all(out()), older);
   write_text(out() / "mav0/cam0/data/1.png", "an image");
   const std::string before = content_of_all(folder());
-  const ProgramResult result = simulate({"--seed", "3"});
+  const ProgramResult result = simulate({"--seed", "3", "--force"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("expected no folder mav0, or an older track log to replace"));
   EXPECT_EQ(content_of_all(folder()), before);
@@ -206,7 +209,7 @@ TEST_F(SimulateCommand, LeavesNothingAndTheOlderLogAloneOnAFullDisk) {
   {
     const testing::SmallDisk disk;
     for (const fs::path& place : {out(), folder() / "new"}) {
-      const ProgramResult result = simulate_into(place, {"--seed", "2"});
+      const ProgramResult result = simulate_into(place, {"--seed", "2", "--force"});
       EXPECT_EQ(result.exit_code, 1);
       EXPECT_THAT(result.err, HasSubstr("room to write the file"));
     }

@@ -32,6 +32,11 @@ class SmallLog : public ::testing::Test {
   [[nodiscard]] ProgramResult run(const std::vector<std::string>& more = {}) const {
     return run_into(out(), more);
   }
+  /// The same, over what an earlier one has written.
+  [[nodiscard]] ProgramResult run_again(std::vector<std::string> more = {}) const {
+    more.emplace_back("--force");
+    return run(more);
+  }
 
  private:
   TemporaryFolder folder_;

@@ -247,18 +247,20 @@ TEST(TrackLogWriter, LeavesOutTheColumnsThatTheGroundTruthDoesNotHave) {
   EXPECT_FALSE(actual.groundtruth_has_biases);
   EXPECT_EQ(actual.groundtruth[0].bias_gyro, Eigen::Vector3d::Zero());
   recording.groundtruth_has_velocity = false;
-  write_track_log(recording, folder.path());
+  write_track_log(recording, folder.path(), true);
   actual = read_recording(folder.path());
   EXPECT_FALSE(actual.groundtruth_has_velocity);
   EXPECT_EQ(actual.groundtruth.size(), recording.groundtruth.size());
 }
 
-TEST(TrackLogWriter, ReplacesAnOlderLogAsAWhole) {
+TEST(TrackLogWriter, ReplacesAnOlderLogAsAWholeWhereItMay) {
   const TemporaryFolder folder;
   write_track_log(small_recording(), folder.path());
   Recording without_imu = small_recording();
   without_imu.imu.clear();
-  write_track_log(without_imu, folder.path());
+  EXPECT_THROW(write_track_log(without_imu, folder.path()), DataError);
+  EXPECT_TRUE(fs::exists(folder.path() / "mav0/imu0"));
+  write_track_log(without_imu, folder.path(), true);
   EXPECT_FALSE(fs::exists(folder.path() / "mav0/imu0"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1) << "something temporary was left";
 }
@@ -267,7 +269,8 @@ TEST(TrackLogWriter, DoesNotReplaceWhatItDidNotWrite) {
   const TemporaryFolder folder;
   write_track_log(small_recording(), folder.path());
   const fs::path image = write_text(folder.path() / "mav0/cam0/data/1.png", "precious");
-  const DataError error = testing::data_error_of([&] { write_track_log(small_recording(), folder.path()); });
+  const DataError error =
+      testing::data_error_of([&] { write_track_log(small_recording(), folder.path(), true); });
   EXPECT_NE(std::string(error.what()).find("cam0/data"), std::string::npos) << error.what();
   EXPECT_EQ(read_text(image), "precious");
 }

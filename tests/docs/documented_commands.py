@@ -99,6 +99,12 @@ def test_readme(folder, _):
         sys.exit(f"README.md: expected ten commands and more, found {commands}")
     for command in commands:
         run(twin(command), folder)
+    for command in map(twin, commands):  # again: what would overwrite results is refused, and done with --force
+        if re.match(r"limber (simulate|convert|run|compare|health) .*--out ", command):
+            run("! " + command, folder)
+            run(command + " --force", folder)
+        elif re.match(r"limber|scripts/demo", command):
+            run(command, folder)
 
 
 def test_help(folder, available):
@@ -116,7 +122,8 @@ def test_help(folder, available):
         if not examples:
             sys.exit(f"limber {name} --help ends without an example")
         if name == "study merge":
-            (folder / "study.sqlite").unlink()
+            for file in ("study.sqlite", "study.html"):
+                (folder / file).unlink(missing_ok=True)
         for example in examples:
             run(twin(example), folder)
 

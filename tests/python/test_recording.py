@@ -55,6 +55,9 @@ def test_a_track_log_comes_back(recording, tmp_path):
     assert np.array_equal(back.imu, recording.imu)
     assert len(back) == len(recording)
     assert np.array_equal(back.frames[-1].observations, recording.frames[-1].observations)
+    with pytest.raises(limber.DataError, match="a recording that limber wrote"):
+        recording.write(tmp_path)
+    recording.write(tmp_path, force=True)
 
 
 def test_a_recording_from_memory_runs_as_the_one_it_was_made_of(recording, run):

@@ -87,11 +87,17 @@ def test_the_gil_is_released_while_a_run_computes(recording):
 
 def test_strangers_files_stay(run, tmp_path):
     (tmp_path / "trajectory.tum").write_text("mine")
-    with pytest.raises(limber.DataError, match="another one"):
+    with pytest.raises(limber.DataError, match="limber did not write"):
         run.write(tmp_path)
     assert (tmp_path / "trajectory.tum").read_text() == "mine"
     run.write(tmp_path, force=True)
-    assert limber.read_trajectory(tmp_path / "trajectory.tum").t_ns.tolist() == run.t_ns.tolist()
+    trajectory = limber.read_trajectory(tmp_path / "trajectory.tum")
+    assert trajectory.t_ns.tolist() == run.t_ns.tolist()
+    with pytest.raises(limber.DataError, match="those of an earlier run"):
+        run.write(tmp_path)
+    with pytest.raises(limber.DataError, match="no file of this name"):
+        trajectory.write_tum(tmp_path / "truth.tum")
+    trajectory.write_tum(tmp_path / "truth.tum", force=True)
 
 
 def test_unknown_options_are_refused(recording):

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+/// Whether a recording may be written to a place: asked by the writers, and by programs before long work.
+namespace limber {
+
+/// @brief For write_track_log and write_euroc: `folder` holds no mav0 yet, or an empty one.
+/// @param replace  an older mav0 that limber wrote may be there, too
+/// @throws DataError
+void require_place_for_mav0(const std::filesystem::path& folder, bool replace);
+
+/// @brief For recordings that are made as a whole folder: there is none of this name yet, or an empty one.
+/// @param replace  a folder may be there, too, that holds a recording by limber, and beside it nothing else
+/// @throws DataError
+void require_place_for_recording(const std::filesystem::path& folder, bool replace);
+
+}  // namespace limber

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "limber/datasets/recording_place.hpp"
+
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "io/text_file.hpp"
+#include "limber/core/errors.hpp"
+#include "limber/datasets/track_log.hpp"
+#include "rig_files/euroc_text.hpp"
+
+namespace limber {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool nothing_at(const fs::path& path) {
+  return !fs::exists(path) || (fs::is_directory(path) && fs::is_empty(path));
+}
+
+/// The true rig over time, beside a copy of another's recording that limber bent.
+bool is_truth(const fs::path& file) {
+  return fs::is_regular_file(file) && detail::load_text(file).starts_with(calibration_truth_text({}));
+}
+
+bool is_mav0_by_limber(const fs::path& mav0) {
+  const fs::path yaml = mav0 / "cam0" / "sensor.yaml";
+  return fs::is_regular_file(yaml) &&
+         detail::load_text(yaml).find(detail::kIntrinsicsMark) != std::string::npos;
+}
+
+bool holds_only(const fs::path& folder, const std::set<fs::path>& names) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!names.contains(entry.path().filename())) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool is_recording_by_limber(const fs::path& folder) {
+  if (!fs::is_directory(folder)) {
+    return false;
+  }
+  if (const fs::path mav0 = folder / "mav0"; fs::exists(mav0)) {
+    return (is_mav0_by_limber(mav0) || is_truth(mav0 / "calibration_truth0" / "data.csv")) &&
+           holds_only(folder, {"mav0"});
+  }
+  return is_truth(folder / "calibration_truth.csv") &&
+         holds_only(folder, {"image_0", "image_1", "image_2", "image_3", "calib.txt", "times.txt",
+                             "poses.txt", "calibration_truth.csv"});
+}
+
+void require_place(const fs::path& path, const char* expected, bool own, bool replace) {
+  if (!nothing_at(path) && !(own && replace)) {
+    throw DataError(path.string(), 0, expected,
+                    own ? "a recording that limber wrote; --force replaces it"
+                        : "something that limber did not write, or not alone");
+  }
+}
+
+}  // namespace
+
+void require_place_for_mav0(const fs::path& folder, bool replace) {
+  const fs::path mav0 = folder / "mav0";
+  require_place(mav0, "no folder of this name", is_mav0_by_limber(mav0), replace);
+}
+
+void require_place_for_recording(const fs::path& folder, bool replace) {
+  require_place(folder, "no folder of this name, or an empty one", is_recording_by_limber(folder), replace);
+}
+
+}  // namespace limber
