@@ -175,30 +175,6 @@ void convert_recording(const ConvertArguments& arguments, const std::optional<Ba
   note_losses(recording, bag.has_value());
 }
 
-/// The true poses in a bag.
-std::vector<StampedPose> poses_of_bag(const ConvertArguments& arguments) {
-  const fs::path& path = arguments.recording.dataset;
-  const BagContents contents = scan_bag(*open_bag(path));
-  BagTopics topics = propose_topics(contents).topics;
-  if (!arguments.recording.topics.empty()) {
-    topics = parse_bag_topics(arguments.recording.topics);
-  }
-  for (const BagStream& stream : contents.streams) {
-    if (stream.topic.name != topics.truth || stream.poses.empty()) {
-      continue;
-    }
-    std::vector<StampedPose> poses = stream.poses;
-    const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.t_ns < b.t_ns; };
-    std::stable_sort(poses.begin(), poses.end(), earlier);
-    const auto same = [](const StampedPose& a, const StampedPose& b) { return a.t_ns == b.t_ns; };
-    poses.erase(std::unique(poses.begin(), poses.end(), same), poses.end());
-    print_note("poses of " + stream.topic.name);
-    return poses;
-  }
-  throw DataError(path.string(), 0, "a topic of poses: --topics truth=TOPIC",
-                  topics.truth.empty() ? "none that is named like one" : "no poses on " + topics.truth);
-}
-
 std::vector<TrajectoryRow> rows_of(const TrajectoryInput& input) {
   std::vector<TrajectoryRow> rows;
   for (const StampedPose& pose : input.poses) {
@@ -211,10 +187,12 @@ std::vector<TrajectoryRow> rows_of(const TrajectoryInput& input) {
 }
 
 void convert_trajectory(const ConvertArguments& arguments) {
-  const bool bag = is_bag(arguments.recording.dataset);
+  const std::string& topics = arguments.recording.topics;
   const TrajectoryInput input =
-      bag ? TrajectoryInput{arguments.recording.dataset, true, poses_of_bag(arguments), {}}
-          : load_trajectory(arguments.recording.dataset);
+      load_truth(arguments.recording.dataset, topics.empty() ? "" : parse_bag_topics(topics).truth);
+  if (!input.topic.empty()) {
+    print_note("poses of " + input.topic);
+  }
   const std::string ending = ending_of(arguments.out);
   if (!input.has_time && ending != ".kitti") {
     throw std::runtime_error(input.path.string() + " has no times, which " + ending + " needs");
@@ -276,12 +254,12 @@ void add_convert_command(CLI::App& app) {
   command
       ->add_option("--pixels", arguments->pixels,
                    "Images of FILE.mcap and FILE.bag: keep, raw (unpacked) or png (packed)")
-      ->check(CLI::IsMember({"keep", "raw", "png"}))
+      ->transform(one_of({"keep", "raw", "png"}))
       ->capture_default_str();
   command
       ->add_option("--compression", arguments->compression,
                    "Of FILE.mcap: zstd (default), lz4 or none; of FILE.bag: lz4 (default), bz2 or none")
-      ->check(CLI::IsMember({"zstd", "lz4", "bz2", "none"}));
+      ->transform(one_of({"zstd", "lz4", "bz2", "none"}));
   add_force_option(*command, arguments->force, "Replace an older result; of folders those that limber wrote");
   command->footer(
       "\nIMU, stamps and images keep every bit; Bayer and YUV images become grey in an EuRoC folder.\n"

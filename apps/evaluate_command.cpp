@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "evaluation_report.hpp"
 #include "limber/io/atomic_file.hpp"
+#include "messages.hpp"
 #include "replaceable.hpp"
 #include "trajectory_input.hpp"
 #include "validators.hpp"
@@ -17,6 +18,7 @@ namespace {
 
 struct EvaluateOptions {
   std::filesystem::path estimate, truth, out;
+  std::string estimate_topic, truth_topic;
   double max_time_difference = kMaxTimeDifference;
   RelativeErrorSettings settings;
   bool json = false, force = false;
@@ -26,8 +28,13 @@ void evaluate(const EvaluateOptions& options) {
   if (!options.out.empty()) {
     require_replaceable(options.out, kEvaluationMark, options.force, {options.estimate, options.truth});
   }
-  const TrajectoryInput estimate = load_trajectory(options.estimate);
-  const TrajectoryInput truth = load_trajectory(options.truth);
+  const TrajectoryInput estimate = load_trajectory(options.estimate, options.estimate_topic);
+  const TrajectoryInput truth = load_truth(options.truth, options.truth_topic);
+  for (const TrajectoryInput* input : {&estimate, &truth}) {
+    if (!input->topic.empty()) {
+      print_note(input->path.string() + ": poses of " + input->topic);
+    }
+  }
   const EvaluationReport report =
       limber::app::evaluate(estimate, truth, options.max_time_difference, options.settings);
   const std::string json = to_json(report).dump(2) + "\n";
@@ -45,12 +52,18 @@ void add_evaluate_command(CLI::App& app) {
       app.add_subcommand("evaluate", "Compare a trajectory with the truth: ATE, RPE, attitude, NEES");
   command
       ->add_option("ESTIMATE", options->estimate,
-                   "Trajectory file, or the folder of a run (its trajectory.csv)")
+                   "Trajectory file, folder of a run (its trajectory.csv), or a bag with poses")
       ->required()
       ->check(not_empty());
-  command->add_option("GROUNDTRUTH", options->truth, "Trajectory file, or the folder of a recording")
+  command
+      ->add_option("GROUNDTRUTH", options->truth,
+                   "Trajectory file, folder of a recording, or a bag with poses")
       ->required()
       ->check(not_empty());
+  command->add_option("--estimate-topic", options->estimate_topic,
+                      "Of ESTIMATE, where it is a bag; default: the only one with poses");
+  command->add_option("--truth-topic", options->truth_topic,
+                      "Of GROUNDTRUTH, where it is a bag; default: the one that is named like a truth");
   command
       ->add_option("--max-time-difference", options->max_time_difference,
                    "How far ground truth may be from a pose [s]")
@@ -65,7 +78,9 @@ void add_evaluate_command(CLI::App& app) {
   command->footer(
       "\nTrajectory files: TUM (t x y z qx qy qz qw), KITTI poses (12 numbers), EuRoC ground truth, "
       "limber's\n"
-      "trajectory.csv; the content tells which. Poses are matched in time, with the ground truth "
+      "trajectory.csv; the content tells which. In bags (ROS 1, MCAP, ROS 2): PoseStamped, "
+      "TransformStamped,\n"
+      "Odometry. Poses are matched in time, with the ground truth "
       "interpolated, or\n"
       "line by line if a file has no times (KITTI). Absolute and relative errors are those of the tool evo: "
       "the\n"

@@ -25,7 +25,8 @@ StereoCalibration some_rig() {
 
 void add_start_option(CLI::App& command, std::string& start) {
   command.add_option("--init", start, "auto: from sensors; groundtruth: from the truth plus a drawn error")
-      ->check(CLI::IsMember({name_of(StartMode::kAuto), name_of(StartMode::kGroundTruth)}))
+      ->transform(
+          one_of({std::string(name_of(StartMode::kAuto)), std::string(name_of(StartMode::kGroundTruth))}))
       ->capture_default_str();
 }
 
@@ -57,7 +58,7 @@ void add_input_options(CLI::App& command, RecordingArguments& arguments) {
       .add_option(
           "--images", arguments.images,
           "What the images are, where --calib holds both or the recording's own calibration says otherwise")
-      ->check(CLI::IsMember({"raw", "rectified"}))
+      ->transform(one_of({"raw", "rectified"}))
       ->needs(calibration);
   command
       .add_option(
@@ -96,7 +97,7 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       .add_option("--clean", arguments.clean,
                   "End tracks and right matches that the front end has lost, as far as no jump of the rig "
                   "explains them")
-      ->check(CLI::IsMember({"on", "off"}))
+      ->transform(one_of({"on", "off"}))
       ->capture_default_str();
   command
       .add_option("--max-points", arguments.max_points,

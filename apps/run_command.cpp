@@ -221,10 +221,10 @@ void add_run_command(CLI::App& app) {
       ->check(whole_number())
       ->capture_default_str();
   command->add_option("--landmarks", arguments->landmarks, "inverse-depth, or cartesian as in the paper")
-      ->check(CLI::IsMember({"inverse-depth", "cartesian"}))
+      ->transform(one_of({"inverse-depth", "cartesian"}))
       ->capture_default_str();
   command->add_option("--gate", arguments->gate, "Refuse points whose projected residual is too large")
-      ->check(CLI::IsMember({"on", "off"}))
+      ->transform(one_of({"on", "off"}))
       ->capture_default_str();
   command
       ->add_option("--max-landmarks", arguments->max_landmarks,

@@ -4,6 +4,7 @@
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "parsed_by.hpp"
+#include "validators.hpp"
 
 namespace limber::app {
 
@@ -12,7 +13,7 @@ void add_scenario_options(CLI::App& command, ScenarioArguments& arguments) {
       .add_option("--pixels", arguments.pixels,
                   "Errors of pixels, whatever the scenario says: white, or realistic (constant per track, "
                   "correlated in time, residual field of the lens; not stated in the recording)")
-      ->check(CLI::IsMember({"white", "realistic"}));
+      ->transform(one_of({"white", "realistic"}));
   command
       .add_option("--fault", arguments.faults,
                   "Add a fault, such as imu-gap=5:2 (at 5 s, for 2 s); may be repeated. scenarios/README.md "

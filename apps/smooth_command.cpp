@@ -92,7 +92,7 @@ void add_smooth_command(CLI::App& app) {
       ->check(parsed_by(rig_model_from_string))
       ->capture_default_str();
   command->add_option("--loss", arguments->loss, "Of pixels: huber, cauchy or none (none refuses no pixel)")
-      ->check(CLI::IsMember({"huber", "cauchy", "none"}))
+      ->transform(one_of({"huber", "cauchy", "none"}))
       ->capture_default_str();
   command
       ->add_option(

@@ -17,6 +17,7 @@
 #include "report_files.hpp"
 #include "scenario_options.hpp"
 #include "study_runner.hpp"
+#include "validators.hpp"
 
 namespace limber::app {
 namespace {
@@ -101,7 +102,7 @@ void add_show_command(CLI::App& study_command) {
   add_brief_option(*command, arguments->brief);
   command
       ->add_option("--export", arguments->format, "Also write the results beside the database: csv or json")
-      ->check(CLI::IsMember({"csv", "json"}));
+      ->transform(one_of({"csv", "json"}));
   add_force_option(*command, arguments->force);
   command->footer("\nExample:\n  limber study show study.sqlite --export csv");
   command->callback([arguments] {

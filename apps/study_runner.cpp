@@ -11,6 +11,7 @@
 #include "parsed_by.hpp"
 #include "progress.hpp"
 #include "replaceable.hpp"
+#include "validators.hpp"
 
 namespace limber::app {
 namespace {
@@ -41,7 +42,7 @@ void add_runner_options(CLI::App& command, RunnerArguments& arguments) {
   command
       .add_option("--export", arguments.export_format,
                   "Also write the results beside the database: csv or json")
-      ->check(CLI::IsMember({"csv", "json"}));
+      ->transform(one_of({"csv", "json"}));
   add_force_option(command, arguments.force);
 }
 

@@ -2,12 +2,18 @@
 #include "trajectory_input.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
+#include "limber/bags/bag_contents.hpp"
 #include "limber/bags/bag_file.hpp"
+#include "limber/bags/bag_topics.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/core/nearest_word.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/trajectory_files.hpp"
 
@@ -18,7 +24,7 @@ namespace fs = std::filesystem;
 
 // limber's own file, with covariance.
 TrajectoryInput load_rows(const fs::path& path) {
-  TrajectoryInput input{path, true, {}, {}};
+  TrajectoryInput input{path, true, {}, {}, ""};
   bool any = false;
   for (const TrajectoryRow& row : read_trajectory_csv(path)) {
     input.poses.push_back({row.t_ns, row.T_world_body});
@@ -37,11 +43,11 @@ TrajectoryInput load_file(const fs::path& path) {
   if (trajectory.format == TrajectoryFormat::kLimber) {
     return load_rows(path);
   }
-  return {path, trajectory.has_time, std::move(trajectory.poses), {}};
+  return {path, trajectory.has_time, std::move(trajectory.poses), {}, ""};
 }
 
 TrajectoryInput load_groundtruth(const fs::path& folder) {
-  TrajectoryInput input{folder, true, {}, {}};
+  TrajectoryInput input{folder, true, {}, {}, ""};
   for (const GroundTruthState& state : limber::read_recording(folder).groundtruth) {
     input.poses.push_back({state.t_ns, {state.R_world_body, state.p_world_body}});
   }
@@ -53,6 +59,58 @@ TrajectoryInput load_groundtruth(const fs::path& folder) {
   return input;
 }
 
+/// What a bag without a topic to take has in its place.
+std::string other_positions(const BagContents& contents) {
+  for (const BagStream& stream : contents.streams) {
+    const std::string& type = stream.topic.type;
+    if (type == "geometry_msgs/PointStamped") {
+      return fmt::format("; {} has positions alone, without attitude", stream.topic.name);
+    }
+    if (type == "tf2_msgs/TFMessage" || type == "tf/tfMessage") {
+      return fmt::format("; a tree of frames ({}) is not read", stream.topic.name);
+    }
+  }
+  return "";
+}
+
+const BagStream& stream_of_poses(const fs::path& path, const BagContents& contents,
+                                 const std::string& topic) {
+  std::vector<const BagStream*> found;
+  std::vector<std::string> names;
+  for (const BagStream& stream : contents.streams) {
+    if (!stream.poses.empty()) {
+      found.push_back(&stream);
+      names.push_back(stream.topic.name);
+    }
+  }
+  const auto named = std::find(names.begin(), names.end(), topic);
+  if (named != names.end()) {
+    return *found[static_cast<std::size_t>(named - names.begin())];
+  }
+  const std::string known =
+      names.empty() ? "none" + other_positions(contents) : fmt::format("{}", fmt::join(names, ", "));
+  if (!topic.empty()) {
+    throw DataError(path.string(), 0, "poses on " + topic + did_you_mean(topic, names),
+                    "poses (PoseStamped, TransformStamped, Odometry) on " + known);
+  }
+  if (found.size() != 1) {
+    throw DataError(path.string(), 0, "one topic of poses, or the name of it",
+                    "poses (PoseStamped, TransformStamped, Odometry) on " + known);
+  }
+  return *found.front();
+}
+
+/// In the order of their stamps, each stamp once.
+TrajectoryInput load_poses(const fs::path& path, const BagContents& contents, const std::string& topic) {
+  const BagStream& stream = stream_of_poses(path, contents, topic);
+  TrajectoryInput input{path, true, stream.poses, {}, stream.topic.name};
+  const auto earlier = [](const StampedPose& a, const StampedPose& b) { return a.t_ns < b.t_ns; };
+  std::stable_sort(input.poses.begin(), input.poses.end(), earlier);
+  const auto same = [](const StampedPose& a, const StampedPose& b) { return a.t_ns == b.t_ns; };
+  input.poses.erase(std::unique(input.poses.begin(), input.poses.end(), same), input.poses.end());
+  return input;
+}
+
 std::string seconds_covered(const TrajectoryInput& input) {
   return fmt::format("{:.3f} s to {:.3f} s", static_cast<double>(input.poses.front().t_ns) * 1e-9,
                      static_cast<double>(input.poses.back().t_ns) * 1e-9);
@@ -60,10 +118,9 @@ std::string seconds_covered(const TrajectoryInput& input) {
 
 }  // namespace
 
-TrajectoryInput load_trajectory(const fs::path& path) {
+TrajectoryInput load_trajectory(const fs::path& path, const std::string& topic) {
   if (is_bag(path)) {
-    throw DataError(path.string(), 0, "a trajectory, or the folder of a recording",
-                    "a bag: limber run compares with the truth in it, limber convert makes a folder of it");
+    return load_poses(path, scan_bag(*open_bag(path)), topic);
   }
   if (!fs::is_directory(path)) {
     return load_file(path);
@@ -76,6 +133,14 @@ TrajectoryInput load_trajectory(const fs::path& path) {
     }
   }
   return load_groundtruth(path);
+}
+
+TrajectoryInput load_truth(const fs::path& path, const std::string& topic) {
+  if (!is_bag(path)) {
+    return load_trajectory(path);
+  }
+  const BagContents contents = scan_bag(*open_bag(path));
+  return load_poses(path, contents, topic.empty() ? propose_topics(contents).topics.truth : topic);
 }
 
 Match match(const TrajectoryInput& estimate, const TrajectoryInput& truth, double max_time_difference) {

@@ -17,12 +17,19 @@ struct TrajectoryInput {
   bool has_time = true;                     ///< false: t_ns counts poses
   std::vector<StampedPose> poses;           ///< at least one
   std::vector<PoseCovariance> covariances;  ///< as many as poses, or empty. A row without one holds NaN.
+  std::string topic;                        ///< of a bag that the poses come from, else empty
 };
 
-/// @brief Reads a trajectory file of any format, the trajectory.csv of a run's folder, or a recording's
-/// ground truth.
+/// @brief Reads a trajectory file of any format, the trajectory.csv of a run's folder, a recording's ground
+/// truth, or poses in a bag.
+/// @param topic  of a bag: PoseStamped, PoseWithCovarianceStamped, TransformStamped or Odometry; empty: the
+///               only one with poses
 /// @throws DataError if there is none, or it cannot be used
-[[nodiscard]] TrajectoryInput load_trajectory(const std::filesystem::path& path);
+[[nodiscard]] TrajectoryInput load_trajectory(const std::filesystem::path& path,
+                                              const std::string& topic = "");
+
+/// The same of what is to be the truth: of a bag, without a topic, first the one that is named like a truth.
+[[nodiscard]] TrajectoryInput load_truth(const std::filesystem::path& path, const std::string& topic = "");
 
 /// How poses of two trajectories found each other.
 struct Match {

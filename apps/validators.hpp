@@ -2,11 +2,15 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
+
+#include "limber/core/nearest_word.hpp"
 
 /// Checks of option values that CLI11's own let pass (it takes "nan" for a number in any range).
 namespace limber::app {
@@ -44,6 +48,20 @@ inline CLI::Validator whole_number(std::uint64_t least = 0,
                               std::to_string(most) + ", found '" + text + "'";
           },
           ""};
+}
+
+/// One of these words, in any case: for CLI::Option::transform, which puts it as it stands here.
+inline CLI::Validator one_of(const std::vector<std::string>& words) {
+  const std::string all = CLI::detail::join(words, ",");
+  return {[words, all](std::string& text) {
+            const std::string word = in_lower_case(text);
+            if (std::find(words.begin(), words.end(), word) == words.end()) {
+              return "'" + text + "' is not in {" + all + "}" + did_you_mean(text, words);
+            }
+            text = word;
+            return std::string();
+          },
+          "{" + all + "}"};
 }
 
 inline CLI::Validator not_empty() {

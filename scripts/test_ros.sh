@@ -35,7 +35,7 @@ for recording in room wheels; do
   build/release/limber simulate "$work/data/$recording.yaml" --images --out "$work/data/$recording"
   build/release/limber convert "$work/data/$recording" --out "$work/data/$recording.bag" --pixels raw
 done
-for test in "room imu" "wheels twist" "wheels odometry"; do
+for test in "room imu" "wheels twist" "wheels odometry" "wheels twist_with_covariance"; do
   read -r recording inputs <<<"$test"
   /usr/bin/python3 ros/test/node_test.py "$work/limber_node" build/release/limber "$work/data/$recording.bag" \
     "$work/data/$recording" --inputs "$inputs"

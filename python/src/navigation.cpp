@@ -8,6 +8,7 @@
 #include "bindings.hpp"
 #include "docs.hpp"
 #include "dtypes.hpp"
+#include "limber/core/nearest_word.hpp"
 #include "limber/initialize/sensor_start.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/state/initial_state.hpp"
@@ -55,7 +56,7 @@ ParameterVector sigmas_of(const std::map<std::string, double>& sigmas, const cha
     const auto named = parameters_named(name);
     if (!named) {
       throw py::value_error(std::string(what) + ": expected names of parameters or groups, found '" + name +
-                            "'");
+                            "'" + did_you_mean(name, parameter_words()));
     }
     for (std::size_t k = 0; k < named->size(); ++k) {
       if (named->test(k)) {

@@ -424,7 +424,7 @@ void bind_evaluation(py::module_& module) {
             write_tum(path, input.poses);
           },
           py::arg("path"), py::arg("force") = false, "Writes a TUM file. force: replace a file of that name");
-  module.def("read_trajectory", &app::load_trajectory, py::arg("path"),
+  module.def("read_trajectory", &app::load_trajectory, py::arg("path"), py::arg("topic") = "",
              py::call_guard<py::gil_scoped_release>(), DOC(read_trajectory));
   module.def(
       "compare_folders",

@@ -73,10 +73,12 @@ limber::OnlineOptions options_of(const Parameters& parameters) {
   if (parameters.bits < 8 || parameters.bits > 16) {
     throw std::invalid_argument("parameter bits: expected 8 to 16, found " + std::to_string(parameters.bits));
   }
-  options.uses_odometry = parameters.inputs == "odometry" || parameters.inputs == "twist";
+  options.uses_odometry = parameters.inputs == "odometry" || parameters.inputs == "twist" ||
+                          parameters.inputs == "twist_with_covariance";
   if (!options.uses_odometry && parameters.inputs != "imu") {
-    throw std::invalid_argument("parameter inputs: expected imu, odometry or twist, found '" +
-                                parameters.inputs + "'");
+    throw std::invalid_argument(
+        "parameter inputs: expected imu, odometry, twist or twist_with_covariance, found '" +
+        parameters.inputs + "'");
   }
   options.tracker.max_tracks = parameters.max_tracks;
   options.pair_within_s = parameters.pair_within;

@@ -19,7 +19,8 @@ struct Parameters {
   std::string calib;      ///< file or folder, as `limber run --calib` takes it
   std::string imu_noise;  ///< Kalibr imu.yaml; empty: the calibration's, or limber's default
   std::string images;     ///< raw or rectified, where the calibration holds both; else empty
-  /// What drives the prediction beside the images: imu; or odometry and twist, messages of the same content.
+  /// What drives the prediction beside the images: imu; or odometry, twist and
+  /// twist_with_covariance, messages of the same content.
   std::string inputs = "imu";
   std::string method = "lcekf";
   std::string tolerance;       ///< as `limber run --tolerance`; empty: its default
@@ -76,7 +77,7 @@ class Core {
   /// @param rate   [rad/s]
   /// @param force  [m/s²], +9.81 upwards at rest
   void add_imu(std::int64_t t_ns, const std::array<double, 3>& rate, const std::array<double, 3>& force);
-  /// With parameter inputs: odometry or twist. The body is the one that the calibration speaks of.
+  /// With parameter inputs: any but imu. The body is the one that the calibration speaks of.
   /// @param velocity  of the body, in its frame [m/s]
   /// @param rate      the same [rad/s]
   void add_odometry(std::int64_t t_ns, const std::array<double, 3>& velocity,

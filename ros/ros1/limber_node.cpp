@@ -3,6 +3,7 @@
 // ros/README.md.
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <geometry_msgs/TwistStamped.h>
+#include <geometry_msgs/TwistWithCovarianceStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CompressedImage.h>
@@ -121,6 +122,11 @@ class Subscriber {
       inputs_ = node.subscribe<geometry_msgs::TwistStamped>(
           "twist_in", kMostMessages,
           [this](const geometry_msgs::TwistStampedConstPtr& m) { take_twist(m->header.stamp, m->twist); });
+    } else if (inputs == "twist_with_covariance") {
+      inputs_ = node.subscribe<geometry_msgs::TwistWithCovarianceStamped>(
+          "twist_in", kMostMessages, [this](const geometry_msgs::TwistWithCovarianceStampedConstPtr& m) {
+            take_twist(m->header.stamp, m->twist.twist);
+          });
     } else {
       inputs_ = node.subscribe<nav_msgs::Odometry>(
           "odometry_in", kMostMessages,

@@ -85,10 +85,12 @@ void test_parameters(const std::string& camchain) {
   expect(!refused(parameters).empty(), "the oracle is refused");
   parameters.method = "lcekf";
   parameters.inputs = "wheels";
-  expect(refused(parameters).find("imu, odometry or twist") != std::string::npos,
-         "inputs are of three kinds");
-  parameters.inputs = "twist";
-  expect(refused(parameters).empty(), "odometry is one of them");
+  expect(refused(parameters).find("imu, odometry, twist or twist_with_covariance") != std::string::npos,
+         "inputs are of four kinds");
+  for (const char* const inputs : {"odometry", "twist", "twist_with_covariance"}) {
+    parameters.inputs = inputs;
+    expect(refused(parameters).empty(), inputs);
+  }
   parameters.images = "blue";
   expect(!refused(parameters).empty(), "images are raw or rectified");
 }

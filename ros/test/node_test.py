@@ -3,9 +3,9 @@
 """Plays a bag to the node with ROS 1's own rosbag, and compares what the node publishes with `limber run` on that bag: the
 same poses, bit by bit, from the frame after the start on.
 
-    node_test.py LIMBER_NODE LIMBER BAG CALIBRATION [--imu IMU_YAML] [--inputs imu|odometry|twist]
+    node_test.py LIMBER_NODE LIMBER BAG CALIBRATION [--imu IMU_YAML] [--inputs imu|odometry|twist|twist_with_covariance]
 
-A bag of `limber convert` holds twists; for odometry they are put into another bag as nav_msgs/Odometry.
+A bag of `limber convert` holds twists; for the others they are put into another bag in their type.
 """
 import argparse
 import os
@@ -20,6 +20,7 @@ from pathlib import Path
 try:
     import rosbag
     import rosgraph
+    from geometry_msgs.msg import TwistWithCovarianceStamped
     from nav_msgs.msg import Odometry
     import rospy  # noqa: F401 (rosbag play's messages)
 except ImportError as missing:
@@ -27,7 +28,8 @@ except ImportError as missing:
     sys.exit(0)
 
 PLAY, RECORD = "/usr/lib/rosbag/play", "/usr/lib/rosbag/record"
-INPUTS = {"imu": ("imu", "/imu0"), "twist": ("twist_in", "/odometry"), "odometry": ("odometry_in", "/wheels")}
+INPUTS = {"imu": ("imu", "/imu0"), "twist": ("twist_in", "/odometry"), "odometry": ("odometry_in", "/wheels"),
+          "twist_with_covariance": ("twist_in", "/wheels")}
 
 
 class Graph:
@@ -90,15 +92,16 @@ def processor_time(program):
     return int(fields[11]) + int(fields[12])
 
 
-def with_odometry(bag, out):
-    """The bag with its twists as nav_msgs/Odometry, and without the truth, which would be of the same type."""
+def with_twists_as(kind, bag, out):
+    """The bag with its twists as another type, and without the truth, which would be of the same as odometry."""
     with rosbag.Bag(bag) as source, rosbag.Bag(out, "w") as target:
         for topic, message, t in source.read_messages():
             if topic == INPUTS["twist"][1]:
-                odometry = Odometry(header=message.header)
-                odometry.pose.pose.orientation.w = 1.0
-                odometry.twist.twist = message.twist
-                target.write(INPUTS["odometry"][1], odometry, t)
+                wheels = kind(header=message.header)
+                wheels.twist.twist = message.twist
+                if kind is Odometry:
+                    wheels.pose.pose.orientation.w = 1.0
+                target.write(INPUTS["odometry"][1], wheels, t)
             elif topic != "/groundtruth":
                 target.write(topic, message, t)
     return out
@@ -161,8 +164,9 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         bag = arguments.bag
-        if arguments.inputs == "odometry":
-            bag = with_odometry(bag, folder / "odometry.bag")
+        if arguments.inputs in ("odometry", "twist_with_covariance"):
+            kind = Odometry if arguments.inputs == "odometry" else TwistWithCovarianceStamped
+            bag = with_twists_as(kind, bag, folder / "wheels.bag")
         with Graph(folder) as graph:
             publish(graph, arguments.node, bag, arguments.inputs, [f"_calib:={arguments.calibration}", *imu[1]],
                     folder / "published.bag")

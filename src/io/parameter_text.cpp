@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "limber/core/nearest_word.hpp"
 #include "limber/core/split.hpp"
 
 namespace limber {
@@ -63,9 +64,11 @@ struct NamedValue {
   std::optional<std::string> value;  ///< behind "="
 };
 
+std::string_view name_in(std::string_view item) { return item.substr(0, item.find('=')); }
+
 NamedValue named_value(std::string_view item) {
   const std::size_t equals = item.find('=');
-  NamedValue out{parameters_named(item.substr(0, equals)), std::nullopt};
+  NamedValue out{parameters_named(name_in(item)), std::nullopt};
   if (equals != std::string_view::npos) {
     out.value = std::string(item.substr(equals + 1));
   }
@@ -83,11 +86,11 @@ std::string known_names() {
 }  // namespace
 
 ParameterVector parse_calibration_error(const std::string& text, const StereoCalibration& calibration) {
-  const auto fail = [&]() {
+  const auto fail = [&](const std::string& hint = "") {
     throw std::invalid_argument(
         fmt::format("expected six numbers ax,ay,az,tx,ty,tz (degrees within ±180; metres, or % of the "
-                    "baseline), NAME=VALUE for other parameters, or both, found '{}'; names: {}",
-                    text, known_names()));
+                    "baseline), NAME=VALUE for other parameters, or both, found '{}'{}; names: {}",
+                    text, hint, known_names()));
   };
   const std::vector<std::string_view> items = split(text, ',');
   ParameterVector out = ParameterVector::Zero();
@@ -110,7 +113,10 @@ ParameterVector parse_calibration_error(const std::string& text, const StereoCal
       continue;
     }
     const NamedValue named = named_value(items[k]);
-    if (!named.parameters || named.parameters->count() != 1 || !named.value) {
+    if (!named.parameters) {
+      fail(did_you_mean(name_in(items[k]), parameter_words()));
+    }
+    if (named.parameters->count() != 1 || !named.value) {
       fail();
     }
     set(named.parameters->_Find_first(), *named.value);
@@ -125,9 +131,9 @@ ParameterVector parse_parameter_sigmas(const std::string& text, const StereoCali
     const NamedValue named = named_value(item);
     if (!named.parameters) {
       throw std::invalid_argument(
-          fmt::format("unknown parameter '{}' in '{}', expected a list of {}, or of the groups theta, "
+          fmt::format("unknown parameter '{}' in '{}'{}, expected a list of {}, or of the groups theta, "
                       "intrinsics0, intrinsics1, imu",
-                      item, text, known_names()));
+                      item, text, did_you_mean(name_in(item), parameter_words()), known_names()));
     }
     for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
       if (!(*named.parameters)[k]) {

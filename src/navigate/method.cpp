@@ -27,9 +27,14 @@ constexpr std::array<std::pair<std::string_view, Kind>, 4> kWords = {
      {"rotation+direction", Kind::kRotationDirection},
      {"none", Kind::kListed}}};
 
-[[noreturn]] void unknown_set(const std::string& text) {
-  throw std::invalid_argument("unknown constraint set '" + text +
-                              "', expected full, none, rotation, rotation+direction or a list of "
+[[noreturn]] void unknown_set(const std::string& text, std::string_view item) {
+  std::vector<std::string> known;
+  for (const auto& word : kWords) {
+    known.emplace_back(word.first);
+  }
+  known.insert(known.end(), parameter_words().begin(), parameter_words().end());
+  throw std::invalid_argument("unknown constraint set '" + text + "'" + did_you_mean(item, known) +
+                              ", expected full, none, rotation, rotation+direction or a list of "
                               "ax,ay,az,tx,ty,tz; more parameters may follow, such as dt1 or intrinsics1");
 }
 
@@ -67,17 +72,16 @@ Method method_from_string(const std::string& name) {
     }
     known += (known.empty() ? "" : ", ") + names.back();
   }
-  const auto meant = nearest_word(name, names);
-  throw std::invalid_argument("unknown method '" + name + "'" +
-                              (meant ? " (did you mean " + *meant + "?)" : "") + ", expected one of " +
-                              known);
+  throw std::invalid_argument("unknown method '" + name + "'" + did_you_mean(name, names) +
+                              ", expected one of " + known);
 }
 
 ConstraintSet constraint_set_from_string(const std::string& text) {
   const std::vector<std::string_view> items = split(text, ',');
+  const std::string first = in_lower_case(std::string(items.front()));
   ConstraintSet set{Kind::kListed, {}};
-  const auto* word = std::find_if(kWords.begin(), kWords.end(),
-                                  [&](const auto& known) { return known.first == items.front(); });
+  const auto* word =
+      std::find_if(kWords.begin(), kWords.end(), [&](const auto& known) { return known.first == first; });
   const bool has_word = word != kWords.end();
   if (has_word) {
     set.kind = word->second;
@@ -85,12 +89,12 @@ ConstraintSet constraint_set_from_string(const std::string& text) {
   for (std::size_t k = has_word ? 1 : 0; k < items.size(); ++k) {
     const std::optional<ParameterSet> named = parameters_named(items[k]);
     if (!named) {
-      unknown_set(text);
+      unknown_set(text, items[k]);
     }
     set.listed |= *named;
   }
   if (has_word && set.listed != set.more()) {  // the word has said it for theta
-    unknown_set(text);
+    unknown_set(text, "");
   }
   return set;
 }

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "limber/core/nearest_word.hpp"
 #include "limber/core/random.hpp"
 
 namespace limber {
@@ -51,9 +52,10 @@ double distance_to(const std::vector<Wall>& walls, const Vector3d& origin, const
 }  // namespace
 
 SceneKind scene_from_string(const std::string& text) {
-  if (text == "room") return SceneKind::kRoom;
-  if (text == "hall") return SceneKind::kHall;
-  if (text == "street") return SceneKind::kStreet;
+  const std::string word = in_lower_case(text);
+  if (word == "room") return SceneKind::kRoom;
+  if (word == "hall") return SceneKind::kHall;
+  if (word == "street") return SceneKind::kStreet;
   throw std::invalid_argument("expected room, hall or street, found '" + text + "'");
 }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "limber/core/nearest_word.hpp"
+
 namespace limber {
 namespace {
 
@@ -130,8 +132,9 @@ std::string_view name_of(StartMode start) {
 }
 
 StartMode start_mode_from_string(std::string_view text) {
+  const std::string word = in_lower_case(std::string(text));
   for (const StartMode start : {StartMode::kAuto, StartMode::kGroundTruth}) {
-    if (text == name_of(start)) {
+    if (word == name_of(start)) {
       return start;
     }
   }

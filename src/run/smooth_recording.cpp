@@ -18,6 +18,7 @@
 
 #include "limber/clean/frame_cleaner.hpp"
 #include "limber/core/chi_square.hpp"
+#include "limber/core/nearest_word.hpp"
 #include "run/smooth_setup.hpp"
 
 namespace limber {
@@ -111,7 +112,8 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
 
 }  // namespace
 
-RigModelText rig_model_from_string(const std::string& text) {
+RigModelText rig_model_from_string(const std::string& given) {
+  const std::string text = in_lower_case(given);
   constexpr std::string_view kPiecewise = "piecewise:";
   for (const RigModel rig : {RigModel::kTrusted, RigModel::kConstant, RigModel::kWalk, RigModel::kFree}) {
     if (text == to_string(rig)) {
@@ -126,7 +128,7 @@ RigModelText rig_model_from_string(const std::string& text) {
       return {RigModel::kPiecewise, seconds};
     }
   }
-  throw std::invalid_argument("expected trusted, constant, piecewise:SECONDS, walk or free, found '" + text +
+  throw std::invalid_argument("expected trusted, constant, piecewise:SECONDS, walk or free, found '" + given +
                               "'");
 }
 

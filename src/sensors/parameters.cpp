@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "limber/core/nearest_word.hpp"
 #include "limber/core/so3.hpp"
 
 namespace limber {
@@ -79,7 +80,8 @@ ParameterSet parameters_of(const ParameterVector& values) {
   return out;
 }
 
-std::optional<ParameterSet> parameters_named(std::string_view name) {
+std::optional<ParameterSet> parameters_named(std::string_view text) {
+  const std::string name = in_lower_case(std::string(text));
   for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
     if (name == kParameterNames[k]) {
       return ParameterSet().set(k);
@@ -92,6 +94,17 @@ std::optional<ParameterSet> parameters_named(std::string_view name) {
     }
   }
   return std::nullopt;
+}
+
+const std::vector<std::string>& parameter_words() {
+  static const std::vector<std::string> kAll = [] {
+    std::vector<std::string> words(kParameterNames.begin(), kParameterNames.end());
+    for (const Group& group : kGroups) {
+      words.emplace_back(group.name);
+    }
+    return words;
+  }();
+  return kAll;
 }
 
 std::string_view unit_of(std::size_t parameter) {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "limber/core/nearest_word.hpp"
 #include "limber/core/split.hpp"
 #include "limber/io/parameter_text.hpp"
 
@@ -96,7 +97,8 @@ bool is_parameter(std::string_view text) {
 }  // namespace
 
 MethodVariant method_variant_from_string(std::string_view text) {
-  const auto parts = split(text, ':');
+  const std::string lower = in_lower_case(std::string(text));
+  const auto parts = split(lower, ':');
   MethodVariant variant;
   variant.method = method_from_string(std::string(parts.front()));
   for (std::size_t k = 1; k < parts.size(); ++k) {

@@ -160,6 +160,10 @@ TEST_F(RunCommand, ObeysItsOtherOptions) {
   ASSERT_EQ(run_into(folder() / "default", {"--init", "groundtruth"}).exit_code, 0);
   const std::string usual = content_without_times(folder() / "default");
   EXPECT_NE(content_without_times(folder() / "sensors"), usual);
+  ASSERT_EQ(run_into(folder() / "loud", {"--init", "GroundTruth", "--gate", "ON", "--constraints", "FULL"})
+                .exit_code,
+            0);
+  EXPECT_EQ(content_without_times(folder() / "loud"), usual);
   for (const std::vector<std::string>& options : {std::vector<std::string>{"--constraints", "rotation"},
                                                   {"--constraints", "ax,tx"},
                                                   {"--sigma-px", "0.7"},
@@ -208,6 +212,8 @@ TEST_F(RunCommand, RefusesOptionsThatMakeNoSenseAsWrongUsage) {
            {{"--run", "1.5"}, "--run: expected a whole number"},
            {{"--max-landmarks", "0"}, "--max-landmarks: expected a whole number from 1 to 100000, found '0'"},
            {{"--init", "truth"}, "auto"},
+           {{"--init", "goundtruth"}, "(did you mean groundtruth?)"},
+           {{"--constraints", "full,dt11"}, "(did you mean dt1?)"},
            {{"--landmarks", "spherical"}, "inverse-depth"},
            {{"--gate", "maybe"}, "on"},
            {{"--method", "ekf", "--method", "lcekf"}, "--method is given more than once"},

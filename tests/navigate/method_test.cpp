@@ -57,12 +57,25 @@ TEST(ConstraintSet, AListIsPutInOrder) {
 
 TEST(ConstraintSet, AnythingElseIsRefusedWithWhatWasExpected) {
   for (const std::string text :
-       {"", "all", "ax,", ",ax", "ax,,ay", "ax ay", "ax, ay", "Full", "none,ax", "rotation,tx", "bx", "full,",
+       {"", "all", "ax,", ",ax", "ax,,ay", "ax ay", "ax, ay", "none,ax", "rotation,tx", "bx", "full,",
         "dt1,full", "full,theta", "full,dt", "full,full"}) {
     const std::string message = message_of([&] { (void)constraint_set_from_string(text); });
     EXPECT_NE(message.find("'" + text + "'"), std::string::npos) << message;
     EXPECT_NE(message.find("rotation+direction"), std::string::npos) << message;
   }
+}
+
+TEST(ConstraintSet, TakesAnyCaseAndNamesWhatWasMeant) {
+  EXPECT_EQ(to_string(constraint_set_from_string("Full,DT1")), "full,dt1");
+  EXPECT_EQ(to_string(constraint_set_from_string("AX,ty")), "ax,ty");
+  const auto meant = [](const std::string& text) {
+    return message_of([&] { (void)constraint_set_from_string(text); });
+  };
+  EXPECT_NE(meant("rotation+directon").find("(did you mean rotation+direction?)"), std::string::npos);
+  EXPECT_NE(meant("ful").find("(did you mean full?)"), std::string::npos);
+  EXPECT_NE(meant("full,dt11").find("'full,dt11' (did you mean dt1?)"), std::string::npos);
+  EXPECT_NE(meant("full,intrinsic1").find("(did you mean intrinsics1?)"), std::string::npos);
+  EXPECT_EQ(meant("everything").find("did you mean"), std::string::npos);
 }
 
 TEST(PlausibleError, IsATenthOfADegreeAndATwentiethOfTheBaseline) {

@@ -41,6 +41,7 @@ TEST(ParameterNames, AGroupIsItsMembers) {
   EXPECT_EQ(members("intrinsics0"), "fu0 fv0 cu0 cv0 radial0 ");
   EXPECT_EQ(members("intrinsics1"), "fu1 fv1 cu1 cv1 radial1 ");
   EXPECT_EQ(members("imu"), "imu-ax imu-ay imu-az imu-tx imu-ty imu-tz ");
+  EXPECT_EQ(members("IMU"), members("imu"));
   EXPECT_FALSE(parameters_named("intrinsics"));
   EXPECT_FALSE(parameters_named(""));
 }

@@ -49,4 +49,10 @@ namespace limber {
   return *nearest;
 }
 
+/// " (did you mean WORD?)" with the nearest known word, or nothing.
+[[nodiscard]] inline std::string did_you_mean(std::string_view word, std::span<const std::string> known) {
+  const auto meant = nearest_word(std::string(word), known);
+  return meant ? " (did you mean " + *meant + "?)" : "";
+}
+
 }  // namespace limber

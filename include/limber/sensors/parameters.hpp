@@ -6,7 +6,9 @@
 #include <bitset>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "limber/sensors/calibration.hpp"
 
@@ -51,8 +53,11 @@ using ParameterVector = Eigen::Matrix<double, kParameters, 1>;
 [[nodiscard]] ParameterSet parameters_of(const ParameterVector& values);
 
 /// What a name stands for: itself, or one of the groups theta, intrinsics0, intrinsics1 (focal lengths,
-/// principal point and radial coefficient) and imu (the mount); nothing for another word.
+/// principal point and radial coefficient) and imu (the mount), in any case; nothing for another word.
 [[nodiscard]] std::optional<ParameterSet> parameters_named(std::string_view name);
+
+/// All names that parameters_named knows.
+[[nodiscard]] const std::vector<std::string>& parameter_words();
 
 /// "rad", "m", "px", "s" or "-".
 [[nodiscard]] std::string_view unit_of(std::size_t parameter);
