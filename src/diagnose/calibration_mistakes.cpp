@@ -155,8 +155,10 @@ std::vector<std::string> calibration_mistakes(const StereoCalibration& calibrati
   if (pairs.size() >= kEnoughPoints) {
     if (const auto mistake = geometry_mistake(calibration, pairs)) {
       out.push_back(*mistake);
-    } else if (const auto lens = detail::rectification_mistake(calibration, frames)) {
-      out.push_back(*lens);
+    } else if (out.empty()) {  // intrinsics of another resolution do not fit either
+      if (const auto lens = detail::rectification_mistake(calibration, frames)) {
+        out.push_back(*lens);
+      }
     }
   }
   return out;

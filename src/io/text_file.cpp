@@ -128,7 +128,10 @@ std::string TableReader::name(std::size_t column) const {
 std::int64_t TableReader::integer(std::size_t column) const {
   const auto value = parse_integer(fields_[column]);
   if (!value) {
-    fail("an integer for " + name(column), excerpt(fields_[column]));
+    const bool is_time = name(column).ends_with("[ns]") && parse_number(fields_[column]) &&
+                         fields_[column].find('.') != std::string_view::npos;
+    fail("an integer for " + name(column) + (is_time ? " (nanoseconds; is this in seconds?)" : ""),
+         excerpt(fields_[column]));
   }
   return *value;
 }

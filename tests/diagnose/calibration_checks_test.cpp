@@ -124,6 +124,19 @@ void set_distortion(Recording& recording, const Distortion& distortion) {
   recording.calibration.cam0.distortion = recording.calibration.cam1.distortion = distortion;
 }
 
+/// Motions fit them with a distortion only, and that is not what is wrong.
+TEST(CalibrationMistakes, TakeIntrinsicsOfHalfTheResolutionForNothingElse) {
+  Recording recording = flight({});
+  for (Camera* const camera : {&recording.calibration.cam0, &recording.calibration.cam1}) {
+    camera->fu /= 2;
+    camera->fv /= 2;
+    camera->cu /= 2;
+    camera->cv /= 2;
+  }
+  EXPECT_THAT(calibration_mistakes(recording.calibration, recording.frames),
+              ElementsAre(HasSubstr("principal point of cam0"), HasSubstr("principal point of cam1")));
+}
+
 TEST(CalibrationMistakes, NameRectifiedImagesWithARawCalibrationAndTheReverse) {
   const RadialTangential lens{-0.28, 0.07, 0.0, 0.0};
   Recording rectified = flight(NoDistortion{}), raw = flight(lens);

@@ -141,7 +141,8 @@ TEST_F(LiveRun, WritesAPageThatNeedsNoServer) {
   EXPECT_THAT(result.err, ::testing::Not(HasSubstr("http://")));
   EXPECT_THAT(read_text(page), HasSubstr("\"n\":41"));
   EXPECT_EQ(results_in(out()), results_in(plain));
-  EXPECT_EQ(run({"--view-out", page.string()}).exit_code, 0);  // its own page is replaced
+  expect_refused(run({"--view-out", page.string()}), 1, "--force");
+  EXPECT_EQ(run({"--view-out", page.string(), "--force"}).exit_code, 0);
 }
 
 TEST_F(LiveRun, RefusesPlacesWhereThePageCannotGoBeforeItRuns) {
