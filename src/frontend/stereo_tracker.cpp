@@ -94,14 +94,13 @@ void StereoTracker::Impl::require_later(std::int64_t t_ns) const {
 StereoFrame StereoTracker::Impl::process(std::int64_t t_ns, const cv::Mat& image0, const cv::Mat& image1) {
   const frontend::Pyramid pyramid0 = frontend::pyramid_of(image0), pyramid1 = frontend::pyramid_of(image1);
   t_ns_ = t_ns;
-  const Tracks before = tracks_;
+  Tracks untouched = tracks_;
   StereoFrame frame = follow(tracks_, t_ns, pyramid0, pyramid1);
   if (order_.doubts(frame)) {
-    Tracks tracks = before;
-    StereoFrame put_back = follow(tracks, t_ns, frontend::pyramid_of(image1.clone()), pyramid0);
+    StereoFrame put_back = follow(untouched, t_ns, frontend::pyramid_of(image1.clone()), pyramid0);
     if (order_.prefers(put_back, frame)) {
       put_back.put_back = true;
-      tracks_ = std::move(tracks);
+      tracks_ = std::move(untouched);
       frame = std::move(put_back);
     }
   }
