@@ -154,11 +154,9 @@ class ViewServer::Http {
         "text/event-stream",
         [this, viewer](std::size_t, httplib::DataSink& sink) {
           const std::string events = board_.next(viewer);
-          if (board_.closed()) {
-            sink.done();
-            return true;
-          }
-          return sink.write(events.data(), events.size());
+          if (!sink.write(events.data(), events.size())) return false;
+          if (board_.closed()) sink.done();  // only now: what was taken from the board may be its end
+          return true;
         },
         [this, viewer](bool) { board_.leave(viewer); });
   }

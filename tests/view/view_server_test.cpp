@@ -156,5 +156,20 @@ TEST(ViewServer, EndsWhileAPageLooksOn) {
   EXPECT_EQ(stream.next(), "");
 }
 
+TEST(ViewServer, GivesAwayTheEndBeforeItGoes) {
+  for (int k = 0; k < 30; ++k) {
+    ViewBoard board(small_run());
+    auto server = std::make_unique<ViewServer>(board, std::uint16_t{0});
+    EventStream stream(address_of(server->url()), "events");
+    ASSERT_EQ(name_of_event(stream.next()), "hello");
+    board.finish("Done");
+    while (!board.told_all()) {
+      std::this_thread::yield();
+    }
+    server.reset();
+    EXPECT_EQ(name_of_event(stream.next()), "end");
+  }
+}
+
 }  // namespace
 }  // namespace limber
