@@ -155,7 +155,7 @@ void update_active_set(Estimate& estimate, const StereoFrame& frame, std::int64_
         retired.push_back(landmark.track_id);
       }
     }
-    if (estimate.has_frozen() || !retired.empty()) {
+    if (estimate.has_frozen() || !retired.empty() || estimate.layout().has_map_scale) {
       estimate.change_epoch(retired);
       convert_linear(estimate, previous_ns, options);
     }

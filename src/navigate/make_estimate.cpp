@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <Eigen/QR>
 #include <stdexcept>
 #include <string>
 
@@ -8,6 +9,25 @@
 namespace limber::detail {
 
 using Eigen::MatrixXd;
+
+namespace {
+
+/// Whether what the gain is blind to, or the lack of a right camera, hides a common factor of all lengths.
+bool leaves_scale_unseen(const NavigatorOptions& options, const StereoCalibration& calibration) {
+  if (options.method == Method::kMonoLeft) {
+    return true;
+  }
+  if (options.method != Method::kLcekf) {
+    return false;
+  }
+  const MatrixXd C = constraint_directions(options.constraints, calibration.theta);
+  Eigen::Matrix<double, 6, 1> longer = calibration.theta;
+  longer.head<3>().setZero();
+  return C.cols() > 0 &&
+         (longer - C * C.completeOrthogonalDecomposition().solve(longer)).norm() < 1e-9 * longer.norm();
+}
+
+}  // namespace
 
 Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration& calibration,
                        const InitialState& initial) {
@@ -20,6 +40,8 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
   for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
     layout.has_more[k] = (estimated(options) & parameters_of(kMoreBlocks[k])).any();
   }
+  layout.has_map_scale =
+      options.motion != MotionModel::kOdometry && leaves_scale_unseen(options, calibration);
   Estimate out(layout, initial.nav, initial.body_covariance, calibration.theta,
                theta_prior(options, calibration).cwiseAbs2().asDiagonal());
   const ParameterVector prior =

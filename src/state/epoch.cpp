@@ -42,7 +42,8 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
   const Eigen::VectorXd corrections = passive_.correction(drift_);
   std::vector<Move> kept, passive;
   for (std::size_t k = 0; k < passive_blocks_.size(); ++k) {
-    passive.push_back({passive_blocks_[k], corrections.segment<kTriplet>(kTriplet * static_cast<Index>(k))});
+    const Vector3d correction = corrections.segment<kTriplet>(kTriplet * static_cast<Index>(k));
+    passive.push_back({passive_blocks_[k], displacement(passive_blocks_[k], correction, grown_)});
   }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     const StateBlock block = active_blocks_[k];
@@ -78,12 +79,16 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
   carry_dormant(passive);
   frozen_end_ = passive_.z_size() > 0 ? P.size() : layout_.map_begin();
   drift_.setZero(frozen_end_ - layout_.map_begin());
+  moved_ = drift_;
+  grown_ = {};
+  body_moved_.setZero();
+  refresh_map_scale();
   epoch_began_ns_ = nav.t_ns;
 }
 
 /// What transport() does for the rest of the state, for those whose displacement has gathered since.
 void Estimate::carry_active(const std::vector<Move>& kept) {
-  MatrixXd U = MatrixXd::Zero(size(), kTriplet);
+  MatrixXd U = MatrixXd::Zero(size(), coupled_columns());
   const Index first = size() - kTriplet * static_cast<Index>(kept.size());
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const Index at = first + kTriplet * static_cast<Index>(k), column = at - layout_.map_begin();
@@ -94,13 +99,18 @@ void Estimate::carry_active(const std::vector<Move>& kept) {
         passive_.transform_column(column, turned_back);
       }
     } else if (is_world_vector(kept[k].block)) {
-      U.middleRows<kTriplet>(at) = -skew(kept[k].displacement) * nav.T_world_body.R;
+      U.block<kTriplet, kTriplet>(at, 0) = -skew(kept[k].displacement) * nav.T_world_body.R;
     }
+    couple_scales(U, at, scale_coupling(kept[k].block, kept[k].displacement, body_moved_));
   }
   if (!passive_.empty()) {
-    passive_.couple_columns(L::kAttitude, U.middleRows(layout_.map_begin(), passive_.z_size()));
+    const std::array<Index, 3> to = {L::kAttitude, L::kVelocity, layout_.map_scale()};
+    for (Index k = 0; kTriplet * k < U.cols(); ++k) {
+      passive_.couple_columns(to[static_cast<std::size_t>(k)],
+                              U.block(layout_.map_begin(), kTriplet * k, passive_.z_size(), kTriplet));
+    }
   }
-  add_attitude_coupling(U);
+  add_couplings(U);
 }
 
 void Estimate::carry_dormant(const std::vector<Move>& passive) {
@@ -111,18 +121,36 @@ void Estimate::carry_dormant(const std::vector<Move>& passive) {
     } else if (is_world_vector(passive[k].block)) {
       passive_.couple_row(row, L::kAttitude, -skew(passive[k].displacement) * nav.T_world_body.R);
     }
+    if (layout_.has_map_scale) {
+      const ScaleCoupling by = scale_coupling(passive[k].block, passive[k].displacement, body_moved_);
+      passive_.couple_row(row, L::kVelocity, by.velocity * scale_of_velocity());
+      passive_.couple_row(row, layout_.map_scale(), by.map * Eigen::RowVector3d::UnitX());
+    }
   }
 }
 
 /// Of a triplet of the map, as far as the covariance has not been carried along; zero unless it is frozen.
 Vector3d Estimate::displacement_in_epoch(Index at) const {
-  return at < frozen_end_ ? Vector3d(drift_.segment<kTriplet>(at - layout_.map_begin())) : Vector3d::Zero();
+  return at < frozen_end_ ? Vector3d(moved_.segment<kTriplet>(at - layout_.map_begin())) : Vector3d::Zero();
 }
 
 void Estimate::refer_to_epoch(const Landmark& landmark, PointProjection& projection) const {
   const Anchor* anchor = anchor_of(landmark);
   // Error of a world vector now: its own in P − [displacement]_x R dtheta, as in transport().
   const Matrix3d R = nav.T_world_body.R;
+  if (layout_.has_map_scale && landmark.at < frozen_end_) {
+    const auto coupling = [&](Index at) {
+      return scale_coupling(active_blocks_[slot(at)], displacement_in_epoch(at), body_moved_);
+    };
+    const ScaleCoupling own = coupling(landmark.at);
+    PointProjection::ScaleJacobians J{projection.J_landmark * own.velocity * scale_of_velocity(),
+                                      projection.J_landmark * own.map};
+    if (anchor != nullptr) {
+      J.velocity +=
+          projection.J_anchor_position * coupling(anchor->position_at).velocity * scale_of_velocity();
+    }
+    projection.J_scales = J;
+  }
   if (anchor == nullptr) {
     projection.J_attitude -= projection.J_landmark * skew(displacement_in_epoch(landmark.at)) * R;
     return;
@@ -154,10 +182,12 @@ void Estimate::recall(const std::vector<std::int64_t>& recalled) {
     return;
   }
   std::vector<Move> woken;
+  std::vector<Vector3d> corrections;
   for (const Index row : rows) {
-    woken.push_back(
-        {passive_blocks_[static_cast<std::size_t>(row / kTriplet)], passive_.correction(row, drift_)});
-    retract_triplet(woken.back().block, woken.back().displacement);
+    const StateBlock block = passive_blocks_[static_cast<std::size_t>(row / kTriplet)];
+    woken.push_back({block, passive_displacement(row)});
+    corrections.push_back(passive_.correction(row, drift_));
+    retract_triplet(block, woken.back().displacement);
   }
   passive_.recall(P, layout_.map_begin(), rows);
   std::sort(rows.rbegin(), rows.rend());
@@ -168,7 +198,9 @@ void Estimate::recall(const std::vector<std::int64_t>& recalled) {
       move_in(moved, row, true);
     }
   }
-  for (const Move& move : woken) {  // each takes the place of a new landmark, who moves to the end
+  for (std::size_t k = 0; k < woken.size();
+       ++k) {  // each takes the place of a new landmark, who moves to the end
+    const Move& move = woken[k];
     const Index end = layout_.map_begin() + kTriplet * static_cast<Index>(active_blocks_.size());
     active_blocks_.push_back(move.block);
     if (frozen_end_ != end) {
@@ -177,7 +209,9 @@ void Estimate::recall(const std::vector<std::int64_t>& recalled) {
     move_in(move.block, frozen_end_, false);
     frozen_end_ += kTriplet;
     drift_.conservativeResize(drift_.size() + kTriplet);
-    drift_.tail<kTriplet>() = move.displacement;
+    drift_.tail<kTriplet>() = corrections[k];
+    moved_.conservativeResize(moved_.size() + kTriplet);
+    moved_.tail<kTriplet>() = move.displacement;
   }
 }
 
@@ -204,18 +238,27 @@ Anchor Estimate::corrected(Anchor anchor, const Vector3d& dp, const Vector3d& dt
 
 /// With the corrections that a passive landmark's mean has not been given yet.
 Landmark Estimate::current(const Landmark& landmark) const {
-  return landmark.passive ? corrected(landmark, passive_.correction(landmark.at, drift_)) : landmark;
+  return landmark.passive ? corrected(landmark, passive_displacement(landmark.at)) : landmark;
 }
 
 Anchor Estimate::current(const Anchor& anchor) const {
-  return anchor.passive ? corrected(anchor, passive_.correction(anchor.position_at, drift_),
-                                    passive_.correction(anchor.attitude_at, drift_))
+  return anchor.passive ? corrected(anchor, passive_displacement(anchor.position_at),
+                                    passive_displacement(anchor.attitude_at))
                         : anchor;
+}
+
+/// What the passive triplet at `row` has moved by since the epoch began, though its mean waits for it.
+Vector3d Estimate::passive_displacement(Index row) const {
+  return displacement(passive_blocks_[static_cast<std::size_t>(row / kTriplet)],
+                      passive_.correction(row, drift_), grown_);
 }
 
 std::vector<Vector3d> Estimate::landmark_positions() const {
   const Eigen::VectorXd corrections = passive_.correction(drift_);
-  const auto of_row = [&](Index row) { return Vector3d(corrections.segment<kTriplet>(row)); };
+  const auto of_row = [&](Index row) {
+    return displacement(passive_blocks_[static_cast<std::size_t>(row / kTriplet)],
+                        corrections.segment<kTriplet>(row), grown_);
+  };
   std::vector<Vector3d> positions;
   positions.reserve(landmarks_.size());
   for (const Landmark& stored : landmarks_) {

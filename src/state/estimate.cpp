@@ -2,6 +2,7 @@
 #include "limber/state/estimate.hpp"
 
 #include <array>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -14,6 +15,7 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
+using Eigen::VectorXd;
 using L = StateLayout;
 
 namespace {
@@ -40,6 +42,10 @@ Estimate::Estimate(StateLayout layout, const NavigationState& nav_state, const M
   if (layout.has_theta) {
     P.set_diagonal_block(layout.theta(), theta_covariance);
   }
+  if (layout.has_map_scale) {
+    P.set_diagonal_block(layout.map_scale(), Matrix3d::Identity());
+    refresh_map_scale();
+  }
 }
 
 const Landmark* Estimate::find(std::int64_t track_id) const {
@@ -57,11 +63,41 @@ const Anchor* Estimate::anchor_of(const Landmark& landmark) const {
 }
 
 void Estimate::retract(const Eigen::VectorXd& dx) {
-  transport(dx);
-  nav.T_world_body.p += dx.segment<3>(L::kPosition);
+  const Growth by = growth(dx);
+  const VectorXd moved = displacements(dx, by);
+  if (getenv("DBG2") && layout_.has_map_scale && nav.t_ns > 30'700'000'000 && nav.t_ns < 31'000'000'000) {
+    MatrixXd D = P.dense();
+    const Index m = layout_.map_scale();
+    VectorXd g = D.col(m) / D(m, m);
+    fprintf(stderr,
+            "G %.2f p %.5f %.5f %.5f  of %.3f %.3f %.3f | v %.5f %.5f %.5f of %.3f %.3f %.3f | att %.6f %.6f "
+            "%.6f bg %.2g %.2g %.2g ba %.2g %.2g %.2g\n",
+            1e-9 * nav.t_ns, g(0), g(1), g(2), nav.T_world_body.p.x(), nav.T_world_body.p.y(),
+            nav.T_world_body.p.z(), g(6), g(7), g(8), nav.v_world_body.x(), nav.v_world_body.y(),
+            nav.v_world_body.z(), g(3), g(4), g(5), g(9), g(10), g(11), g(12), g(13), g(14));
+    for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
+      const Index at = layout_.map_begin() + 3 * (Index)k;
+      auto b = active_blocks_[k];
+      if (b.owner == Owner::kAnchorPosition)
+        fprintf(stderr, "  anchor %d g %.4f x %.4f frozen %d\n", (int)b.index, g(at),
+                (anchors_[b.index].T_world_body.p - displacement_in_epoch(at)).x(), (int)(at < frozen_end_));
+      if (b.owner == Owner::kLandmark) {
+        auto& l = landmarks_[b.index];
+        if (l.kind == LandmarkKind::kInverseDepth)
+          fprintf(stderr, "  rho g %.5f x %.5f ratio %.4f ab %.5f %.5f frozen %d\n", g(at + 2),
+                  -(l.value.z() - displacement_in_epoch(at).z()),
+                  g(at + 2) / -(l.value.z() - displacement_in_epoch(at).z()), g(at), g(at + 1),
+                  (int)(at < frozen_end_));
+        else
+          fprintf(stderr, "  cart\n");
+      }
+    }
+  }
+  transport(moved);
+  nav.T_world_body.p += moved.segment<3>(L::kPosition);
   retract_attitude(nav.T_world_body.R, dx.segment<3>(L::kAttitude));
   if (layout_.motion != MotionModel::kOdometry) {
-    nav.v_world_body += dx.segment<3>(L::kVelocity);
+    nav.v_world_body += moved.segment<3>(L::kVelocity);
   }
   if (layout_.motion == MotionModel::kConstantVelocity) {
     nav.omega_body += dx.segment<3>(L::kRate);
@@ -75,9 +111,13 @@ void Estimate::retract(const Eigen::VectorXd& dx) {
     witness += dx.segment<6>(layout_.witness());
   }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
-    retract_triplet(active_blocks_[k], dx.segment<3>(layout_.map_begin() + kTriplet * static_cast<Index>(k)));
+    retract_triplet(active_blocks_[k],
+                    moved.segment<3>(layout_.map_begin() + kTriplet * static_cast<Index>(k)));
   }
   drift_ += dx.segment(layout_.map_begin(), drift_.size());
+  moved_ += moved.segment(layout_.map_begin(), moved_.size());
+  grown_ += by;
+  body_moved_ += moved.segment<3>(L::kPosition);
 }
 
 void Estimate::retract_parameters(const Eigen::VectorXd& dx) {
@@ -121,14 +161,17 @@ bool Estimate::is_world_vector(StateBlock block) const {
 void Estimate::transport(const Eigen::VectorXd& dx) {
   const Index attitude = L::kAttitude;
   const Matrix3d turned_back = so3_exp(-dx.segment<3>(attitude));
-  // Rows of the world vectors: error − [dx]_x R dtheta.
-  MatrixXd U = MatrixXd::Zero(size(), kTriplet);
+  const Vector3d of_body = dx.segment<3>(L::kPosition);
+  // Rows of the world vectors: error − [dx]_x R dtheta; of lengths: + displacement * (error of the scale).
+  MatrixXd U = MatrixXd::Zero(size(), coupled_columns());
   const auto couple = [&](Index at) {
-    U.middleRows<kTriplet>(at) = -skew(dx.segment<3>(at)) * nav.T_world_body.R;
+    U.block<kTriplet, kTriplet>(at, 0) = -skew(dx.segment<3>(at)) * nav.T_world_body.R;
   };
   couple(L::kPosition);
+  couple_scales(U, L::kPosition, {of_body, Vector3d::Zero()});
   if (layout_.motion != MotionModel::kOdometry) {
     couple(L::kVelocity);
+    couple_scales(U, L::kVelocity, {dx.segment<3>(L::kVelocity), Vector3d::Zero()});
   }
   for (Index at = frozen_end_; at < size(); at += kTriplet) {
     const StateBlock block = active_blocks_[slot(at)];
@@ -137,16 +180,23 @@ void Estimate::transport(const Eigen::VectorXd& dx) {
     } else if (is_world_vector(block)) {
       couple(at);
     }
+    couple_scales(U, at, scale_coupling(block, dx.segment<3>(at), of_body));
   }
-  U.middleRows<kTriplet>(attitude) = turned_back - Matrix3d::Identity();
-  add_attitude_coupling(U);
+  U.block<kTriplet, kTriplet>(attitude, 0) = turned_back - Matrix3d::Identity();
+  add_couplings(U);
 }
 
-/// P := (I + U Eᵀ) P (I + U Eᵀ)ᵀ, E: the columns of the body's attitude, U: size()×3.
-void Estimate::add_attitude_coupling(const MatrixXd& U) {
-  MatrixXd G;
-  P.gather(std::array<Index, 1>{L::kAttitude}, G);
-  G += 0.5 * U * G.middleRows<kTriplet>(L::kAttitude).eval();
+/// P := (I + U Eᵀ) P (I + U Eᵀ)ᵀ, E: the columns of the body's attitude and, with a map scale, of its
+/// velocity and of that scale. U: size() × coupled_columns().
+void Estimate::add_couplings(const MatrixXd& U) {
+  const std::array<Index, 3> to = {L::kAttitude, L::kVelocity, layout_.map_scale()};
+  const auto triplets = static_cast<std::size_t>(U.cols() / kTriplet);
+  MatrixXd G, own(U.cols(), U.cols());
+  P.gather(std::span(to).first(triplets), G);
+  for (std::size_t k = 0; k < triplets; ++k) {
+    own.middleRows<kTriplet>(kTriplet * static_cast<Index>(k)) = G.middleRows<kTriplet>(to[k]);
+  }
+  G.noalias() += 0.5 * U * own;
   P.add_symmetric_product(U, G);
 }
 

@@ -43,6 +43,7 @@ void place_first_map(Estimate& estimate, const InitialState& initial, const Pose
     landmark.anchor = anchor;
     estimate.add_landmark(landmark, initial.landmarks_covariance.block<kTriplet, kTriplet>(at, at), P_xl);
   }
+  estimate.refresh_map_scale();
 }
 
 }  // namespace limber

@@ -138,6 +138,49 @@ TEST(StackFrame, SeesNoHeadingWhereFrozenLandmarksHaveBeenCorrected) {
   EXPECT_LE((H * turn).norm(), 1e-9 * H.norm() * turn.norm());
 }
 
+/// What the errors in P are when all lengths grow, per unit of the factor's logarithm: those of a frozen
+/// landmark as it was when its epoch began.
+VectorXd growth_of_all_lengths(const Estimate& now, const Estimate& when_epoch_began) {
+  VectorXd g = VectorXd::Zero(now.size());
+  g.segment<3>(StateLayout::kPosition) = now.nav.T_world_body.p;
+  g.segment<3>(StateLayout::kVelocity) = now.nav.v_world_body;
+  g(now.layout().map_scale()) = 1.0;
+  for (const Landmark& landmark : now.landmarks()) {
+    if (landmark.passive) {
+      continue;
+    }
+    const Landmark& then = *when_epoch_began.find(landmark.track_id);
+    if (const Anchor* anchor = when_epoch_began.anchor_of(then); anchor != nullptr) {
+      g.segment<3>(now.anchor_of(landmark)->position_at) = anchor->T_world_body.p;
+      g(landmark.at + 2) = -then.value.z();
+    } else {
+      g.segment<3>(landmark.at) = then.value;
+    }
+  }
+  return g;
+}
+
+TEST(StackFrame, SeesNoScaleWhereFrozenLandmarksHaveBeenCorrected) {
+  Generator generator(9);
+  const StereoCalibration rig = calibration(BodyFrame::kCam0);
+  StateLayout layout{MotionModel::kImu};
+  layout.has_map_scale = true;
+  Estimate estimate = visible_map(generator, layout, rig);
+  testing::add_random_landmark(generator, estimate, 6, -1);
+  estimate.change_epoch({6});  // the others are frozen
+  const Estimate before = estimate;
+  std::normal_distribution<double> draw;
+  estimate.retract(VectorXd::NullaryExpr(estimate.size(), [&] { return 0.02 * draw(generator); }));
+  const VectorXd growth = growth_of_all_lengths(estimate, before);
+
+  const Stacked z = stacked(estimate, perfect_frame(before, mount(rig)), mount(rig));
+  ASSERT_EQ(z.frame.track_ids.size(), 6U);
+  const MatrixXd H = z.frame.measurement.H.dense(z.frame.measurement.rows(), estimate.size());
+  // To the right camera all lengths grow as much as its baseline shrinks, which is constrained.
+  const VectorXd seen = H * growth + z.frame.measurement.D.rightCols<3>() * rig.theta.tail<3>();
+  EXPECT_LE(seen.norm(), 1e-4 * (z.frame.measurement.D.rightCols<3>() * rig.theta.tail<3>()).norm());
+}
+
 /// Minus the derivative of the residual with respect to the error state (by retraction) and theta.
 TEST(StackFrame, HAndDMatchCentralDifferencesOfTheRetractedEstimate) {
   Generator generator(2);

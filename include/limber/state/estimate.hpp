@@ -47,7 +47,14 @@ class Estimate {
   /// unobserved though the Jacobians are taken at a new point every time. Without, the filter learns a
   /// heading from nothing. [Barrau2015], [Hao2022]. Frozen and passive landmarks are carried along when their
   /// epoch ends.
+  ///
+  /// With has_map_scale the same is done for a common factor of all lengths, and a correction of it is
+  /// applied as a factor. See docs/derivations/scale.md.
   void retract(const Eigen::VectorXd& dx);
+
+  /// @brief Takes the map's scale anew from the landmarks that are active: the mean error of their log
+  /// depths, those that are known best before others; nil without landmarks. Nothing without has_map_scale.
+  void refresh_map_scale();
 
   /// The witness forgets what it has learned: mean zero, standard deviation `sigma` [plausible errors] each,
   /// correlated with nothing. For layouts that have one.
@@ -123,7 +130,44 @@ class Estimate {
   /// Carries the covariance along with the correction dx: see retract.
   void transport(const Eigen::VectorXd& dx);
   [[nodiscard]] Eigen::Vector3d displacement_in_epoch(Eigen::Index at) const;
-  void add_attitude_coupling(const Eigen::MatrixXd& U);
+  void add_couplings(const Eigen::MatrixXd& U);
+
+  // The common factor of all lengths: src/state/map_scale.cpp.
+  /// A correction of the scale: of its logarithm, and the factor of all lengths that it stands for.
+  struct Factor {
+    double log = 0.0, factor = 1.0;
+    /// Of a length: what the factor moves it by beyond the linear correction.
+    [[nodiscard]] double beyond_linear() const { return factor - 1.0 - log; }
+    /// The same of an inverse depth.
+    [[nodiscard]] double beyond_linear_inverse() const { return 1.0 / factor - 1.0 + log; }
+  };
+  /// As the body's velocity and as the map show it.
+  struct Growth {
+    Factor of_velocity, of_map;
+    void operator+=(const Growth& next);
+  };
+  /// What a triplet moves by where velocity's and map's scales are off by one, beyond what it moves by
+  /// anyhow.
+  struct ScaleCoupling {
+    Eigen::Vector3d velocity, map;
+  };
+  struct LogDepth {
+    Eigen::Index at;
+    Eigen::Vector3d of_landmark, of_body;
+    double variance;
+  };
+  [[nodiscard]] std::vector<LogDepth> log_depths() const;
+  [[nodiscard]] Eigen::RowVector3d scale_of_velocity() const;
+  [[nodiscard]] Growth growth(const Eigen::VectorXd& dx) const;
+  [[nodiscard]] Eigen::VectorXd displacements(const Eigen::VectorXd& dx, const Growth& by) const;
+  [[nodiscard]] Eigen::Vector3d displacement(StateBlock block, const Eigen::Vector3d& dx,
+                                             const Growth& by) const;
+  [[nodiscard]] ScaleCoupling scale_coupling(StateBlock block, const Eigen::Vector3d& displacement,
+                                             const Eigen::Vector3d& of_body) const;
+  void couple_scales(Eigen::MatrixXd& U, Eigen::Index at, const ScaleCoupling& coupling) const;
+  [[nodiscard]] Eigen::Index coupled_columns() const {
+    return layout_.has_map_scale ? 3 * kTriplet : kTriplet;
+  }
   int append_anchor(const Pose& T_world_frame, const Pose& T_frame_cam0);
   void add_jitter(const Anchor& anchor, Eigen::MatrixXd& columns) const;
   Eigen::Index append_triplet(StateBlock block);
@@ -151,6 +195,7 @@ class Estimate {
                                             bool col_dormant) const;
   [[nodiscard]] Landmark current(const Landmark& landmark) const;
   [[nodiscard]] Anchor current(const Anchor& anchor) const;
+  [[nodiscard]] Eigen::Vector3d passive_displacement(Eigen::Index row) const;
   [[nodiscard]] static Landmark corrected(Landmark landmark, const Eigen::Vector3d& correction);
   [[nodiscard]] static Anchor corrected(Anchor anchor, const Eigen::Vector3d& dp,
                                         const Eigen::Vector3d& dtheta);
@@ -165,6 +210,9 @@ class Estimate {
   PassiveBlock passive_;
   Eigen::Index frozen_end_ = 0;  // P is [body | frozen | initialised since]; map_begin if nothing is frozen
   Eigen::VectorXd drift_;        // sum of the corrections of the frozen part since the epoch began
+  Eigen::VectorXd moved_;        // what it was moved by: beside corrections, factors to second order
+  Growth grown_;                 // of all lengths since then
+  Eigen::Vector3d body_moved_ = Eigen::Vector3d::Zero();  // the body's position, by corrections since then
   std::int64_t epoch_began_ns_ = 0;
 };
 

@@ -18,8 +18,8 @@
 /// parameters of the calibration; attitude local: R_true = R_est Exp(dtheta), dtheta [rad] in the body frame.
 /// Order: position, attitude, then what the motion model adds, then parameters beyond theta, then theta (of
 /// both, what is estimated or considered), then the witness of the calibration monitor (if any;
-/// limber/update/witness.hpp), then the triplets of the map in no particular order (anchors: a position and
-/// an attitude triplet; landmarks: one).
+/// limber/update/witness.hpp), then the scale of the map (if no frame tells it), then the triplets of the map
+/// in no particular order (anchors: a position and an attitude triplet; landmarks: one).
 namespace limber {
 
 /// What drives the prediction, and so what the state holds beside the pose.
@@ -48,6 +48,9 @@ struct StateLayout {
   bool has_theta = false;
   bool has_witness = false;
   std::array<bool, 3> has_more{};  ///< parameters of cam0, cam1, mount (limber/sensors/parameters.hpp)
+  /// No frame tells a common factor of all lengths (one camera, or a baseline that is constrained): its
+  /// error is in the state, so that no update learns it by chance (Estimate::retract).
+  bool has_map_scale = false;
 
   static constexpr Eigen::Index kPosition = 0;
   static constexpr Eigen::Index kAttitude = 3;
@@ -77,8 +80,11 @@ struct StateLayout {
   [[nodiscard]] Eigen::Index theta() const { return more(has_more.size()); }
   /// Start of the witness (six wide), valid only if has_witness.
   [[nodiscard]] Eigen::Index witness() const { return theta() + (has_theta ? 6 : 0); }
+  /// Start of the map's scale, valid only if has_map_scale: a triplet of which the first entry counts, the
+  /// error of the logarithm [-]; the others are nothing.
+  [[nodiscard]] Eigen::Index map_scale() const { return witness() + (has_witness ? 6 : 0); }
   /// Start of the map.
-  [[nodiscard]] Eigen::Index map_begin() const { return witness() + (has_witness ? 6 : 0); }
+  [[nodiscard]] Eigen::Index map_begin() const { return map_scale() + (has_map_scale ? kTriplet : 0); }
 };
 
 /// @brief The body's pose at the initialisation of some landmarks, a clone that stays in the state while they

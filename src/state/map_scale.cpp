@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+// Estimate's scale of the map: a common factor of all lengths that no frame tells. docs/derivations/scale.md
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "limber/state/estimate.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::RowVector3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using L = StateLayout;
+
+namespace {
+
+constexpr double kJitter = 1e-4;        // of the map's scale [-]: keeps P positive definite
+constexpr double kOwnError = 3e-3;      // of a log depth [-]: no landmark is trusted for more
+constexpr double kStraightUpTo = 0.5;   // a correction of the log scale from where on the factor is bent
+
+/// The factor of all lengths where the log scale is corrected by s: one over that of an inverse depth, which
+/// goes down by the share s. It is linear in what frames are linear in, and stays positive.
+double factor(double s) {
+  constexpr double kAtBend = 1.0 / (1.0 - kStraightUpTo);
+  return s < kStraightUpTo ? 1.0 / (1.0 - s) : kAtBend * std::exp(kAtBend * (s - kStraightUpTo));
+}
+
+}  // namespace
+
+/// How far off the scale is where the velocity is off by dv: the row times dv [-]. Nil where the velocity is
+/// not known to differ from zero.
+RowVector3d Estimate::scale_of_velocity() const {
+  const Vector3d& v = nav.v_world_body;
+  const double size = v.squaredNorm();
+  if (!layout_.has_map_scale || !(size > 0.0)) {
+    return RowVector3d::Zero();
+  }
+  const double doubt = P.diagonal_block<3>(L::kVelocity).trace() / size;
+  return v.transpose() / (size * (1.0 + doubt * doubt * doubt * doubt));
+}
+
+Estimate::Growth Estimate::growth(const VectorXd& dx) const {
+  if (!layout_.has_map_scale) {
+    return {};
+  }
+  const double of_velocity = scale_of_velocity() * dx.segment<3>(L::kVelocity);
+  const double of_map = dx(layout_.map_scale());
+  return {{of_velocity, factor(of_velocity)}, {of_map, factor(of_map)}};
+}
+
+void Estimate::Growth::operator+=(const Growth& next) {
+  of_velocity = {of_velocity.log + next.of_velocity.log, of_velocity.factor * next.of_velocity.factor};
+  of_map = {of_map.log + next.of_map.log, of_map.factor * next.of_map.factor};
+}
+
+/// What a correction moves the triplets by: itself and, where all lengths grow, what a factor does to second
+/// order. That of a frozen triplet is of its error as it was when the epoch began.
+VectorXd Estimate::displacements(const VectorXd& dx, const Growth& by) const {
+  VectorXd out = dx;
+  if (!layout_.has_map_scale) {
+    return out;
+  }
+  const double beyond = by.of_velocity.beyond_linear();
+  out.segment<3>(L::kPosition) += beyond * nav.T_world_body.p;
+  out.segment<3>(L::kVelocity) += beyond * nav.v_world_body;
+  for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
+    const Index at = layout_.map_begin() + kTriplet * static_cast<Index>(k);
+    const ScaleCoupling since =
+        scale_coupling(active_blocks_[k], displacement_in_epoch(at), at < frozen_end_ ? body_moved_ : Vector3d::Zero());
+    out.segment<3>(at) = displacement(active_blocks_[k], dx.segment<3>(at), by) +
+                         by.of_velocity.log * since.velocity + by.of_map.log * since.map;
+  }
+  return out;
+}
+
+Vector3d Estimate::displacement(StateBlock block, const Vector3d& dx, const Growth& by) const {
+  if (!layout_.has_map_scale) {
+    return dx;
+  }
+  if (block.owner == Owner::kAnchorPosition) {
+    return dx + by.of_velocity.beyond_linear() * anchors_[block.index].T_world_body.p;
+  }
+  if (block.owner != Owner::kLandmark) {
+    return dx;
+  }
+  const Landmark& landmark = landmarks_[block.index];
+  if (landmark.kind == LandmarkKind::kCartesian) {
+    const Vector3d& p = nav.T_world_body.p;
+    return dx + by.of_velocity.beyond_linear() * p + by.of_map.beyond_linear() * (landmark.value - p);
+  }
+  return dx + Vector3d(0.0, 0.0, by.of_map.beyond_linear_inverse() * landmark.value.z());
+}
+
+/// @param of_body  what the body's position moved by meanwhile
+Estimate::ScaleCoupling Estimate::scale_coupling(StateBlock block, const Vector3d& displacement,
+                                                 const Vector3d& of_body) const {
+  if (block.owner == Owner::kAnchorPosition) {
+    return {displacement, Vector3d::Zero()};
+  }
+  if (block.owner != Owner::kLandmark) {
+    return {Vector3d::Zero(), Vector3d::Zero()};
+  }
+  return landmarks_[block.index].kind == LandmarkKind::kCartesian
+             ? ScaleCoupling{of_body, displacement - of_body}
+             : ScaleCoupling{Vector3d::Zero(), {0.0, 0.0, -displacement.z()}};
+}
+
+void Estimate::couple_scales(MatrixXd& U, Index at, const ScaleCoupling& coupling) const {
+  if (layout_.has_map_scale) {
+    U.block<kTriplet, kTriplet>(at, kTriplet) = coupling.velocity * scale_of_velocity();
+    U.block<kTriplet, 1>(at, 2 * kTriplet) = coupling.map;
+  }
+}
+
+/// Of each active landmark the error of its log depth: what of its triplet and, if it is Cartesian, of the
+/// body's position.
+std::vector<Estimate::LogDepth> Estimate::log_depths() const {
+  std::vector<LogDepth> depths;
+  for (const Landmark& landmark : landmarks_) {
+    LogDepth depth{landmark.at, Vector3d::Zero(), Vector3d::Zero(), 0.0};
+    if (landmark.passive) {
+      continue;
+    }
+    if (landmark.kind == LandmarkKind::kCartesian) {
+      const Vector3d ray = landmark.value - nav.T_world_body.p;
+      depth.of_landmark = ray / ray.squaredNorm();
+      depth.of_body = -depth.of_landmark;
+    } else if (landmark.value.z() > 0.0) {
+      depth.of_landmark.z() = -1.0 / landmark.value.z();
+    } else {
+      continue;
+    }
+    const Vector3d of_both = P.triplet_block(landmark.at, L::kPosition) * depth.of_body;
+    depth.variance =
+        depth.of_landmark.dot(P.diagonal_block<3>(landmark.at) * depth.of_landmark + 2.0 * of_both) +
+        depth.of_body.dot(P.diagonal_block<3>(L::kPosition) * depth.of_body);
+    depths.push_back(depth);
+  }
+  return depths;
+}
+
+void Estimate::refresh_map_scale() {
+  if (!layout_.has_map_scale) {
+    return;
+  }
+  const std::vector<LogDepth> depths = log_depths();
+  double best = std::numeric_limits<double>::infinity();
+  for (const LogDepth& depth : depths) {
+    best = std::min(best, depth.variance);
+  }
+  double total = depths.empty() ? 1.0 : 0.0;
+  VectorXd c = VectorXd::Zero(size());
+  for (const LogDepth& depth : depths) {
+    // What is beyond the best one's is a landmark's own; the rest may be everybody's.
+    const double weight = 1.0 / (depth.variance - best + kOwnError * kOwnError);
+    c.segment<3>(depth.at) += weight * depth.of_landmark;
+    c.segment<3>(L::kPosition) += weight * depth.of_body;
+    total += weight;
+  }
+  c /= total;
+  const Index at = layout_.map_scale();
+  MatrixXd columns = MatrixXd::Zero(size(), kTriplet);
+  columns.col(0) = P.times(c);
+  columns.middleRows<kTriplet>(at).setIdentity();
+  columns(at, 0) = c.dot(columns.col(0)) + kJitter * kJitter;
+  P.scatter(std::array<Index, 1>{at}, columns);
+}
+
+}  // namespace limber

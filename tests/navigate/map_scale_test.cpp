@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "limber/core/so3.hpp"
+#include "limber/navigate/stereo_filter.hpp"
+#include "scene.hpp"
+
+/// A filter that distrusts its rig, or has one camera, learns how long a metre is from accelerations alone.
+/// Where there are none, what it knows of the scale must stay what it was, however often it linearises.
+namespace limber {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using testing::Generator;
+
+constexpr std::int64_t kInputNs = 5'000'000, kFrameNs = 50'000'000;
+constexpr double kGravity = 9.81;
+
+/// A way without acceleration: at a constant velocity [m/s] and rate [rad/s].
+struct Way {
+  Vector3d v;
+  double yaw_rate;
+};
+
+struct Pixels {
+  std::int64_t t_ns;
+  Pose T_world_body;
+};
+
+/// Points in a wide tube about the way, in every direction, each seen at 3 to 30 m.
+class World {
+ public:
+  World(std::uint64_t seed, const Way& way, double duration_s) : generator_(seed) {
+    const Vector3d end = way.v * duration_s;
+    for (int k = 0; k < 900; ++k) {
+      const Vector3d ahead = random_scalar(generator_, -0.2, 1.2) * end;
+      points_.push_back(ahead + Vector3d(testing::random_vector(generator_, 20.0)));
+    }
+  }
+
+  StereoFrame seen(std::int64_t t_ns, const Pose& T_world_body, const StereoCalibration& rig) {
+    StereoFrame frame;
+    frame.t_ns = t_ns;
+    const MountedRig mounted = mount(rig);
+    for (std::size_t id = 0; id < points_.size() && frame.observations.size() < 50; ++id) {
+      Landmark landmark;
+      landmark.kind = LandmarkKind::kCartesian;
+      landmark.value = points_[id];
+      StereoObservation o;
+      o.track_id = static_cast<std::int64_t>(id);
+      const BodyPoint point = body_point(T_world_body, landmark, nullptr);
+      const auto left = project_point(mounted[0], point), right = project_point(mounted[1], point);
+      const auto inside = [](const Camera& camera, const Eigen::Vector2d& uv) {
+        return uv.x() > 0 && uv.y() > 0 && uv.x() < camera.width && uv.y() < camera.height;
+      };
+      const double distance = (points_[id] - T_world_body.p).norm();
+      if (!left || !right || distance < 3.0 || distance > 30.0 || !inside(rig.cam0, left->uv) ||
+          !inside(rig.cam1, right->uv)) {
+        continue;
+      }
+      o.uv_cam0 = left->uv + 0.5 * testing::random_normal(generator_, 2);
+      o.uv_cam1 = right->uv + 0.5 * testing::random_normal(generator_, 2);
+      frame.observations.push_back(o);
+    }
+    return frame;
+  }
+
+  Vector3d noise(double sigma) { return sigma * testing::random_normal(generator_, 3); }
+
+ private:
+  Generator generator_;
+  std::vector<Vector3d> points_;
+};
+
+/// What the best known depth says of the scale, at the end [-]; beside it, the velocity's.
+struct Known {
+  double of_map = 1e9, of_velocity = 1e9, off = 0.0;
+};
+
+Known fly(std::uint64_t seed, const Way& way, Method method, double duration_s) {
+  const StereoCalibration rig = testing::scene_rig();
+  NavigatorOptions options;
+  options.method = method;
+  options.health.reset();
+  options.imu_noise = {1e-3, 1e-5, 1e-2, 1e-4};
+  World world(seed, way, duration_s);
+  InitialSigma sigma;
+  sigma.attitude = 1e-3;
+  sigma.velocity = way.v.norm() > 0.0 ? 0.1 * way.v.norm() : 0.01;
+  NavigationState truth;
+  truth.v_world_body = way.v;
+  InitialState initial = make_initial_state(truth, options.motion, sigma);
+  initial.nav.v_world_body *= 1.1;  // one sigma off
+  StereoFilter filter(options, rig, initial);
+  for (std::int64_t t_ns = 0; 1e-9 * static_cast<double>(t_ns) <= duration_s; t_ns += kInputNs) {
+    const double t = 1e-9 * static_cast<double>(t_ns);
+    const Pose T{so3_exp(Vector3d(0.0, 0.0, way.yaw_rate * t)), way.v * t};
+    const double per_sample = 1.0 / std::sqrt(1e-9 * static_cast<double>(kInputNs));
+    filter.add_imu({t_ns, Vector3d(0.0, 0.0, way.yaw_rate) + world.noise(1e-3 * per_sample),
+                    T.R.transpose() * Vector3d(0.0, 0.0, kGravity) + world.noise(1e-2 * per_sample)});
+    if (t_ns > 0 && t_ns % kFrameNs == 0) {
+      (void)filter.process(world.seen(t_ns, T, rig));
+    }
+  }
+  const Estimate& estimate = filter.estimate();
+  Known out;
+  for (const Landmark& landmark : estimate.landmarks()) {
+    if (!landmark.passive && landmark.kind == LandmarkKind::kInverseDepth && landmark.value.z() > 0.0) {
+      const double of_depth = std::sqrt(estimate.P.diagonal_block<3>(landmark.at)(2, 2)) / landmark.value.z();
+      out.of_map = std::min(out.of_map, of_depth);
+    }
+  }
+  const Vector3d v = estimate.nav.v_world_body;
+  if (way.v.norm() > 0.0) {
+    const Vector3d along = v.normalized();
+    out.of_velocity = std::sqrt(along.dot(estimate.P.diagonal_block<3>(StateLayout::kVelocity) * along)) / v.norm();
+    out.off = v.norm() / way.v.norm() - 1.0;
+  }
+  return out;
+}
+
+TEST(MapScale, IsNotLearnedFromConstantVelocity) {
+  for (const Method method : {Method::kLcekf, Method::kMonoLeft}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      const Known known = fly(seed, {{3.0, 0.5, 0.0}, 0.0}, method, 10.0);
+      EXPECT_GE(known.of_velocity, 0.085) << to_string(method) << ", seed " << seed;
+      EXPECT_LE(std::abs(known.off), 0.3) << to_string(method) << ", seed " << seed;
+    }
+  }
+}
+
+TEST(MapScale, IsNotLearnedFromStandingOrTurning) {
+  for (const double yaw_rate : {0.0, 0.3}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      const Known known = fly(seed, {Vector3d::Zero(), yaw_rate}, Method::kLcekf, 10.0);
+      EXPECT_GE(known.of_map, 0.5) << "rate " << yaw_rate << ", seed " << seed;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace limber
