@@ -14,7 +14,9 @@ MatrixXd multiply(const MatrixRef& A, const MatrixRef& B) { return A * B; }
 MatrixXd multiply(const Transposed& A, const MatrixRef& B) { return A.matrix.transpose() * B; }
 MatrixXd multiply(const MatrixRef& A, const Transposed& B) { return A * B.matrix.transpose(); }
 
-MatrixXd congruence(const MatrixRef& A, const MatrixRef& U) { return multiply(multiply(A, U), transposed(A)); }
+MatrixXd congruence(const MatrixRef& A, const MatrixRef& U) {
+  return multiply(multiply(A, U), transposed(A));
+}
 MatrixXd congruence(const Transposed& A, const MatrixRef& U) { return multiply(multiply(A, U), A.matrix); }
 
 void add_product(Ref<MatrixXd> C, double alpha, const MatrixRef& A, const MatrixRef& B) {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 
 #include "check_covariance.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/update/update.hpp"
 #include "stereo_problem.hpp"
 
@@ -118,8 +118,8 @@ TEST(Nuisance, IsNothingThatTheWitnessLearnsFrom) {
     const MatrixXd DB = problem.z.D * how.watched, DX = problem.z.D * problem.C.rightCols(kNuisance);
     MatrixXd H = problem.H();
     H.middleCols(n, DB.cols()) += DB;
-    const MatrixXd S = H * prior * H.transpose() + R + 1e8 * DX * DX.transpose();
-    const MatrixXd K = S.llt().solve(H * prior.middleCols(n, kWitnessSize)).transpose();
+    const MatrixXd S = congruence(H, prior) + R + 1e8 * DX * DX.transpose();
+    const MatrixXd K = Cholesky(S).solve(multiply(H, prior.middleCols(n, kWitnessSize))).transpose();
     const VectorXd expected = K * (problem.z.residual - DB * how.witness->mean.head(DB.cols()));
 
     Covariance P = problem.P;

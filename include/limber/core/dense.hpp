@@ -6,11 +6,12 @@
 namespace limber {
 
 /// @file
-/// Products and triangular solves of matrices of any size, each compiled once: Eigen compiles them anew wherever
-/// and for whatever expression they are written, at a second or more each. Shapes have to agree as in the formula
-/// beside the name; that is asserted, as in Eigen, not thrown. Arguments are not copied if they are matrices, blocks
-/// or columns of such. A transpose would be: say transposed(A) instead of A.transpose(). No result may share memory
-/// with an argument. Matrices of fixed size and products with vectors stay Eigen's.
+/// Products and triangular solves of matrices of any size, each compiled once: Eigen compiles them anew
+/// wherever and for whatever expression they are written, at a second or more each. Shapes have to agree as
+/// in the formula beside the name; that is asserted, as in Eigen, not thrown. Arguments are not copied if
+/// they are matrices, blocks or columns of such. A transpose would be: say transposed(A) instead of
+/// A.transpose(). No result may share memory with an argument. Matrices of fixed size and products with
+/// vectors stay Eigen's.
 
 using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
 

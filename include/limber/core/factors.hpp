@@ -8,8 +8,8 @@
 namespace limber {
 
 /// @file
-/// Factors of matrices of any size, each compiled once, for the reason that dense.hpp gives. Where a matrix must not
-/// be empty, or how it must be shaped, is asserted, not thrown.
+/// Factors of matrices of any size, each compiled once, for the reason that dense.hpp gives. Where a matrix
+/// must not be empty, or how it must be shaped, is asserted, not thrown.
 
 /// A = L Lᵀ. Of A: n×n symmetric the lower triangle is read.
 class Cholesky {
@@ -55,8 +55,9 @@ struct SymmetricEigen {
 
 /// A = Q R by Householder's reflections.
 struct HouseholderQr {
-  Eigen::MatrixXd factors;  ///< m×n: R in the upper triangle; below it the vectors v without their leading one
-  Eigen::VectorXd tau;      ///< min(m, n): of the reflections I − tau v vᵀ
+  Eigen::MatrixXd
+      factors;          ///< m×n: R in the upper triangle; below it the vectors v without their leading one
+  Eigen::VectorXd tau;  ///< min(m, n): of the reflections I − tau v vᵀ
 
   /// The leading min(m, n) rows, zeros below the diagonal.
   [[nodiscard]] Eigen::MatrixXd R() const;
