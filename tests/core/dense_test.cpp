@@ -68,7 +68,8 @@ TEST(Dense, ProductsAreThoseOfTheirEntriesWhateverTheShape) {
 
 TEST(Dense, SymmetricProductsWriteTheLowerTriangleAlone) {
   testing::Generator generator(2);
-  const MatrixXd A = some_matrix(generator, 9, 4), B = some_matrix(generator, 9, 4), C = some_matrix(generator, 9, 9);
+  const MatrixXd A = some_matrix(generator, 9, 4), B = some_matrix(generator, 9, 4),
+                 C = some_matrix(generator, 9, 9);
   const MatrixXd ABt = obvious_product(A, B.transpose()), AAt = obvious_product(A, A.transpose());
   MatrixXd expected = C, out = C;
   expected.triangularView<Eigen::Lower>() += ABt;
@@ -98,7 +99,8 @@ TEST(Dense, BlocksAreTakenInTheirPlace) {
 TEST(Dense, TriangularSolvesUndoTheProduct) {
   testing::Generator generator(4);
   for (const Index n : {1, 4, 11, 40}) {
-    const MatrixXd noisy = some_matrix(generator, n, n) / static_cast<double>(n) + 3.0 * MatrixXd::Identity(n, n);
+    const MatrixXd noisy =
+        some_matrix(generator, n, n) / static_cast<double>(n) + 3.0 * MatrixXd::Identity(n, n);
     const MatrixXd L = noisy.triangularView<Eigen::Lower>();
     const MatrixXd X = some_matrix(generator, n, 6), Xt = X.transpose();
     MatrixXd out = L * X;
