@@ -171,6 +171,24 @@ Eigen::Matrix3d PassiveBlock::triplet_block(const Covariance& P, Index body_size
          cross(P, body_size, row).middleCols(body_size, z_size()) * Gt_.middleCols<kTriplet>(other);
 }
 
+VectorXd PassiveBlock::correction(const Eigen::Ref<const VectorXd>& dz) const { return Gt_.transpose() * dz; }
+
+Eigen::Vector3d PassiveBlock::correction(Index row, const Eigen::Ref<const VectorXd>& dz) const {
+  return Gt_.middleCols<kTriplet>(row).transpose() * dz;
+}
+
+void PassiveBlock::couple_row(Index row, Index column, const Eigen::Matrix3d& C) {
+  Gt_.block<kTriplet, kTriplet>(column, row) += C.transpose();
+}
+
+void PassiveBlock::couple_columns(Index other, const Eigen::Ref<const MatrixXd>& C) {
+  Gt_.middleRows<kTriplet>(other) -= multiply(transposed(C), Gt_);
+}
+
+void PassiveBlock::couple_column(Index column, Index other, const Eigen::Matrix3d& C) {
+  Gt_.middleRows<kTriplet>(other) -= (C.transpose() * Gt_.middleRows<kTriplet>(column)).eval();
+}
+
 void PassiveBlock::transform_row(Index row, const Eigen::Matrix3d& M) {
   Gt_.middleCols<kTriplet>(row) = (Gt_.middleCols<kTriplet>(row) * M.transpose()).eval();
   E_.transform_triplet(row, M);

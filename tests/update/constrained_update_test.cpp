@@ -43,7 +43,7 @@ std::vector<StereoProblem> ordinary_problems(Generator& generator, int count) {
 /// Condition of DᵀS⁻¹D with D's columns scaled.
 double condition(const StereoProblem& problem) {
   const MatrixXd S = congruence(problem.H(), problem.P.dense()) + problem.R();
-  const MatrixXd DC = problem.z.D * problem.C;
+  const MatrixXd DC = multiply(problem.z.D, problem.C);
   const MatrixXd M = multiply(transposed(DC), Cholesky(S).solve(DC));
   const VectorXd eigenvalues = symmetric_eigen(M).values;
   return eigenvalues(0) > 0.0 ? eigenvalues(5) / eigenvalues(0) : std::numeric_limits<double>::infinity();
@@ -105,7 +105,7 @@ TEST(ConstrainedUpdate, GainIsBlindToTheConstrainedDirectionsWhateverTheGeometry
     const MatrixXd L = testing::gain(problem, problem.constrained());
     const MatrixXd K = testing::gain(problem, {});
     const VectorXd weight = prior_sigma(problem.P).cwiseInverse();
-    const MatrixXd DC = problem.z.D * problem.C;
+    const MatrixXd DC = multiply(problem.z.D, problem.C);
     const double unconstrained = std::max(1.0, MatrixXd(weight.asDiagonal() * K * DC).cwiseAbs().maxCoeff());
     const MatrixXd heard = weight.asDiagonal() * L * DC;
     const RightSingular svd = right_singular(heard);

@@ -212,7 +212,7 @@ TEST(Gate, AgreesWithTheSlowObviousOne) {
       treatment.constrained = k % 3 == 1 ? problem.C : MatrixXd(problem.C.leftCols<3>());
     }
     if (k % 2 == 0) {
-      treatment.white_covariance = problem.C * problem.C.transpose();
+      treatment.white_covariance = multiply(problem.C, transposed(problem.C));
     }
     const GateReport found = gated(problem, treatment);
     const GateReport expected = obvious_gate(problem, treatment);

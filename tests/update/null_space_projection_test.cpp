@@ -68,7 +68,8 @@ TEST(NullSpaceProjection, IsAnOrthogonalChangeOfRows) {
   for (const Case& c : cases(generator)) {
     const Index m = c.D.rows();
     const MatrixXd Qt = whole(NullSpaceProjection(strong_directions(c.D)), m);
-    EXPECT_LE((Qt * Qt.transpose() - MatrixXd::Identity(m, m)).cwiseAbs().maxCoeff(), 1e-13) << c.name;
+    EXPECT_LE((multiply(Qt, transposed(Qt)) - MatrixXd::Identity(m, m)).cwiseAbs().maxCoeff(), 1e-13)
+        << c.name;
   }
 }
 
@@ -119,7 +120,7 @@ TEST(StrongDirections, LeaveAloneWhatMovesNoPixelByAThousandthOfItsNoise) {
 TEST(NullSpaceProjection, SilencesWhatIsStrongInDegenerateStereoGeometry) {
   Generator generator(6);
   for (const testing::StereoProblem& problem : testing::degenerate_problems(generator)) {
-    const MatrixXd D = problem.z.sigma.cwiseInverse().asDiagonal() * problem.z.D * problem.C;
+    const MatrixXd D = problem.z.sigma.cwiseInverse().asDiagonal() * multiply(problem.z.D, problem.C);
     const NullSpaceProjection projection(strong_directions(D));
     MatrixXd moved = D;
     projection.apply_left(moved);
@@ -136,7 +137,7 @@ Innovation random_innovation(Generator& generator, Index rows, const MatrixXd& s
   out.r = testing::random_normal(generator, rows);
   out.D = random_matrix(generator, rows, 6);
   const MatrixXd A = random_matrix(generator, rows, rows);
-  out.S = A * A.transpose() + MatrixXd::Identity(rows, rows);
+  out.S = multiply(A, transposed(A)) + MatrixXd::Identity(rows, rows);
   out.PHt = random_matrix(generator, 9, rows);
   out.stateless = {testing::random_normal(generator, stateless_D.rows()), stateless_D};
   return out;
@@ -175,12 +176,12 @@ TEST(StatelessRows, SayWhatTheySayAmongTheOthers) {
              {{}, {}, C, {}},
              {C, {}, C, {}},
              {C.leftCols<3>(), {}, C.leftCols<3>(), {}},
-             {{}, root * root.transpose(), C, {}},
+             {{}, multiply(root, transposed(root)), C, {}},
              {{}, 1e4 * MatrixXd::Identity(6, 6), C, {}},
-             {C.rightCols<2>(), root * root.transpose(), C.rightCols<2>(), {}}}) {
+             {C.rightCols<2>(), multiply(root, transposed(root)), C.rightCols<2>(), {}}}) {
       const Innovation parts = random_innovation(generator, 14, E);
       MatrixXd start = MatrixXd::Identity(9, 9);
-      start += 40.0 * parts.PHt * parts.PHt.transpose();
+      start += 40.0 * multiply(parts.PHt, transposed(parts.PHt));
       Covariance P_parts, P_joined;
       P_parts.assign(start);
       P_joined.assign(start);

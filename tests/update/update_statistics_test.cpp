@@ -90,7 +90,7 @@ TEST(PlainUpdate, IsConsistentWithoutCalibrationErrorAndNotWithOne) {
 TEST(SoftUpdate, IsConsistentAgainstErrorsOfTheSizeItExpects) {
   Generator generator(104);
   const StereoProblem p = problem(generator);
-  const Sums sums = draw(generator, p, {{}, 9.0 * p.C * p.C.transpose()}, 3.0);
+  const Sums sums = draw(generator, p, {{}, 9.0 * multiply(p.C, transposed(p.C))}, 3.0);
   EXPECT_EQ(sums.nis_dof, kDraws * (7 * 4 - 2));
   expect_chi_square(sums.nis, sums.nis_dof);
   expect_chi_square(sums.nees, sums.nees_dof);

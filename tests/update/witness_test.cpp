@@ -56,7 +56,7 @@ Joint joseph(const WitnessProblem& problem) {
   const MatrixXd P = problem.stereo.P.dense();
   const Index n = P.rows(), at = problem.witness.at;
   const MatrixXd H_states = problem.stereo.H(), R = problem.stereo.R();
-  const MatrixXd DC = problem.stereo.z.D * problem.stereo.C;
+  const MatrixXd DC = multiply(problem.stereo.z.D, problem.stereo.C);
   MatrixXd H = H_states;
   H.middleCols(at, kWitnessSize) = DC;
   const MatrixXd Q = householder_qr(DC).Q();
@@ -115,7 +115,7 @@ TEST(ParameterEvidence, IsThatOfTheInnovation) {
     const StereoProblem problem = testing::make_problem(generator, "evidence", testing::stereo_rig(2.0),
                                                         testing::random_points(generator, 15, 2.0, 60.0));
     const MatrixXd S = congruence(problem.H(), problem.P.dense()) + problem.R();
-    const MatrixXd DC = problem.z.D * problem.C;
+    const MatrixXd DC = multiply(problem.z.D, problem.C);
     const MatrixXd information = multiply(transposed(DC), Cholesky(S).solve(DC));
     const VectorXd vector = DC.transpose() * Cholesky(S).solve(problem.z.residual);
     ParameterErrorModel how;
@@ -140,7 +140,7 @@ TEST(ParameterEvidence, AWhiteShareCanBeTakenOutAgain) {
   ParameterErrorModel plain;
   plain.watched = problem.C;
   ParameterErrorModel soft = plain;
-  soft.white_covariance = problem.C * problem.C.transpose();
+  soft.white_covariance = multiply(problem.C, transposed(problem.C));
   Covariance P_plain = problem.P, P_soft = problem.P;
   const ParameterEvidence expected = update(P_plain, problem.z, plain).evidence;
   const ParameterEvidence with_share = update(P_soft, problem.z, soft).evidence;
