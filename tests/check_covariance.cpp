@@ -3,12 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <random>
 
 #include "limber/core/chi_square.hpp"
+#include "limber/core/factors.hpp"
 
 namespace limber::testing {
 
@@ -29,14 +28,15 @@ void SampleCovariance::add(const Eigen::VectorXd& error) {
 void SampleCovariance::expect(const Eigen::MatrixXd& P, double slack) const {
   constexpr double kFalseAlarm = 1e-6;
   const double n = static_cast<double>(P.rows());
-  const Eigen::LLT<Eigen::MatrixXd> llt(P);
-  ASSERT_EQ(llt.info(), Eigen::Success);
-  const Eigen::VectorXd mean = llt.matrixL().solve(sum_ / std::sqrt(count_));
+  const Cholesky cholesky(P);
+  ASSERT_TRUE(cholesky.succeeded());
+  Eigen::VectorXd mean = sum_ / std::sqrt(count_);
+  solve_lower(cholesky.factor(), mean);
   EXPECT_LE(mean.squaredNorm(), chi_square_quantile(1.0 - kFalseAlarm, n));
-  const Eigen::MatrixXd half = llt.matrixL().solve(outer_ / count_);
-  const Eigen::MatrixXd white = llt.matrixL().solve(half.transpose());
-  const Eigen::VectorXd roots =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(white).eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  Eigen::MatrixXd white = outer_ / count_;
+  solve_lower(cholesky.factor(), white);
+  solve_lower_from_right(transposed(cholesky.factor()), white);
+  const Eigen::VectorXd roots = symmetric_eigen(white).values.cwiseMax(0.0).cwiseSqrt();
   const double t = std::sqrt(2.0 * std::log(2.0 / kFalseAlarm) / count_);
   const double band = std::sqrt(n / count_) + t + slack;
   EXPECT_GE(roots.minCoeff(), 1.0 - band);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "clean/leaping_matches.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
@@ -109,7 +109,7 @@ Vector6d fit(const std::vector<Say>& says, double baseline) {
       A += weight * J.transpose() * J;
       b += weight * J.transpose() * say.residual.cwiseQuotient(say.sigma);
     }
-    x = A.ldlt().solve(b);
+    x = solve_symmetric(A, b);
   }
   return x;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "limber/core/dense.hpp"
+
 namespace limber {
 
 using Eigen::Index;
@@ -77,8 +79,7 @@ void Covariance::swap_triplets(Index a, Index b) {
 }
 
 void Covariance::subtract_outer(const Eigen::Ref<const MatrixXd>& W) {
-  auto P = data_.topLeftCorner(size_, size_);
-  P.selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
+  add_outer(data_.topLeftCorner(size_, size_), -1.0, W);
 }
 
 void Covariance::add_symmetric_product(const Eigen::Ref<const MatrixXd>& U,
@@ -87,15 +88,14 @@ void Covariance::add_symmetric_product(const Eigen::Ref<const MatrixXd>& U,
   MatrixXd left(size_, 2 * U.cols()), right(size_, 2 * U.cols());
   left << U, V;
   right << V, U;
-  data_.topLeftCorner(size_, size_).triangularView<Eigen::Lower>() += left * right.transpose();
+  add_lower_product(data_.topLeftCorner(size_, size_), left, transposed(right));
 }
 
 void Covariance::add_congruence(const Eigen::Ref<const MatrixXd>& G, const Eigen::Ref<const MatrixXd>& U) {
   if (size_ == 0) {
     return;
   }
-  const MatrixXd GU = G * U;
-  data_.topLeftCorner(size_, size_).triangularView<Eigen::Lower>() += GU * G.transpose();
+  add_lower_product(data_.topLeftCorner(size_, size_), multiply(G, U), transposed(G));
 }
 
 void Covariance::transform_triplet(Index start, const Eigen::Matrix3d& M) {
@@ -111,14 +111,14 @@ void Covariance::propagate_leading(const Eigen::Ref<const MatrixXd>& Phi,
                                    const Eigen::Ref<const MatrixXd>& Q) {
   const Index k = Phi.rows();
   const MatrixXd P = data_.topLeftCorner(k, k).selfadjointView<Eigen::Lower>();
-  set_diagonal_block(0, Phi * P * Phi.transpose() + Q);
+  set_diagonal_block(0, congruence(Phi, P) + Q);
   propagate_cross(Phi);
 }
 
 void Covariance::propagate_cross(const Eigen::Ref<const MatrixXd>& Phi) {
   const Index k = Phi.rows();
   auto cross = data_.block(k, 0, size_ - k, k);
-  cross = (cross * Phi.transpose()).eval();
+  cross = multiply(cross, transposed(Phi));
 }
 
 Index Covariance::append(Index count) {

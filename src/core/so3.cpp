@@ -8,6 +8,8 @@ namespace {
 
 // Below this angle [rad] the Taylor series of the coefficients is exact to double precision.
 constexpr double kSmallAngle = 1e-4;
+// Nearer to -1 than that, the cosine of two directions leaves no axis to turn about.
+constexpr double kOpposite = 1e-12;
 
 }  // namespace
 
@@ -94,7 +96,17 @@ Eigen::Matrix3d euler_zyx_axes(const Eigen::Vector3d& angles) {
 }
 
 Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-  return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+  const Eigen::Vector3d a = from.normalized(), b = to.normalized();
+  const double cosine = a.dot(b);
+  if (cosine < -1.0 + kOpposite) {  // half a turn about anything across, and the rest
+    const Eigen::Vector3d axis = a.unitOrthogonal();
+    return rotation_between(-a, b) * (2.0 * axis * axis.transpose() - Eigen::Matrix3d::Identity());
+  }
+  const double s = std::sqrt((1.0 + cosine) * 2.0);
+  Eigen::Quaterniond q;
+  q.vec() = a.cross(b) * (1.0 / s);
+  q.w() = 0.5 * s;
+  return q.toRotationMatrix();
 }
 
 }  // namespace limber

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "diagnose/left_turn.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <unordered_map>
 
 #include "diagnose/epipolar_error.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
 #include "limber/measure/triangulate.hpp"
@@ -135,7 +135,7 @@ std::optional<Improved> improve(Motion& motion, std::vector<Pair>& pairs, const 
   Matrix7d A = out.A;
   A(6, 6) += 1.0 / (known.readout * known.readout);
   b(6) -= motion.readout / (known.readout * known.readout);
-  const Vector7d step = A.ldlt().solve(b);
+  const Vector7d step = solve_symmetric(A, b);
   if (!step.allFinite()) {
     return std::nullopt;
   }
@@ -213,7 +213,7 @@ std::optional<PairReadout> readout_between(const MovingPoints& from, const Movin
     if (step->length < kConverged) {
       const Eigen::Matrix<double, 6, 6> others = step->A.topLeftCorner<6, 6>();
       const Eigen::Matrix<double, 6, 1> with = step->A.topRightCorner<6, 1>();
-      const double information = step->A(6, 6) - with.dot(others.ldlt().solve(with));
+      const double information = step->A(6, 6) - with.dot(solve_symmetric(others, with));
       const double gradient = motion.readout * (information + 1.0 / (kReadoutPrior * kReadoutPrior));
       return PairReadout{information, gradient, step->squares};
     }

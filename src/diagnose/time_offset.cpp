@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "limber/diagnose/time_offset.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include "diagnose/epipolar_error.hpp"
 #include "diagnose/gyro_attitude.hpp"
 #include "diagnose/left_turn.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
 
 namespace limber {
@@ -39,7 +39,7 @@ constexpr double kLargestOffset = 1.0;  // [s]
 /// The rig moved along one of the five directions that stereo points alone can see.
 std::array<Pose, 5> moved_rigs(const RigParameters& theta) {
   const Vector3d t = theta.tail<3>();
-  const Eigen::Matrix3d basis = Eigen::HouseholderQR<Vector3d>(t).householderQ();
+  const Eigen::Matrix3d basis = householder_qr(t).Q();
   std::array<Pose, 5> out;
   for (Eigen::Index k = 0; k < 5; ++k) {
     RigParameters step = RigParameters::Zero();

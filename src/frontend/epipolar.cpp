@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "frontend/epipolar.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
+#include "limber/core/factors.hpp"
 #include "limber/core/so3.hpp"
 
 namespace limber::frontend {
@@ -119,7 +119,7 @@ EpipolarGeometry refine_epipolar(const EpipolarGeometry& start, const std::vecto
       A += weight * J * J.transpose();
       g -= weight * r.value * J;
     }
-    const Vector5d step = A.ldlt().solve(g);
+    const Vector5d step = solve_symmetric(A, g);
     if (!step.allFinite()) return geometry;
     moved += step;
     geometry.R_b_a = so3_normalized(geometry.R_b_a * so3_exp(step.head<3>()));

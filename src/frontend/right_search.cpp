@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "frontend/right_search.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -66,8 +65,10 @@ class Views {
 /// Whether a surface that both cameras see may look like that. A patch that has settled on something else is
 /// usually torn until it resembles it.
 bool is_surface(const Eigen::Matrix2d& A) {
-  const Eigen::Vector2d stretch = A.jacobiSvd().singularValues();
-  return stretch[0] < kMaxStretchBetween && stretch[1] > 1.0 / kMaxStretchBetween;
+  // Singular values of a 2x2 matrix: sum and difference of these.
+  const double turn = 0.5 * std::hypot(A(0, 0) + A(1, 1), A(1, 0) - A(0, 1));
+  const double shear = 0.5 * std::hypot(A(0, 0) - A(1, 1), A(1, 0) + A(0, 1));
+  return turn + shear < kMaxStretchBetween && std::abs(turn - shear) > 1.0 / kMaxStretchBetween;
 }
 
 /// Where the way back from `uv` in one image ends in the other, which it left at `start`.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "limber/health/calibration_watch.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <string>
 
 #include "limber/core/chi_square.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
 
 namespace limber {
@@ -119,10 +119,10 @@ double chance_of(const BetaEstimate& step, double dof, const RigParameters& thet
   if (effect.depth.size > kRelevant * tolerance.depth.ok) {
     look_at(effect.depth.size, depth_sigma * depth_sigma);
   }
-  const Eigen::SelfAdjointEigenSolver<NormalEquations::Matrix> ways(step.epipolar);
+  const SymmetricEigen ways = symmetric_eigen(step.epipolar);
   for (Eigen::Index k = 0; k < kMainWays; ++k) {
-    const NormalEquations::Vector way = ways.eigenvectors().col(NormalEquations::kSize - 1 - k);
-    const double px = std::sqrt(std::max(ways.eigenvalues()(NormalEquations::kSize - 1 - k), 0.0));
+    const NormalEquations::Vector way = ways.vectors.col(NormalEquations::kSize - 1 - k);
+    const double px = std::sqrt(std::max(ways.values(NormalEquations::kSize - 1 - k), 0.0));
     const double size = way.dot(step.beta);
     if (px * std::abs(size) > kRelevant * tolerance.epipolar_px.ok) {
       look_at(size, way.dot(step.covariance * way));
@@ -144,7 +144,7 @@ NormalEquations::Matrix drift_not_looked_for(NormalEquations::Matrix epipolar, c
   const NormalEquations::Matrix information = epipolar / variance(tolerance.epipolar_px.ok) +
                                               depth * depth.transpose() / variance(tolerance.depth.ok) +
                                               NormalEquations::kPrior * NormalEquations::Matrix::Identity();
-  return information.llt().solve(NormalEquations::Matrix::Identity());
+  return Cholesky(information).inverse();
 }
 
 /// The error at the end of windows that are enough for a line.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "limber/health/health_monitor.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include <stdexcept>
 
 #include "limber/core/chi_square.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
 #include "limber/navigate/method.hpp"
 
@@ -85,10 +84,10 @@ void HealthMonitor::scatter(const ParameterEvidence& frame) {
     }
     whitened_.clear();
   }
-  const Eigen::LLT<MatrixXd> llt(frame.information);
-  if (!frame.empty() && llt.info() == Eigen::Success &&
+  const Cholesky llt(frame.information);
+  if (!frame.empty() && llt.succeeded() &&
       (whitened_.empty() || whitened_.front().size() == frame.vector.size())) {
-    whitened_.emplace_back(llt.matrixL().solve(frame.vector));
+    solve_lower(llt.factor(), whitened_.emplace_back(frame.vector));
   }
 }
 
@@ -123,12 +122,12 @@ HealthMonitor::Offset HealthMonitor::offset(const ParameterEvidence& evidence, c
   const double variance = noise() * dispersion;
   MatrixXd A = evidence.information / variance;
   A.diagonal().array() += kWeakest;
-  const MatrixXd covariance = A.llt().solve(MatrixXd::Identity(A.rows(), A.cols()));
+  const MatrixXd covariance = Cholesky(A).inverse();
   out.delta = directions * (covariance * evidence.vector) / variance;
-  out.sigma = (directions * covariance * directions.transpose()).diagonal().cwiseSqrt();
+  out.sigma = congruence(directions, covariance).diagonal().cwiseSqrt();
   // What no direction touches (the length of the baseline, say) stays unknown.
   const MatrixXd B = scale_.cwiseInverse().asDiagonal() * directions;
-  const MatrixXd unseen = MatrixXd::Identity(6, 6) - B * B.completeOrthogonalDecomposition().pseudoInverse();
+  const MatrixXd unseen = MatrixXd::Identity(6, 6) - multiply(B, pseudo_inverse(B));
   out.sigma += kWidestErrors * scale_.cwiseProduct(unseen.rowwise().norm());
   return out;
 }

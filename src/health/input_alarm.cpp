@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "limber/health/input_alarm.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "limber/core/chi_square.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
 
 namespace limber {
@@ -33,12 +33,12 @@ Vector6 whitened(const PoseCorrection& c) {
   const Vector6 sigma = c.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
   const Matrix6 correlation =
       sigma.cwiseInverse().asDiagonal() * c.covariance * sigma.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(correlation);
-  Vector6 z = eigen.eigenvectors().transpose() * c.dx.cwiseQuotient(sigma);
+  const SymmetricEigen eigen = symmetric_eigen(correlation);
+  Vector6 z = eigen.vectors.transpose() * c.dx.cwiseQuotient(sigma);
   for (Eigen::Index k = 0; k < 6; ++k) {
-    z(k) = eigen.eigenvalues()(k) > kWeakestDirection ? z(k) / std::sqrt(eigen.eigenvalues()(k)) : 0.0;
+    z(k) = eigen.values(k) > kWeakestDirection ? z(k) / std::sqrt(eigen.values(k)) : 0.0;
   }
-  return eigen.eigenvectors() * z;
+  return eigen.vectors * z;
 }
 
 }  // namespace

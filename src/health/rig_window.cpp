@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
 
 namespace limber {
@@ -100,7 +101,7 @@ PixelEquations pixel_equations(const std::vector<View>& views, const Vector3d& p
 }
 
 Matrix solve(const NormalEquations& normal, Vector& beta) {
-  const Matrix inverse = normal.information.llt().solve(Matrix::Identity());
+  const Matrix inverse = Cholesky(normal.information).inverse();
   beta = inverse * normal.vector;
   return inverse;
 }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "limber/health/robust_estimate.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
 #include <span>
 
+#include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
 
 namespace limber {
@@ -23,9 +22,9 @@ constexpr double kUnknownScale = 0.25;  // variance of the relative length of a 
 constexpr double kLeastScale = 0.01;    // relative error of a metre: no sensor is believed to know it better
 
 MatrixXd positive_part(const MatrixXd& M) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (M + M.transpose()));
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-         eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen = symmetric_eigen(symmetric_part(M));
+  const MatrixXd scaled = eigen.vectors * eigen.values.cwiseMax(0.0).asDiagonal();
+  return multiply(scaled, transposed(eigen.vectors));
 }
 
 /// The larger of two covariances in every direction: a + positive part of (b − a).
@@ -77,7 +76,7 @@ Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& ba
     tracks += spread(basis[k], windows[k].tracks);
     both += spread(basis[k], windows[k].both);
   }
-  const MatrixXd inverse = information.llt().solve(MatrixXd::Identity(size, size));
+  const MatrixXd inverse = Cholesky(information).inverse();
   const VectorXd x = inverse * vector;
   std::map<int, VectorXd> cells;
   MatrixXd by_cell = MatrixXd::Zero(size, size), by_window = by_cell;
@@ -99,7 +98,7 @@ Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& ba
   const MatrixXd within = positive_part(larger(tracks, tracks + by_cell - both));
   const MatrixXd expected = kOfAWindow * within;
   const MatrixXd meat = larger(within, (kWorthWindows * expected + dof * by_window) / (kWorthWindows + dof));
-  return {x, inverse * (meat + prior) * inverse};
+  return {x, multiply(multiply(inverse, meat + prior), inverse)};
 }
 
 /// Mean of J Jᵀ over the points seen.
@@ -158,7 +157,7 @@ BetaTrend robust_trend(const std::vector<RigEvidence>& windows, const RigParamet
 
 BetaEstimate with_drift_within(const BetaTrend& trend, const NormalEquations::Matrix& expected) {
   const NormalEquations::Matrix gain =
-      (trend.change.covariance + expected).llt().solve(trend.covariance.transpose()).transpose();
+      Cholesky(trend.change.covariance + expected).solve(trend.covariance.transpose()).transpose();
   BetaEstimate out = trend.now;
   out.beta -= gain * trend.change.beta;
   out.covariance -= gain * trend.covariance.transpose();

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "limber/health/tolerance.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "limber/core/factors.hpp"
 
 namespace limber {
 
@@ -130,7 +131,7 @@ Eigen::Index most_likely_axis(const RigEstimate& estimate, const std::array<Band
   const RigParameters sigma = estimate.sigma(), unit = sigma.cwiseInverse();
   Matrix6 correlation = unit.asDiagonal() * estimate.covariance * unit.asDiagonal();
   correlation.diagonal().array() += 1e-9;
-  const Matrix6 inverse = correlation.llt().solve(Matrix6::Identity());
+  const Matrix6 inverse = Cholesky(correlation).inverse();
   const RigParameters evidence = inverse * unit.cwiseProduct(estimate.delta);
   RigParameters explained = evidence.cwiseAbs2().cwiseQuotient(inverse.diagonal());
   const RigParameters alone = sigma.cwiseProduct(evidence.cwiseQuotient(inverse.diagonal()));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "limber/health/white_size.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
+#include "limber/core/factors.hpp"
 #include "limber/navigate/method.hpp"
 
 namespace limber {
@@ -27,7 +27,7 @@ void WhiteSize::begin(const Vector6& sigma) {
 void WhiteSize::learn(const ParameterEvidence& evidence, double dt) {
   MatrixXd A = evidence.information;
   A.diagonal().array() += 1.0 / (kWidestErrors * kWidestErrors);
-  const MatrixXd C = A.llt().solve(MatrixXd::Identity(6, 6));
+  const MatrixXd C = Cholesky(A).inverse();
   const Vector6 beta = C * evidence.vector;
   const Vector6 c = C.diagonal();
   const Vector6 weight = (c + sum_.cwiseQuotient(weight_).cwiseMax(0.0)).cwiseAbs2().cwiseInverse();

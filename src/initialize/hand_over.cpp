@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "hand_over.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <optional>
 
+#include "limber/core/factors.hpp"
 #include "limber/measure/stereo_model.hpp"
 
 namespace limber::detail {
@@ -94,9 +94,9 @@ InitialState hand_over(const WindowModel& model, const WindowState& state, const
   for (std::size_t j = 0; j < rows.size(); ++j) {
     B.middleRows<3>(static_cast<Index>(3 * j)) = rows[j];
   }
-  const MatrixXd BC = B * frames;
+  const MatrixXd BC = multiply(B, frames);
   out.landmarks_body = BC.middleCols(last, body);
-  out.landmarks_covariance = BC * B.transpose();
+  out.landmarks_covariance = multiply(BC, transposed(B));
   for (std::size_t j = 0; j < own.size(); ++j) {
     out.landmarks_covariance.block<3, 3>(static_cast<Index>(3 * j), static_cast<Index>(3 * j)) += own[j];
   }
@@ -116,7 +116,7 @@ double scale_information(const InitialState& state) {
                  state.landmarks[static_cast<std::size_t>(j)].value.z());
     }
   }
-  const VectorXd x = C.llt().solve(VectorXd::Ones(n));
+  const VectorXd x = Cholesky(C).solve(VectorXd::Ones(n));
   return x.allFinite() && x.sum() > 0.0 ? x.sum() : 0.0;
 }
 

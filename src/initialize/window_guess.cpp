@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
@@ -124,7 +125,7 @@ VelocityAndForce solve_rays(const WindowModel& model, const std::vector<WindowFr
       add_rays(rig, fall, point, 1.0 / (rho > 0.0 ? rho : kSomeInverseDepth), depths_known, rays);
     }
   }
-  const Vector6d x = rays.A.ldlt().solve(rays.b);
+  const Vector6d x = solve_symmetric(rays.A, rays.b);
   return {x.head<3>(), -x.tail<3>()};
 }
 

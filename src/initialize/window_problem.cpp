@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "window_problem.hpp"
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 #include <optional>
 
+#include "limber/core/factors.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/measure/stereo_model.hpp"
 #include "limber/predict/input_noise.hpp"
@@ -73,7 +73,7 @@ void add_prior(const WindowModel& model, const WindowFrame& first, WindowNormal&
   const Matrix3d& R = model.R_first;
   information.block<3, 3>(L::kAttitude, L::kAttitude) = R.transpose() * attitude.asDiagonal() * R;
   const MatrixXd J = difference_jacobian(e);
-  out.A.topLeftCorner(n, n) += J.transpose() * information * J;
+  out.A.topLeftCorner(n, n) += congruence(transposed(J), information);
   out.g.head(n) -= J.transpose() * information * e;
   out.cost += 0.5 * e.dot(information * e);
 }
@@ -86,15 +86,15 @@ void add_motion(const WindowModel& model, const WindowState& state, WindowNormal
     Transition step = predict_over(model.options, state.frames[k].steps, predicted);
     step.Q.diagonal().array() += kJitter * kJitter;
     const VectorXd e = difference(state.frames[k].nav, predicted, model.options.motion);
-    const MatrixXd information = step.Q.llt().solve(MatrixXd::Identity(n, n));
+    const MatrixXd information = Cholesky(step.Q).inverse();
     const Index a = static_cast<Index>(k - 1) * size;
     const Index b = a + size;
     const VectorXd Ie = information * e;
     const MatrixXd J = difference_jacobian(e);
-    const MatrixXd F = difference_jacobian(-e) * step.Phi;
-    out.A.block(a, a, n, n) += F.transpose() * information * F;
-    out.A.block(b, a, n, n) -= J.transpose() * information * F;
-    out.A.block(b, b, n, n) += J.transpose() * information * J;
+    const MatrixXd F = multiply(difference_jacobian(-e), step.Phi);
+    out.A.block(a, a, n, n) += congruence(transposed(F), information);
+    add_product(out.A.block(b, a, n, n), -1.0, multiply(transposed(J), information), F);
+    out.A.block(b, b, n, n) += congruence(transposed(J), information);
     out.g.segment(a, n) += F.transpose() * Ie;
     out.g.segment(b, n) -= J.transpose() * Ie;
     out.cost += 0.5 * e.dot(Ie);
@@ -213,8 +213,8 @@ Transition predict_over(const NavigatorOptions& options, const std::vector<Input
                                 ? predict_imu(nav, step.first, step.second, step.dt,
                                               inflated(options.imu_noise, step.gap), options.gravity)
                                 : predict_constant_velocity(nav, step.dt, options.constant_velocity_noise);
-    whole.Phi = part.Phi * whole.Phi;
-    whole.Q = part.Phi * whole.Q * part.Phi.transpose() + part.Q;
+    whole.Phi = multiply(part.Phi, whole.Phi);
+    whole.Q = congruence(part.Phi, whole.Q) + part.Q;
     nav.t_ns = step.t_end_ns;
   }
   return whole;

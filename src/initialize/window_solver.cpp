@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "limber/core/factors.hpp"
 #include "window_problem.hpp"
 
 namespace limber::detail {
@@ -63,7 +63,7 @@ MatrixXd without_points(const WindowNormal& normal, const MatrixXd& WV, double d
   const auto n = static_cast<Index>(rows.size());
   const MatrixXd W = normal.W(rows, Eigen::all);
   MatrixXd known = MatrixXd::Zero(n, n);
-  known.triangularView<Eigen::Lower>() += WV(rows, Eigen::all) * W.transpose();
+  add_lower_product(known, WV(rows, Eigen::all), transposed(W));
   for (Index j = 0; j < n; ++j) {
     for (Index i = j; i < n; ++i) {
       S(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]) -= known(i, j);
@@ -78,8 +78,8 @@ struct Step {
 
 std::optional<Step> step_of(const WindowNormal& normal, double damping) {
   const MatrixXd WV = times_inverse(normal.W, normal.V, damping);
-  const Eigen::LLT<MatrixXd, Eigen::Lower> llt(without_points(normal, WV, damping));
-  if (llt.info() != Eigen::Success) {
+  const Cholesky llt(without_points(normal, WV, damping));
+  if (!llt.succeeded()) {
     return std::nullopt;
   }
   Step out;
@@ -164,11 +164,11 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
 
 MatrixXd frame_covariance(const WindowNormal& normal) {
   const MatrixXd WV = times_inverse(normal.W, normal.V, 0.0);
-  const Eigen::LLT<MatrixXd, Eigen::Lower> llt(without_points(normal, WV, 0.0));
-  if (llt.info() != Eigen::Success) {
+  const Cholesky llt(without_points(normal, WV, 0.0));
+  if (!llt.succeeded()) {
     return {};
   }
-  return llt.solve(MatrixXd::Identity(normal.A.rows(), normal.A.rows()));
+  return llt.inverse();
 }
 
 }  // namespace limber::detail

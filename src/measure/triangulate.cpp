@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/measure/triangulate.hpp"
 
-#include <Eigen/SVD>
-
+#include "limber/core/factors.hpp"
 #include "limber/core/so3.hpp"
 
 namespace limber {
@@ -24,9 +23,7 @@ Eigen::Vector4d triangulate_dlt(const Vector3d& d0, const Vector3d& d1, const Po
   A.topRightCorner<3, 1>().setZero();
   A.bottomLeftCorner<3, 3>() = skew(d1) * T_cam1_cam0.R;
   A.bottomRightCorner<3, 1>() = d1.cross(T_cam1_cam0.p);
-  const Eigen::JacobiSVD<Eigen::Matrix<double, 6, 4>, Eigen::FullPivHouseholderQRPreconditioner> svd(
-      A, Eigen::ComputeFullV);
-  const Eigen::Vector4d X = svd.matrixV().col(3);
+  const Eigen::Vector4d X = right_singular(A).V.col(3);
   return X(3) < 0.0 ? Eigen::Vector4d(-X) : X;
 }
 

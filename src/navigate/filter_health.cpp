@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // StereoFilter's monitor: what an update tells it of the rig, and what theta and the witness make of its
 // answer.
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <optional>
 
+#include "limber/core/factors.hpp"
 #include "limber/navigate/stereo_filter.hpp"
 
 namespace limber {
@@ -26,7 +26,7 @@ std::optional<ParameterEvidence> StereoFilter::gathered(const ParameterErrorMode
   }
   const Index k = model.watched.cols();
   const MatrixXd P = estimate_.P.diagonal_block<kWitnessSize>(model.witness->at);
-  const MatrixXd information = P.llt().solve(MatrixXd::Identity(kWitnessSize, kWitnessSize));
+  const MatrixXd information = Cholesky(P).inverse();
   ParameterEvidence out{information.topLeftCorner(k, k), (information * estimate_.witness).head(k)};
   out.information.diagonal().array() -= 1.0 / (kWidestErrors * kWidestErrors);
   return out;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "limber/core/dense.hpp"
+
 namespace limber::detail {
 
 using Eigen::MatrixXd;
@@ -63,8 +65,8 @@ Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& 
     out.omega_input = options.motion == MotionModel::kOdometry ? step.second : step.first;
     const Transition part =
         predict_step(out.nav, step, options, usual_interval_s, more_first_density, more_second_density);
-    out.whole.Phi = part.Phi * out.whole.Phi;
-    out.whole.Q = part.Phi * out.whole.Q * part.Phi.transpose() + part.Q;
+    out.whole.Phi = multiply(part.Phi, out.whole.Phi);
+    out.whole.Q = congruence(part.Phi, out.whole.Q) + part.Q;
     out.nav.t_ns = step.t_end_ns;
   }
   return out;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "rig_files/camera_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
+
+#include "limber/core/factors.hpp"
 
 namespace limber::detail {
 namespace {
@@ -90,10 +91,10 @@ std::optional<CameraFit> fit(const std::vector<Sample>& samples, const Camera& s
       }
       J.col(k) = (*moved - *r) / step;
     }
-    const Eigen::MatrixXd information = J.transpose() * J;
+    const Eigen::MatrixXd information = multiply(transposed(J), J);
     Eigen::MatrixXd damped = information;
     damped.diagonal() *= 1.0 + damping;
-    const Unknowns step = -damped.ldlt().solve(J.transpose() * *r);
+    const Unknowns step = -solve_symmetric(damped, J.transpose() * *r);
     auto next = residuals(samples, camera_from(x + step, start, equidistant));
     if (next && next->squaredNorm() <= r->squaredNorm()) {
       const bool converged = r->squaredNorm() - next->squaredNorm() <= kConverged * (1.0 + r->squaredNorm());

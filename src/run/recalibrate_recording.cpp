@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -17,6 +15,7 @@
 
 #include "diagnose/epipolar_error.hpp"
 #include "limber/clean/frame_cleaner.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
 #include "limber/measure/triangulate.hpp"
 #include "run/smooth_setup.hpp"
@@ -129,11 +128,10 @@ std::optional<RigPart> solve_part(const Part& part, const Recording& recording,
   const RigMatrix all = result.frames.front().theta_covariance.inverse();
   // Without the prior, which every window has seen.
   out.information = 0.5 * (all + all.transpose()) - prior;
-  const Eigen::SelfAdjointEigenSolver<RigMatrix> eigen(out.information);
-  out.information = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-                    eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen = symmetric_eigen(out.information);
+  out.information = eigen.vectors * eigen.values.cwiseMax(0.0).asDiagonal() * eigen.vectors.transpose();
   const RigParameters step = result.frames.front().theta - given.theta;
-  out.theta = given.theta + out.information.ldlt().solve(all * step);
+  out.theta = given.theta + solve_symmetric(out.information, all * step);
   return out;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include <Eigen/Cholesky>
 #include <stdexcept>
 
 #include "factors.hpp"
+
+#include "limber/core/factors.hpp"
 
 namespace limber::detail {
 
@@ -13,11 +14,13 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 MatrixXd whitener_of(const MatrixXd& covariance) {
   // Scaled to unit diagonal first: units differ by many orders of magnitude.
   const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<MatrixXd> llt(scale.asDiagonal() * covariance * scale.asDiagonal());
-  if (!scale.allFinite() || llt.info() != Eigen::Success) {
+  const Cholesky cholesky(scale.asDiagonal() * covariance * scale.asDiagonal());
+  if (!scale.allFinite() || !cholesky.succeeded()) {
     throw std::runtime_error("smoother: a covariance is not positive definite");
   }
-  return llt.matrixL().solve(MatrixXd(scale.asDiagonal()));
+  MatrixXd whitener = scale.asDiagonal();
+  solve_lower(cholesky.factor(), whitener);
+  return whitener;
 }
 
 MotionFactor::MotionFactor(MotionBetween between, double gravity)
@@ -44,7 +47,7 @@ bool MotionFactor::Evaluate(double const* const* blocks, double* residuals, doub
     return true;
   }
   for (const int side : {0, to}) {
-    const MatrixXd J = whitener_ * (side == 0 ? e.J_from : e.J_to);
+    const MatrixXd J = multiply(whitener_, side == 0 ? e.J_from : e.J_to);
     if (jacobians[side] != nullptr) {
       Eigen::Map<RowMajor> out(jacobians[side], n, kPoseBlock);
       out.leftCols<kPoseTangent>() = J.leftCols<kPoseTangent>();

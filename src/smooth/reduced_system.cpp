@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "limber/core/factors.hpp"
+
 namespace limber::detail {
 
 using Eigen::Index;
@@ -193,17 +195,16 @@ Marginals::Marginals(ReducedSystem system)
     fail("the states are");
   }
   S = (scale_.asDiagonal() * S * scale_.asDiagonal()).eval();
-  Eigen::LLT<Eigen::Ref<MatrixXd>> llt(S);
-  if (llt.info() != Eigen::Success) {
+  const Cholesky cholesky(std::move(S));
+  if (!cholesky.succeeded()) {
     fail("the states are");
   }
-  inverse_factor_ = MatrixXd::Identity(S.rows(), S.rows());
+  const MatrixXd& L = cholesky.factor();
+  inverse_factor_ = MatrixXd::Identity(L.rows(), L.rows());
   // L⁻¹ is lower triangular: columns in groups, each from its own row on.
-  for (Index col = 0; col < S.rows(); col += kColumnsAtATime) {
-    const Index rest = S.rows() - col, n = std::min(kColumnsAtATime, rest);
-    S.bottomRightCorner(rest, rest)
-        .triangularView<Eigen::Lower>()
-        .solveInPlace(inverse_factor_.block(col, col, rest, n));
+  for (Index col = 0; col < L.rows(); col += kColumnsAtATime) {
+    const Index rest = L.rows() - col, n = std::min(kColumnsAtATime, rest);
+    solve_lower(L.bottomRightCorner(rest, rest), inverse_factor_.block(col, col, rest, n));
   }
   S.resize(0, 0);
 }
@@ -213,7 +214,7 @@ MatrixXd Marginals::of(const double* block, int size) const {
   const Index rest = inverse_factor_.rows() - at;
   const auto part = inverse_factor_.block(at, at, rest, size);
   const auto scale = scale_.segment(at, size);
-  return scale.asDiagonal() * (part.transpose() * part) * scale.asDiagonal();
+  return scale.asDiagonal() * multiply(transposed(part), part) * scale.asDiagonal();
 }
 
 }  // namespace limber::detail

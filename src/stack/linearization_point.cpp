@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "limber/stack/linearization_point.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <optional>
 #include <vector>
 
+#include "limber/core/factors.hpp"
 #include "limber/measure/stereo_model.hpp"
 
 namespace limber {
@@ -98,7 +98,7 @@ VectorXd linearization_point(const Estimate& estimate, const StereoFrame& frame,
       A += weight * clue.DF.transpose() * clue.information * clue.DF;
       b += weight * clue.DF.transpose() * (clue.information * clue.r);
     }
-    beta = A.ldlt().solve(b);
+    beta = solve_symmetric(A, b);
   }
   return F * beta;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "limber/core/dense.hpp"
 #include "limber/core/so3.hpp"
 
 namespace limber {
@@ -215,7 +216,7 @@ void Estimate::promote_witness(const MatrixXd& directions) {
   const std::array<Index, 2> block = {layout_.witness(), layout_.witness() + kTriplet};
   MatrixXd columns;
   P.gather(block, columns);
-  columns = (columns * B.transpose()).eval();
+  columns = multiply(columns, transposed(B));
   columns.middleRows<6>(layout_.witness()) = (B * columns.middleRows<6>(layout_.witness())).eval();
   P.scatter(block, columns);
   layout_.has_theta = true;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "limber/state/passive_block.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <numeric>
+
+#include "limber/core/factors.hpp"
 
 namespace limber {
 
@@ -42,11 +42,11 @@ std::vector<Index> operator+(std::vector<Index> a, const std::vector<Index>& b) 
 /// F with F Fᵀ = A⁺, A symmetric positive semidefinite: directions that only rounding fills are left out.
 MatrixXd root_of_pseudo_inverse(const MatrixXd& A) {
   const VectorXd scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scale.asDiagonal() * A * scale.asDiagonal());
-  const VectorXd& values = eigen.eigenvalues();
+  const SymmetricEigen eigen = symmetric_eigen(scale.asDiagonal() * A * scale.asDiagonal());
+  const VectorXd& values = eigen.values;
   const VectorXd root = (values.array() > kSingular * values.maxCoeff())
                             .select(values.cwiseInverse().cwiseSqrt(), VectorXd::Zero(values.size()));
-  return scale.asDiagonal() * eigen.eigenvectors() * root.asDiagonal();
+  return scale.asDiagonal() * eigen.vectors * root.asDiagonal();
 }
 
 /// Appends triplets with their columns: rows before beside their own.
@@ -86,27 +86,28 @@ bool PassiveBlock::change_epoch(Covariance& P, Index body_size, const EpochChang
     P.assign(P_zz);
     return true;
   }
-  const Eigen::LLT<MatrixXd> llt(P_zz);
-  if (llt.info() != Eigen::Success) {
+  const Cholesky llt(P_zz);
+  if (!llt.succeeded()) {
     return false;
   }
   // left = A z + u, u independent of z.
   const MatrixXd P_zl = dense(z, left);
   const MatrixXd At = llt.solve(P_zl);
-  MatrixXd U = dense(left, left) - P_zl.transpose() * At;
-  U = (0.5 * (U + U.transpose())).eval();
+  MatrixXd U = dense(left, left);
+  add_product(U, -1.0, transposed(P_zl), At);
+  U = symmetric_part(U);
 
   const Index old_size = size(), added = static_cast<Index>(retired.size());
   const MatrixXd Gt_left = rows_of(left, body_size);
   MatrixXd Gt(At.rows(), old_size + added);
   Gt.leftCols(old_size) = rows_of(z, body_size);
-  Gt.leftCols(old_size).noalias() += At * Gt_left;
+  add_product(Gt.leftCols(old_size), 1.0, At, Gt_left);
   Gt.rightCols(added) = At.leftCols(added);
   Gt_ = std::move(Gt);
 
   E_.add_congruence(Gt_left.transpose(), U);
   MatrixXd columns(old_size + added, added);
-  columns.topRows(old_size).noalias() = Gt_left.transpose() * U.leftCols(added);
+  columns.topRows(old_size) = multiply(transposed(Gt_left), U.leftCols(added));
   columns.bottomRows(added) = U.topLeftCorner(added, added);
   append(E_, columns);
 
@@ -126,7 +127,7 @@ void PassiveBlock::recall(Covariance& P, Index body_size, std::span<const Index>
   from_z.middleRows(body_size, z_size()) = Gt_back;
   MatrixXd columns(before + count, count);
   columns.topRows(before) = P.times(from_z);
-  columns.bottomRows(count).noalias() = Gt_back.transpose() * columns.middleRows(body_size, z_size());
+  columns.bottomRows(count) = multiply(transposed(Gt_back), columns.middleRows(body_size, z_size()));
   columns.bottomRows(count) += E_back(back, Eigen::all);
   append(P, columns);
   for (Index k = 0; k < count; k += kTriplet) {
@@ -135,11 +136,11 @@ void PassiveBlock::recall(Covariance& P, Index body_size, std::span<const Index>
 
   // The others' remainders e = B e_back + e', and e_back = x_back − G_back z.
   const MatrixXd F = root_of_pseudo_inverse(E_back(back, Eigen::all));
-  const MatrixXd W = E_back * F;
-  const MatrixXd Bt = F * W.transpose();
+  const MatrixXd W = multiply(E_back, F);
+  const MatrixXd Bt = multiply(F, transposed(W));
   MatrixXd Gt(z_size() + count, size());
   Gt << Gt_, Bt;
-  Gt.topRows(z_size()).noalias() -= Gt_back * Bt;
+  add_product(Gt.topRows(z_size()), -1.0, Gt_back, Bt);
   Gt_ = std::move(Gt);
   E_.subtract_outer(W);
   std::vector<Index> leaving(rows.begin(), rows.end());
@@ -168,6 +169,24 @@ Eigen::Matrix3d PassiveBlock::triplet_block(const Covariance& P, Index body_size
                                             Index other) const {
   return E_.triplet_block(row, other) +
          cross(P, body_size, row).middleCols(body_size, z_size()) * Gt_.middleCols<kTriplet>(other);
+}
+
+VectorXd PassiveBlock::correction(const Eigen::Ref<const VectorXd>& dz) const { return Gt_.transpose() * dz; }
+
+Eigen::Vector3d PassiveBlock::correction(Index row, const Eigen::Ref<const VectorXd>& dz) const {
+  return Gt_.middleCols<kTriplet>(row).transpose() * dz;
+}
+
+void PassiveBlock::couple_row(Index row, Index column, const Eigen::Matrix3d& C) {
+  Gt_.block<kTriplet, kTriplet>(column, row) += C.transpose();
+}
+
+void PassiveBlock::couple_columns(Index other, const Eigen::Ref<const MatrixXd>& C) {
+  Gt_.middleRows<kTriplet>(other) -= multiply(transposed(C), Gt_);
+}
+
+void PassiveBlock::couple_column(Index column, Index other, const Eigen::Matrix3d& C) {
+  Gt_.middleRows<kTriplet>(other) -= (C.transpose() * Gt_.middleRows<kTriplet>(column)).eval();
 }
 
 void PassiveBlock::transform_row(Index row, const Eigen::Matrix3d& M) {

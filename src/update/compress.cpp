@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "limber/core/factors.hpp"
+
 namespace limber {
 
 using Eigen::Index;
@@ -252,11 +254,9 @@ class Compression {
     VectorXd r = pool.rightCols<1>();
     MatrixXd kept(0, pool_width());
     if (pool.rows() > 0 && pool_width() > 0) {  // Eigen factorises an empty matrix at its peril
-      const Eigen::ColPivHouseholderQR<MatrixXd> qr(pool.leftCols(pool_width()));
-      r.applyOnTheLeft(qr.householderQ().adjoint());
-      kept.setZero(qr.rank(), pool_width());
-      kept.triangularView<Eigen::Upper>() = qr.matrixR().topRows(qr.rank());
-      kept *= qr.colsPermutation().transpose();
+      const PivotedQr pivoted = pivoted_qr(pool.leftCols(pool_width()));
+      pivoted.qr.apply_Qt(r);
+      kept = pivoted.turned_rows(pivoted.rank);
     }
     const Index noise = r.size() - kept.rows();
     out_.noise.rows += noise;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/consensus.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "limber/core/factors.hpp"
 
 namespace limber {
 
@@ -25,12 +26,9 @@ Consensus find_consensus(const VectorXd& r, const MatrixXd& S, const std::vector
   VectorXd y = r;
   MatrixXd F = A;
   for (const RowGroup& group : groups) {
-    const Eigen::LLT<MatrixXd> root(S.block(group.row, group.row, group.rows, group.rows));
-    root.matrixL().solveInPlace(y.segment(group.row, group.rows));
-    if (F.cols() > 0) {
-      auto rows = F.middleRows(group.row, group.rows);
-      root.matrixL().solveInPlace(rows);
-    }
+    const Cholesky root(S.block(group.row, group.row, group.rows, group.rows));
+    solve_lower(root.factor(), y.segment(group.row, group.rows));
+    solve_lower(root.factor(), F.middleRows(group.row, group.rows));
   }
   Consensus out{VectorXd::Zero(A.cols()), std::vector<double>(groups.size())};
   VectorXd e = y, weight = VectorXd::Ones(y.size());
@@ -43,10 +41,10 @@ Consensus find_consensus(const VectorXd& r, const MatrixXd& S, const std::vector
       weight.segment(group.row, group.rows).setConstant(settled ? w * w : w);
     }
     const MatrixXd WF = weight.asDiagonal() * F;
-    MatrixXd M = F.transpose() * WF;
+    MatrixXd M = multiply(transposed(F), WF);
     M.diagonal().array() += 1.0;  // the prior
     const VectorXd before = out.beta;
-    out.beta = M.llt().solve(WF.transpose() * y);
+    out.beta = Cholesky(M).solve(WF.transpose() * y);
     e = y - F * out.beta;
     settled = settled || (out.beta - before).squaredNorm() < 1e-6 * (1.0 + out.beta.squaredNorm());
   }

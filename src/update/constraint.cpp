@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/constraint.hpp"
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
+
+#include "limber/core/factors.hpp"
 
 namespace limber {
 
@@ -32,17 +32,17 @@ MatrixXd strong_combinations(const Eigen::Ref<const MatrixXd>& D) {
     return I.leftCols(D.norm() >= kWeakDirection ? 1 : 0);
   }
   const Index k = std::min(D.rows(), D.cols());
-  const MatrixXd R = Eigen::HouseholderQR<MatrixXd>(D).matrixQR().topRows(k).triangularView<Eigen::Upper>();
+  const MatrixXd R = householder_qr(D).R();
   if (k == D.cols() && is_surely_strong(R)) {
     return I;  // its own basis
   }
-  const Eigen::JacobiSVD<MatrixXd> svd(R, Eigen::ComputeFullV);
-  return svd.matrixV().leftCols((svd.singularValues().array() >= kWeakDirection).count());
+  const RightSingular svd = right_singular(R);
+  return svd.V.leftCols((svd.values.array() >= kWeakDirection).count());
 }
 
 MatrixXd strong_directions(const Eigen::Ref<const MatrixXd>& D) {
   const MatrixXd T = strong_combinations(D);
-  return T.cols() == D.cols() && T.isIdentity(0.0) ? MatrixXd(D) : MatrixXd(D * T);
+  return T.cols() == D.cols() && T.isIdentity(0.0) ? MatrixXd(D) : multiply(D, T);
 }
 
 }  // namespace limber

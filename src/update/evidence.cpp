@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/evidence.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+
+#include "limber/core/factors.hpp"
 
 namespace limber {
 
@@ -11,11 +12,11 @@ EvidenceStatistic statistic(const ParameterEvidence& evidence, double weakest) {
   if (evidence.empty()) {
     return out;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(evidence.information);
-  for (Eigen::Index k = 0; k < eigen.eigenvalues().size(); ++k) {
-    if (eigen.eigenvalues()(k) >= weakest) {
-      const double component = eigen.eigenvectors().col(k).dot(evidence.vector);
-      out.value += component * component / eigen.eigenvalues()(k);
+  const SymmetricEigen eigen = symmetric_eigen(evidence.information);
+  for (Eigen::Index k = 0; k < eigen.values.size(); ++k) {
+    if (eigen.values(k) >= weakest) {
+      const double component = eigen.vectors.col(k).dot(evidence.vector);
+      out.value += component * component / eigen.values(k);
       ++out.dof;
     }
   }
@@ -27,9 +28,9 @@ ParameterEvidence without_white(const ParameterEvidence& evidence,
   // With M = (DB)ᵀ S⁻¹ (DB) it was M' = (M⁻¹ + Sigma)⁻¹: M = (I − M' Sigma)⁻¹ M', and the vector alike.
   const Eigen::Index k = Sigma.rows();
   const Eigen::PartialPivLU<Eigen::MatrixXd> lu(Eigen::MatrixXd::Identity(k, k) -
-                                                evidence.information * Sigma);
+                                                multiply(evidence.information, Sigma));
   const Eigen::MatrixXd information = lu.solve(evidence.information);
-  return {0.5 * (information + information.transpose()), lu.solve(evidence.vector)};
+  return {symmetric_part(information), lu.solve(evidence.vector)};
 }
 
 }  // namespace limber

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/gate.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <map>
 #include <utility>
 
 #include "limber/core/chi_square.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/update/consensus.hpp"
 #include "limber/update/constraint.hpp"
 #include "white_covariance.hpp"
@@ -35,18 +34,20 @@ struct Distance {
 /// eᵀ B⁺ e, where B is what the constraint leaves of the identity: in units of S, so that a huge variance in
 /// one direction (a new landmark's depth) does not hide what the others say.
 Distance mahalanobis(const VectorXd& e, const MatrixXd& B) {
-  const Eigen::LLT<MatrixXd> root(B);
+  const Cholesky root(B);
   // No eigenvalue exceeds one, so that none is smaller than the determinant.
-  const double diagonal = root.matrixLLT().diagonal().prod();
-  if (root.info() == Eigen::Success && diagonal * diagonal > 10.0 * kUsedUp) {
-    return {root.matrixL().solve(e).squaredNorm(), e.size()};
+  const double diagonal = root.factor().diagonal().prod();
+  if (root.succeeded() && diagonal * diagonal > 10.0 * kUsedUp) {
+    VectorXd white = e;
+    solve_lower(root.factor(), white);
+    return {white.squaredNorm(), e.size()};
   }
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(B);
+  const SymmetricEigen eigen = symmetric_eigen(B);
   Distance out;
   for (Index k = 0; k < e.size(); ++k) {
-    if (eigen.eigenvalues()(k) > kUsedUp) {
-      const double component = eigen.eigenvectors().col(k).dot(e);
-      out.squared += component * component / eigen.eigenvalues()(k);
+    if (eigen.values(k) > kUsedUp) {
+      const double component = eigen.vectors.col(k).dot(e);
+      out.squared += component * component / eigen.values(k);
       ++out.dof;
     }
   }
@@ -86,20 +87,17 @@ class Judge {
   Judge(const Judged& judged, double probability)
       : z_(judged), probability_(probability), llt_(judged.S), DC_(judged.DC), U_(judged.S.rows(), 0) {
     Vr_ = llt_.solve(z_.r);
-    VDC_ = DC_.cols() > 0 ? MatrixXd(llt_.solve(DC_)) : DC_;  // Eigen solves for no column at its peril
+    VDC_ = llt_.solve(DC_);
     white_r_ = z_.r;
     white_DC_ = DC_;
     for (const RowGroup& group : z_.groups) {
-      const Eigen::LLT<MatrixXd> root(z_.S.block(group.row, group.row, group.rows, group.rows));
-      root.matrixL().solveInPlace(white_r_.segment(group.row, group.rows));
-      if (DC_.cols() > 0) {
-        auto rows = white_DC_.middleRows(group.row, group.rows);
-        root.matrixL().solveInPlace(rows);
-      }
+      const Cholesky root(z_.S.block(group.row, group.row, group.rows, group.rows));
+      solve_lower(root.factor(), white_r_.segment(group.row, group.rows));
+      solve_lower(root.factor(), white_DC_.middleRows(group.row, group.rows));
     }
   }
 
-  [[nodiscard]] bool valid() const { return llt_.info() == Eigen::Success; }
+  [[nodiscard]] bool valid() const { return llt_.succeeded(); }
 
   /// Judges the accepted groups; returns the one that exceeds its threshold most, or -1.
   Index worst(GateReport& report) {
@@ -107,11 +105,12 @@ class Judge {
     VectorXd delta(T.cols());
     MatrixXd Minv(T.cols(), T.cols());
     if (T.cols() > 0) {
-      const Eigen::CompleteOrthogonalDecomposition<MatrixXd> M(T.transpose() * (DC_.transpose() * VDC_) * T);
-      delta = M.solve(T.transpose() * (DC_.transpose() * Vr_));
-      Minv = M.pseudoInverse();
+      const MatrixXd M = congruence(transposed(T), multiply(transposed(DC_), VDC_));
+      PseudoInverse pseudo = pseudo_inverse(M, T.transpose() * (DC_.transpose() * Vr_));
+      delta = std::move(pseudo.x);
+      Minv = std::move(pseudo.matrix);
     }
-    const MatrixXd white_A = white_DC_ * T;
+    const MatrixXd white_A = multiply(white_DC_, T);
     Index worst = -1;
     double worst_ratio = 1.0;
     for (std::size_t g = 0; g < z_.groups.size(); ++g) {
@@ -123,7 +122,7 @@ class Judge {
       Distance d{white_r_.segment(row, rows).squaredNorm(), rows};
       if (!A.isZero(0.0)) {
         d = mahalanobis(white_r_.segment(row, rows) - A * delta,
-                        MatrixXd::Identity(rows, rows) - A * Minv * A.transpose());
+                        MatrixXd::Identity(rows, rows) - congruence(A, Minv));
       }
       report.distance[g] = d.squared;
       report.threshold[g] = quantile(d.dof);
@@ -139,12 +138,12 @@ class Judge {
   void drop(const RowGroup& group) {
     MatrixXd column = MatrixXd::Zero(z_.r.size(), group.rows);  // of V
     column.middleRows(group.row, group.rows).setIdentity();
-    llt_.solveInPlace(column);
-    column.noalias() -= U_ * U_.middleRows(group.row, group.rows).transpose();
-    const Eigen::LLT<MatrixXd> pivot(column.middleRows(group.row, group.rows));
-    pivot.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(column);  // V := V − column columnᵀ
+    column = llt_.solve(column);
+    add_product(column, -1.0, U_, transposed(U_.middleRows(group.row, group.rows)));
+    const Cholesky pivot(column.middleRows(group.row, group.rows));
+    solve_lower_from_right(transposed(pivot.factor()), column);  // V := V − column columnᵀ
     Vr_ -= column * (column.transpose() * z_.r);
-    VDC_ -= column * (column.transpose() * z_.DC).eval();
+    add_product(VDC_, -1.0, column, multiply(transposed(column), z_.DC));
     DC_.middleRows(group.row, group.rows).setZero();
     U_.conservativeResize(Eigen::NoChange, U_.cols() + column.cols());
     U_.rightCols(column.cols()) = column;
@@ -164,7 +163,7 @@ class Judge {
 
   const Judged& z_;
   double probability_;
-  Eigen::LLT<MatrixXd> llt_;
+  Cholesky llt_;
   MatrixXd DC_;              // rows that were dropped are zero
   MatrixXd U_;               // of what was dropped
   VectorXd Vr_, white_r_;    // V r; r in units of the groups' own S
@@ -238,7 +237,7 @@ bool GateReport::all_accepted() const {
 GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
                 const ParameterErrorModel& treatment, double probability) {
   const Judged judged{innovation.r, with_white_covariance(innovation, treatment),
-                      treatment.constrained.cols() > 0 ? MatrixXd(innovation.D * treatment.constrained)
+                      treatment.constrained.cols() > 0 ? multiply(innovation.D, treatment.constrained)
                                                        : MatrixXd(innovation.r.size(), 0),
                       groups};
   GateReport report = nothing_refused(groups.size());

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "limber/core/dense.hpp"
 #include "limber/core/divergence_error.hpp"
 
 namespace limber {
@@ -170,7 +171,7 @@ Innovation form_innovation(const Covariance& P, const LinearMeasurement& z) {
   const ColumnsOfH H(z, weight);
   MatrixXd columns;  // of P
   P.gather(H.shared_starts(), columns);
-  out.PHt.noalias() = columns * H.shared().transpose();
+  out.PHt = multiply(columns, transposed(H.shared()));
   H.for_each_own([&](Index start, std::span<const Block> blocks) {
     P.gather(std::array<Index, 1>{start}, columns);
     add_products(columns.leftCols<kTriplet>(), blocks, out.PHt);
@@ -182,7 +183,7 @@ Innovation form_innovation(const Covariance& P, const LinearMeasurement& z) {
     rows.middleCols<kTriplet>(kTriplet * static_cast<Index>(k)) =
         out.PHt.middleRows<kTriplet>(H.shared_starts()[k]).transpose();
   }
-  out.S.noalias() = rows * H.shared().transpose();
+  out.S = multiply(rows, transposed(H.shared()));
   out.S.diagonal().array() += 1.0;
   Eigen::Matrix<double, Eigen::Dynamic, kTriplet> row(m, kTriplet);
   H.for_each_own([&](Index start, std::span<const Block> blocks) {

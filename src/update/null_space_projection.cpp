@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/null_space_projection.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
+#include <utility>
+
+#include "limber/core/factors.hpp"
 
 namespace limber {
 
@@ -23,13 +25,13 @@ NullSpaceProjection::NullSpaceProjection(const Eigen::Ref<const MatrixXd>& A) {
   if (rank == 0) {
     return;
   }
-  const Eigen::HouseholderQR<MatrixXd> qr(A);
-  V_ = qr.matrixQR();
+  HouseholderQr qr = householder_qr(A);
+  V_ = std::move(qr.factors);
   V_.triangularView<Eigen::StrictlyUpper>().setZero();
   V_.diagonal().setOnes();
   // Compact WY: T(k,k) = tau_k, T(0:k,k) = -tau_k T(0:k,0:k) V(:,0:k)ᵀ V(:,k).
   for (Index k = 0; k < rank; ++k) {
-    const double tau = qr.hCoeffs()(k);
+    const double tau = qr.tau(k);
     T_(k, k) = tau;
     if (k > 0) {
       T_.col(k).head(k) = T_.topLeftCorner(k, k) * (V_.leftCols(k).transpose() * V_.col(k)) * -tau;
@@ -39,7 +41,7 @@ NullSpaceProjection::NullSpaceProjection(const Eigen::Ref<const MatrixXd>& A) {
 
 void NullSpaceProjection::apply_left(Eigen::Ref<MatrixXd> x) const {
   if (rank() > 0) {
-    x.noalias() -= V_ * (T_.transpose() * (V_.transpose() * x)).eval();
+    add_product(x, -1.0, V_, multiply(transposed(T_), multiply(transposed(V_), x)));
   }
 }
 
@@ -52,12 +54,10 @@ void NullSpaceProjection::apply_right(Eigen::Ref<MatrixXd> x) const {
     x.noalias() -= y * V_.col(0).transpose();
     return;
   }
-  const MatrixXd VT = V_ * T_;
-  MatrixXd Y;
+  const MatrixXd VT = multiply(V_, T_);
   for (Index row = 0; row < x.rows(); row += kPanel) {
     auto panel = x.middleRows(row, std::min(kPanel, x.rows() - row));
-    Y.noalias() = panel * VT;
-    panel.noalias() -= Y * V_.transpose();
+    add_product(panel, -1.0, multiply(panel, VT), transposed(V_));
   }
 }
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 
+#include "limber/core/factors.hpp"
 #include "limber/update/constraint.hpp"
 
 namespace limber {
@@ -33,8 +31,8 @@ void append(Innovation& innovation, const Eigen::Ref<const MatrixXd>& D,
 
 /// F Fᵀ = Sigma, positive semidefinite.
 MatrixXd square_root(const Eigen::Ref<const MatrixXd>& Sigma) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(Sigma);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const SymmetricEigen eigen = symmetric_eigen(Sigma);
+  return eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 }  // namespace
@@ -44,18 +42,18 @@ void absorb_white(Innovation& innovation, const Eigen::Ref<const MatrixXd>& Sigm
   // B Bᵀ = I + Fᵀ Eᵀ E F: no difference of large numbers, however large Sigma is.
   const MatrixXd F = square_root(Sigma);
   StatelessRows& stateless = innovation.stateless;
-  const MatrixXd EF = stateless.D * F;
-  const Eigen::LLT<MatrixXd> B(MatrixXd::Identity(F.cols(), F.cols()) + EF.transpose() * EF);
-  MatrixXd DF = innovation.D * F;
+  const MatrixXd EF = multiply(stateless.D, F);
+  const Cholesky B(MatrixXd::Identity(F.cols(), F.cols()) + multiply(transposed(EF), EF));
+  MatrixXd DF = multiply(innovation.D, F);
   if (stateless.residual.size() > 0) {
     innovation.r.noalias() -= DF * B.solve(EF.transpose() * stateless.residual);
-    innovation.D.noalias() -= DF * B.solve(EF.transpose() * stateless.D);
-    const Eigen::LLT<MatrixXd> M(MatrixXd::Identity(EF.rows(), EF.rows()) + EF * EF.transpose());
-    M.matrixL().solveInPlace(stateless.residual);
-    M.matrixL().solveInPlace(stateless.D);
+    add_product(innovation.D, -1.0, DF, B.solve(multiply(transposed(EF), stateless.D)));
+    const Cholesky M(MatrixXd::Identity(EF.rows(), EF.rows()) + multiply(EF, transposed(EF)));
+    solve_lower(M.factor(), stateless.residual);
+    solve_lower(M.factor(), stateless.D);
   }
-  B.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(DF);
-  innovation.S.selfadjointView<Eigen::Lower>().rankUpdate(DF);
+  solve_lower_from_right(transposed(B.factor()), DF);
+  add_outer(innovation.S, 1.0, DF);
 }
 
 StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const MatrixXd>& C,
@@ -71,15 +69,15 @@ StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const
   // E C Pi = Q U: rows of U that are strong, then those that are not.
   StatelessRows rows = std::move(innovation.stateless);
   innovation.stateless = {VectorXd(0), MatrixXd(0, rows.D.cols())};
-  const Eigen::ColPivHouseholderQR<MatrixXd> qr(rows.D * C);
-  const VectorXd pivots = qr.matrixR().diagonal().cwiseAbs();
+  const PivotedQr pivoted = pivoted_qr(multiply(rows.D, C));
+  const VectorXd pivots = pivoted.qr.factors.diagonal().cwiseAbs();
   const Index p =
       std::count_if(pivots.begin(), pivots.end(), [](double pivot) { return pivot >= kWeakDirection; });
-  rows.residual.applyOnTheLeft(qr.householderQ().adjoint());
-  rows.D.applyOnTheLeft(qr.householderQ().adjoint());
+  pivoted.qr.apply_Qt(rows.residual);
+  pivoted.qr.apply_Qt(rows.D);
   const Index rest = q - p;
-  const bool says_something =
-      rest > 0 && (rows.D.bottomRows(rest) * C).cwiseAbs().maxCoeff() > kNothing * qr.maxPivot();
+  const bool says_something = rest > 0 && multiply(rows.D.bottomRows(rest), C).cwiseAbs().maxCoeff() >
+                                              kNothing * pivoted.largest_pivot;
   if (says_something || (keep_all && rest > 0)) {
     append(innovation, rows.D.bottomRows(rest), rows.residual.tail(rest));
   } else {
@@ -89,21 +87,18 @@ StatelessSolution solve_stateless(Innovation& innovation, const Eigen::Ref<const
   if (p == 0) {
     return nothing_seen();
   }
-  MatrixXd U = MatrixXd::Zero(p, k);
-  U.triangularView<Eigen::Upper>() = qr.matrixR().topRows(p);
-  U *= qr.colsPermutation().transpose();
-  const Eigen::HouseholderQR<MatrixXd> right(U.transpose());  // U = L seenᵀ
-  const MatrixXd basis = right.householderQ();
+  const HouseholderQr right = householder_qr(pivoted.turned_rows(p).transpose());  // U = L seenᵀ
+  const MatrixXd basis = right.Q();
   StatelessSolution out;
   out.seen = basis.leftCols(p);
   out.unseen = basis.rightCols(k - p);
-  out.L = MatrixXd(right.matrixQR().topRows(p).triangularView<Eigen::Upper>()).transpose();
+  out.L = right.R().transpose();
   out.y = rows.residual.head(p);
-  out.G = innovation.D * (C * out.seen);
-  out.L.triangularView<Eigen::Lower>().solveInPlace<Eigen::OnTheRight>(out.G);
+  out.G = multiply(innovation.D, multiply(C, out.seen));
+  solve_lower_from_right(out.L, out.G);
   innovation.r.noalias() -= out.G * out.y;
-  innovation.D.noalias() -= out.G * rows.D.topRows(p);
-  innovation.S.selfadjointView<Eigen::Lower>().rankUpdate(out.G);
+  add_product(innovation.D, -1.0, out.G, rows.D.topRows(p));
+  add_outer(innovation.S, 1.0, out.G);
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "limber/core/factors.hpp"
 #include "limber/update/compress.hpp"
 #include "limber/update/constraint.hpp"
 #include "limber/update/null_space_projection.hpp"
@@ -38,10 +39,9 @@ void check(const Innovation& innovation, const ParameterErrorModel& treatment) {
   }
 }
 
-/// Eigen calls a factor with NaN on its diagonal a success.
-template <typename Matrix>
-bool is_positive_definite(const Eigen::LLT<Matrix>& llt) {
-  return llt.info() == Eigen::Success && llt.matrixLLT().diagonal().allFinite();
+/// NaN on the diagonal of a factor passes for a success.
+bool is_positive_definite(const Cholesky& cholesky) {
+  return cholesky.succeeded() && cholesky.factor().diagonal().allFinite();
 }
 
 UpdateReport untouched(UpdateStatus status, Index n) {
@@ -60,8 +60,6 @@ struct WhiteRows {
   [[nodiscard]] Index used() const { return y.size() - constrained; }
 };
 
-using Factor = Eigen::LLT<Eigen::Ref<MatrixXd>>;  // L of S, in the place of S
-
 /// What the constraint leaves of the stateless rows and takes of the others: y = F beta + eps, eps ~ N(0, I).
 struct ConstrainedRows {
   VectorXd y;
@@ -70,35 +68,36 @@ struct ConstrainedRows {
 };
 
 /// @param D_unseen  D C of what the stateless rows do not see: m×(k−p)
+/// @param L         of S
 ConstrainedRows constrained_rows(const WhiteRows& rows, const StatelessSolution& stateless,
-                                 const MatrixXd& D_unseen, const Factor& llt,
+                                 const MatrixXd& D_unseen, const MatrixXd& L,
                                  const NullSpaceProjection& projection, bool with_W) {
   const Index p = stateless.y.size(), q = rows.constrained;
   MatrixXd turned(rows.y.size(), D_unseen.cols() + p);  // Qᵀ L⁻¹ [D_unseen, G]
   turned << D_unseen, stateless.G;
-  llt.matrixL().solveInPlace(turned);
+  solve_lower(L, turned);
   projection.apply_left(turned);
   const auto A = turned.rightCols(p);
   const auto A_used = A.bottomRows(rows.used());
   // The noise of the stateless rows is −G to the others: what those tell of it is taken out.
   ConstrainedRows out{VectorXd(p + q), MatrixXd(p + q, turned.cols()), MatrixXd(0, 0)};
   out.y << stateless.y + A_used.transpose() * rows.y.tail(rows.used()), rows.y.head(q);
-  out.F << stateless.L * stateless.seen.transpose(),
-      turned.topLeftCorner(q, D_unseen.cols()) * stateless.unseen.transpose();
+  out.F << multiply(stateless.L, transposed(stateless.seen)),
+      multiply(turned.topLeftCorner(q, D_unseen.cols()), transposed(stateless.unseen));
   MatrixXd Omega = MatrixXd::Identity(p + q, p + q);
-  Omega.topLeftCorner(p, p) -= A_used.transpose() * A_used;
+  add_product(Omega.topLeftCorner(p, p), -1.0, transposed(A_used), A_used);
   Omega.bottomLeftCorner(q, p) = -A.topRows(q);
   if (p + q == 0) {
     return out;
   }
-  const Eigen::LLT<MatrixXd> root(Omega);
-  root.matrixL().solveInPlace(out.y);
-  root.matrixL().solveInPlace(out.F);
+  const Cholesky root(std::move(Omega));
+  solve_lower(root.factor(), out.y);
+  solve_lower(root.factor(), out.F);
   if (with_W) {
     out.W.resize(rows.W.rows(), p + q);
-    out.W.leftCols(p).noalias() = rows.W.rightCols(rows.used()) * A_used;
+    out.W.leftCols(p) = multiply(rows.W.rightCols(rows.used()), A_used);
     out.W.rightCols(q) = rows.W.leftCols(q);
-    root.matrixL().transpose().solveInPlace<Eigen::OnTheRight>(out.W);
+    solve_lower_from_right(transposed(root.factor()), out.W);
   }
   return out;
 }
@@ -120,13 +119,13 @@ void project_out(ConstrainedRows& rows, Index nuisance) {
 /// Evidence about a beta that is not constrained: (D B)ᵀ S⁻¹ (D B) and (D B)ᵀ S⁻¹ r of the rows that are
 /// used, and of the stateless ones as well.
 ParameterEvidence evidence_of(const Innovation& innovation, const MatrixXd& B, const WhiteRows& rows,
-                              const Factor& llt, const NullSpaceProjection& projection) {
-  MatrixXd DB = innovation.D * B;
-  llt.matrixL().solveInPlace(DB);
+                              const MatrixXd& L, const NullSpaceProjection& projection) {
+  MatrixXd DB = multiply(innovation.D, B);
+  solve_lower(L, DB);
   projection.apply_left(DB);
   const auto used = DB.bottomRows(rows.used());
-  const MatrixXd EB = innovation.stateless.D * B;
-  return {used.transpose() * used + EB.transpose() * EB,
+  const MatrixXd EB = multiply(innovation.stateless.D, B);
+  return {multiply(transposed(used), used) + multiply(transposed(EB), EB),
           used.transpose() * rows.y.tail(rows.used()) + EB.transpose() * innovation.stateless.residual};
 }
 
@@ -150,23 +149,21 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterError
   const bool watches_another = treatment.watched.cols() > 0 && C.cols() == treatment.nuisance;
   const StatelessSolution stateless = solve_stateless(innovation, C, watches_another);
   const MatrixXd D_unseen =
-      C.cols() > 0 ? MatrixXd(innovation.D * (C * stateless.unseen)) : MatrixXd(innovation.r.size(), 0);
+      C.cols() > 0 ? multiply(innovation.D, multiply(C, stateless.unseen)) : MatrixXd(innovation.r.size(), 0);
   MatrixXd A = strong_directions(D_unseen);
   if (A.cols() == innovation.r.size()) {
     return untouched(UpdateStatus::kEmpty, P.size());
   }
 
-  Eigen::Ref<MatrixXd> S = innovation.S;
-  const Factor llt(S);
-  if (!is_positive_definite(llt)) {
+  const Cholesky S(std::move(innovation.S));
+  if (!is_positive_definite(S)) {
     return untouched(UpdateStatus::kSingularInnovation, P.size());
   }
+  const MatrixXd& L = S.factor();
   WhiteRows rows{std::move(innovation.r), std::move(innovation.PHt), A.cols()};
-  llt.matrixL().solveInPlace(rows.y);
-  whiten_columns(S, rows.W);
-  if (A.cols() > 0) {  // Eigen solves for no column at its peril
-    llt.matrixL().solveInPlace(A);
-  }
+  solve_lower(L, rows.y);
+  whiten_columns(L, rows.W);
+  solve_lower(L, A);
   const NullSpaceProjection projection(A);
   projection.apply_left(rows.y);
   projection.apply_right(rows.W);
@@ -185,15 +182,15 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterError
     return report;
   }
   if (watches_another) {
-    report.evidence = evidence_of(innovation, treatment.watched, rows, llt, projection);
+    report.evidence = evidence_of(innovation, treatment.watched, rows, L, projection);
     return report;
   }
   ConstrainedRows lost =
-      constrained_rows(rows, stateless, D_unseen, llt, projection, treatment.witness.has_value());
+      constrained_rows(rows, stateless, D_unseen, L, projection, treatment.witness.has_value());
   if (treatment.nuisance > 0) {
     project_out(lost, treatment.nuisance);
   }
-  report.evidence = {lost.F.transpose() * lost.F, lost.F.transpose() * lost.y};
+  report.evidence = {multiply(transposed(lost.F), lost.F), lost.F.transpose() * lost.y};
   if (treatment.witness && lost.y.size() > 0) {
     auto own = report.dx.segment<kWitnessSize>(treatment.witness->at);
     own += learn(P, treatment.witness->at, treatment.witness->mean + own, {lost.y, lost.F, lost.W});
@@ -212,33 +209,34 @@ UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measuremen
   if (innovation.r.size() == 0) {
     return untouched(UpdateStatus::kEmpty, n);
   }
-  const Eigen::LLT<MatrixXd> S(with_white_covariance(innovation, treatment));
+  const Cholesky S(with_white_covariance(innovation, treatment));
   if (!is_positive_definite(S)) {
     return untouched(UpdateStatus::kSingularInnovation, n);
   }
   const MatrixXd K = S.solve(innovation.PHt.transpose()).transpose();  // P Hᵀ S⁻¹
-  MatrixXd L = K;
-  MatrixXd P_new = P.dense() - K * innovation.PHt.transpose();  // (I − K H) P
+  MatrixXd gain = K;
+  MatrixXd P_new = P.dense();  // (I − K H) P
+  add_product(P_new, -1.0, K, transposed(innovation.PHt));
   Index rank = 0;
   double nis = innovation.r.dot(S.solve(innovation.r));
   if (treatment.constrained.cols() > 0) {
-    const MatrixXd dH = innovation.D * treatment.constrained;
+    const MatrixXd dH = multiply(innovation.D, treatment.constrained);
     const MatrixXd SinvD = S.solve(dH);
-    const Eigen::LDLT<MatrixXd> M(dH.transpose() * SinvD);
+    const Eigen::LDLT<MatrixXd> M(multiply(transposed(dH), SinvD));
     if (M.info() != Eigen::Success || !M.isPositive() || M.vectorD().minCoeff() <= 0.0) {
       return untouched(UpdateStatus::kSingularInnovation, n);
     }
-    const MatrixXd KD = K * dH;
-    L -= KD * M.solve(SinvD.transpose());   // Eq. (17)
-    P_new += KD * M.solve(KD.transpose());  // Eq. (19)
+    const MatrixXd KD = multiply(K, dH);
+    add_product(gain, -1.0, KD, M.solve(SinvD.transpose()));  // Eq. (17)
+    add_product(P_new, 1.0, KD, M.solve(KD.transpose()));     // Eq. (19)
     const VectorXd d = SinvD.transpose() * innovation.r;
     nis -= d.dot(M.solve(d));
     rank = dH.cols();
   }
-  P.set_diagonal_block(0, 0.5 * (P_new + P_new.transpose()));
+  P.set_diagonal_block(0, symmetric_part(P_new));
   UpdateReport report;
   report.status = UpdateStatus::kUpdated;
-  report.dx = L * innovation.r;
+  report.dx = gain * innovation.r;
   report.nis = nis + innovation.noise.squared_norm;
   report.dof = innovation.r.size() - rank + innovation.noise.rows;
   report.rank = rank;

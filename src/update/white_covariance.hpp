@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "limber/core/dense.hpp"
 #include "limber/update/update.hpp"
 
 namespace limber {
@@ -10,7 +11,7 @@ inline Eigen::MatrixXd with_white_covariance(const Innovation& innovation,
                                              const ParameterErrorModel& treatment) {
   Eigen::MatrixXd S = innovation.S;
   if (treatment.white_covariance.size() > 0) {
-    S.noalias() += innovation.D * (treatment.white_covariance * innovation.D.transpose()).eval();
+    add_product(S, 1.0, innovation.D, multiply(treatment.white_covariance, transposed(innovation.D)));
   }
   return S;
 }

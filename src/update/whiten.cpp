@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/whiten.hpp"
 
+#include "limber/core/dense.hpp"
+
 namespace limber {
 
 using Eigen::Index;
@@ -38,13 +40,13 @@ void whiten_columns(const Eigen::Ref<const MatrixXd>& L, Eigen::Ref<MatrixXd> X)
     return;
   }
   if (m < kBlock) {
-    L.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(X);
+    solve_lower_from_right(transposed(L), X);
     return;
   }
   const Index blocks = (m + kBlock - 1) / kBlock;
   const Index first = kBlock * (blocks / 2), rest = m - first;
   whiten_columns(L.topLeftCorner(first, first), X.leftCols(first));
-  X.rightCols(rest).noalias() -= X.leftCols(first) * L.bottomLeftCorner(rest, first).transpose();
+  add_product(X.rightCols(rest), -1.0, X.leftCols(first), transposed(L.bottomLeftCorner(rest, first)));
   whiten_columns(L.bottomRightCorner(rest, rest), X.rightCols(rest));
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/witness.hpp"
 
-#include <Eigen/Cholesky>
 #include <array>
 
 #include "limber/core/divergence_error.hpp"
+#include "limber/core/factors.hpp"
 
 namespace limber {
 
@@ -20,18 +20,18 @@ VectorXd learn(Covariance& P, Index at, const Eigen::Ref<const VectorXd>& mean, 
   P.gather(block, columns);
   // Covariances with the innovation e = y − F mean = F (beta − mean) + eps.
   MatrixXd C = rows.W;
-  C.noalias() += columns * F.transpose();
-  const MatrixXd F_W = F * rows.W.middleRows<kWitnessSize>(at);
-  MatrixXd S = F * columns.middleRows<kWitnessSize>(at) * F.transpose() + F_W + F_W.transpose();
+  add_product(C, 1.0, columns, transposed(F));
+  const MatrixXd F_W = multiply(F, rows.W.middleRows<kWitnessSize>(at));
+  MatrixXd S = congruence(F, columns.middleRows<kWitnessSize>(at)) + F_W + F_W.transpose();
   S.diagonal().array() += 1.0;
-  const Eigen::LLT<MatrixXd> llt(0.5 * (S + S.transpose()));
-  if (llt.info() != Eigen::Success) {
+  const Cholesky llt(symmetric_part(S));
+  if (!llt.succeeded()) {
     throw DivergenceError("witness: the covariance of its innovation is not positive definite");
   }
   const MatrixXd K = llt.solve(C.middleRows<kWitnessSize>(at).transpose()).transpose();
-  columns.noalias() -= C * K.transpose();
+  add_product(columns, -1.0, C, transposed(K));
   const MatrixXd own = columns.middleRows<kWitnessSize>(at);
-  columns.middleRows<kWitnessSize>(at) = 0.5 * (own + own.transpose());
+  columns.middleRows<kWitnessSize>(at) = symmetric_part(own);
   P.scatter(block, columns);
   return K * (rows.y - F * mean);
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "limber/evaluate/consistency.hpp"
+#include "limber/core/factors.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <random>
 #include <stdexcept>
@@ -32,7 +32,7 @@ PoseErrorVector random_error(Generator& generator, const PoseCovariance& P) {
   for (Eigen::Index k = 0; k < 6; ++k) {
     white(k) = normal(generator);
   }
-  return P.llt().matrixL() * white;
+  return Cholesky(P).L() * white;
 }
 
 // A run whose errors are drawn from its own covariances.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "limber/health/health_monitor.hpp"
+#include "limber/core/factors.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <functional>
 #include <limits>
@@ -36,9 +36,9 @@ class Frames {
     HealthInput out;
     out.t_ns = t_ns_ += kFrameNs;
     out.directions = plausible_error(kBaseline).asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(information_);
-    const VectorXd e = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().cwiseProduct(
-                                                  testing::random_normal(generator_, 6));
+    const SymmetricEigen eigen = symmetric_eigen(information_);
+    const VectorXd e = eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().cwiseProduct(
+                                           testing::random_normal(generator_, 6));
     out.frame = {information_, information_ * beta + noise * e};
     out.nis = noise * noise * 100.0;
     out.dof = 100.0;

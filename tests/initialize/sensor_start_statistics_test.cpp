@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "limber/core/factors.hpp"
 #include "limber/initialize/sensor_start.hpp"
 
 #include <gtest/gtest.h>
@@ -58,7 +59,7 @@ void expect_consistent(const std::function<SceneOptions(std::uint64_t)>& make, M
       const Vector3d error = Vector3d(X.x() / X.z(), X.y() / X.z(), 1.0 / X.z()) - landmark.value;
       const Matrix3d P = initial.landmarks_covariance.block<3, 3>(3 * static_cast<Eigen::Index>(j),
                                                                   3 * static_cast<Eigen::Index>(j));
-      map_nees += error.dot(P.llt().solve(error)) / 3.0;
+      map_nees += error.dot(Cholesky(P).solve(error)) / 3.0;
       ++points;
     }
   }
@@ -127,7 +128,7 @@ double scale_nees(const InitialState& state, const Scene& scene) {
     }
   }
   C = rho.cwiseInverse().asDiagonal() * C * rho.cwiseInverse().asDiagonal();
-  const VectorXd x = C.llt().solve(VectorXd::Ones(n));
+  const VectorXd x = Cholesky(C).solve(VectorXd::Ones(n));
   return x.dot(error) * x.dot(error) / x.sum();
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <string>
 
 #include "check_covariance.hpp"
 #include "limber/core/chi_square.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/navigate/stereo_filter.hpp"
 #include "scene.hpp"
 
@@ -45,7 +45,7 @@ ParameterVector small_sigma(const std::vector<std::string>& names, const StereoC
 }
 
 double nees(const VectorXd& error, const Eigen::MatrixXd& covariance) {
-  return error.dot(covariance.llt().solve(error));
+  return error.dot(Cholesky(covariance).solve(error));
 }
 
 struct Outcome {

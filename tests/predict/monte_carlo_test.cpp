@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "check_covariance.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/predict/motion.hpp"
 #include "navigation_error.hpp"
 
@@ -45,13 +46,13 @@ TEST(PredictImu, CovarianceIsThatOfManyNoisyRuns) {
   const double per_sample = 1.0 / std::sqrt(kDt);
   const NavigationState start;
   const MatrixXd P_0 = small_initial_covariance(15);
-  const MatrixXd L_0 = P_0.llt().matrixL();
+  const MatrixXd L_0 = Cholesky(P_0).L();
 
   NavigationState estimate = start;
   MatrixXd P = P_0;
   for (int k = 0; k < kSteps; ++k) {
     const Transition step = predict_imu(estimate, omega_at(k), force_at(k), kDt, noise, 9.81);
-    P = (step.Phi * P * step.Phi.transpose() + step.Q).eval();
+    P = congruence(step.Phi, P) + step.Q;
   }
   testing::SampleCovariance errors(15);
   for (int run = 0; run < kRuns; ++run) {
@@ -75,13 +76,13 @@ TEST(PredictConstantVelocity, CovarianceIsThatOfManyNoisyRuns) {
   start.v_world_body << 1.0, 2.0, -0.5;
   start.omega_body << 0.2, -0.3, 0.4;
   const MatrixXd P_0 = small_initial_covariance(12);
-  const MatrixXd L_0 = P_0.llt().matrixL();
+  const MatrixXd L_0 = Cholesky(P_0).L();
 
   NavigationState estimate = start;
   MatrixXd P = P_0;
   for (int k = 0; k < kSteps; ++k) {
     const Transition step = predict_constant_velocity(estimate, kDt, noise);
-    P = (step.Phi * P * step.Phi.transpose() + step.Q).eval();
+    P = congruence(step.Phi, P) + step.Q;
   }
   testing::SampleCovariance errors(12);
   for (int run = 0; run < kRuns; ++run) {
@@ -109,14 +110,14 @@ TEST(PredictOdometry, CovarianceIsThatOfManyNoisyRuns) {
   noise.sigma_omega << 0.01, 0.02, 0.03;
   const NavigationState start;
   const MatrixXd P_0 = small_initial_covariance(6);
-  const MatrixXd L_0 = P_0.llt().matrixL();
+  const MatrixXd L_0 = Cholesky(P_0).L();
   const auto v_at = [](int k) { return Vector3d(2.0, 0.1 * std::sin(0.1 * k), 0.0); };
 
   NavigationState estimate = start;
   MatrixXd P = P_0;
   for (int k = 0; k < kSteps; ++k) {
     const Transition step = predict_odometry(estimate, v_at(k), omega_at(k), kDt, noise);
-    P = (step.Phi * P * step.Phi.transpose() + step.Q).eval();
+    P = congruence(step.Phi, P) + step.Q;
   }
   testing::SampleCovariance errors(6);
   for (int run = 0; run < kRuns; ++run) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "limber/predict/motion.hpp"
+#include "limber/core/factors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -238,7 +239,7 @@ TEST(PredictOdometry, ClosesACircle) {
 
 /// Two steps as one.
 Transition chained(const Transition& first, const Transition& second) {
-  return {second.Phi * first.Phi, second.Phi * first.Q * second.Phi.transpose() + second.Q};
+  return {second.Phi * first.Phi, congruence(second.Phi, first.Q) + second.Q};
 }
 
 /// Largest difference of two steps, Q in units of its own standard deviations.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "limber/smooth/smoother.hpp"
+#include "limber/core/factors.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <vector>
 
@@ -94,7 +94,7 @@ VectorXd pose_error(const NavigationState& truth, const NavigationState& estimat
 }
 
 double nees(const VectorXd& error, const MatrixXd& covariance) {
-  return error.dot(covariance.llt().solve(error));
+  return error.dot(Cholesky(covariance).solve(error));
 }
 
 /// Whether a sum of squares is what so many independent normal numbers add up to.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "limber/state/estimate.hpp"
+#include "limber/core/factors.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "check_covariance.hpp"
@@ -28,9 +28,7 @@ using testing::snapshot;
 
 constexpr StateLayout kWithTheta{MotionModel::kConstantVelocity, true};
 
-bool is_positive_definite(const Estimate& estimate) {
-  return Eigen::LLT<MatrixXd>(estimate.P.dense()).info() == Eigen::Success;
-}
+bool is_positive_definite(const Estimate& estimate) { return Cholesky(estimate.P.dense()).succeeded(); }
 
 TEST(Estimate, StartsWithBodyAndThetaUncorrelated) {
   Generator generator(1);
@@ -425,7 +423,7 @@ TEST(Estimate, LandmarkCovarianceIsThatOfManyDraws) {
       places.push_back(start + k);
     }
   }
-  const MatrixXd root = MatrixXd(estimate.P.dense()(places, places)).llt().matrixL();
+  const MatrixXd root = Cholesky(estimate.P.dense()(places, places)).L();
   testing::SampleCovariance errors(3);
   for (int k = 0; k < 20000; ++k) {
     const VectorXd d = shrink * root * testing::random_normal(generator, 9);

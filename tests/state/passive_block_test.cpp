@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "limber/state/passive_block.hpp"
+#include "limber/core/factors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -68,7 +69,7 @@ class Pair {
     P_.propagate_leading(Phi, Q);
     MatrixXd F = MatrixXd::Identity(dense_.rows(), dense_.rows());
     F.topLeftCorner(kBody, kBody) = Phi;
-    dense_ = (F * dense_ * F.transpose()).eval();
+    dense_ = congruence(F, dense_);
     dense_.topLeftCorner(kBody, kBody) += Q;
   }
 
@@ -167,9 +168,9 @@ class Pair {
     T.block<3, 3>(place(passive_[0]), 3) = C;
     block_.transform_row(0, M);
     block_.couple_row(0, 3, C);
-    dense_ = (T * dense_ * T.transpose()).eval();
+    dense_ = congruence(T, dense_);
     mean_ = (T * mean_).eval();
-    const MatrixXd P = T_active * P_.dense() * T_active.transpose();
+    const MatrixXd P = congruence(T_active, P_.dense());
     P_.set_diagonal_block(0, P);
     for (const int name : {active_[0], passive_[0]}) {
       triplet_mean_[static_cast<std::size_t>(name)] = mean_.segment<3>(place(name));
@@ -300,7 +301,7 @@ TEST(PassiveBlock, CopesWithATripletThatOthersDetermine) {
   copy << MatrixXd::Identity(kBody + 3, kBody + 3), MatrixXd::Zero(3, kBody), Matrix3d::Identity();
   Covariance P;
   P.append(kBody + 6);
-  P.set_diagonal_block(0, copy * A * copy.transpose());
+  P.set_diagonal_block(0, congruence(copy, A));
   PassiveBlock block;
   ASSERT_TRUE(block.change_epoch(P, kBody, {{}, {kBody, kBody + 3}, {}}));
   block.recall(P, kBody, std::vector<Index>{0});

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <random>
 
+#include "limber/core/factors.hpp"
+
 namespace limber::testing {
 
 Eigen::MatrixXd random_positive_definite(Generator& generator, Eigen::Index n, double sigma) {
@@ -38,7 +40,7 @@ void add_random_landmark(Generator& generator, Estimate& estimate, std::int64_t 
   std::normal_distribution<double> draw;
   const Eigen::MatrixXd P = estimate.P.dense();
   const Eigen::MatrixXd G = Eigen::MatrixXd::NullaryExpr(3, P.rows(), [&] { return 0.3 * draw(generator); });
-  estimate.add_landmark(landmark, G * P * G.transpose() + random_positive_definite(generator, 3, 0.01),
+  estimate.add_landmark(landmark, congruence(G, P) + random_positive_definite(generator, 3, 0.01),
                         P * G.transpose());
 }
 

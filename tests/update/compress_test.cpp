@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "check_covariance.hpp"
+#include "limber/core/dense.hpp"
 #include "stereo_problem.hpp"
 
 namespace limber {
@@ -35,7 +36,7 @@ StereoProblem random_problem(Generator& generator, int points, double seen_by_bo
 }
 
 std::vector<ParameterErrorModel> treatments(const StereoProblem& problem) {
-  const MatrixXd white = problem.C * problem.C.transpose();
+  const MatrixXd white = multiply(problem.C, transposed(problem.C));
   return {{}, problem.constrained(), {{}, white}, {problem.C.leftCols<3>(), white}};
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
 #include "check_covariance.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/update/constraint.hpp"
 #include "limber/update/update.hpp"
 #include "stereo_problem.hpp"
@@ -42,19 +42,20 @@ std::vector<StereoProblem> ordinary_problems(Generator& generator, int count) {
 
 /// Condition of DᵀS⁻¹D with D's columns scaled.
 double condition(const StereoProblem& problem) {
-  const MatrixXd S = problem.H() * problem.P.dense() * problem.H().transpose() + problem.R();
-  const MatrixXd DC = problem.z.D * problem.C;
-  const MatrixXd M = DC.transpose() * S.llt().solve(DC);
-  const VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<MatrixXd>(M).eigenvalues();
+  const MatrixXd S = congruence(problem.H(), problem.P.dense()) + problem.R();
+  const MatrixXd DC = multiply(problem.z.D, problem.C);
+  const MatrixXd M = multiply(transposed(DC), Cholesky(S).solve(DC));
+  const VectorXd eigenvalues = symmetric_eigen(M).values;
   return eigenvalues(0) > 0.0 ? eigenvalues(5) / eigenvalues(0) : std::numeric_limits<double>::infinity();
 }
 
 /// Smallest eigenvalue of A in units of the prior: of L⁻¹ A L⁻ᵀ, prior = L Lᵀ.
 double smallest_eigenvalue(const MatrixXd& A, const MatrixXd& prior) {
-  const Eigen::LLT<MatrixXd> llt(prior);
-  const MatrixXd half = llt.matrixL().solve(A);
-  const MatrixXd white = llt.matrixL().solve(half.transpose());
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(white, Eigen::EigenvaluesOnly).eigenvalues()(0);
+  const Cholesky cholesky(prior);
+  MatrixXd white = A;
+  solve_lower(cholesky.factor(), white);
+  solve_lower_from_right(transposed(cholesky.factor()), white);
+  return symmetric_eigen(white).values(0);
 }
 
 TEST(ConstrainedUpdate, NullSpaceFormIsTheGainFormWhereTheConstraintsAreWellConditioned) {
@@ -104,18 +105,18 @@ TEST(ConstrainedUpdate, GainIsBlindToTheConstrainedDirectionsWhateverTheGeometry
     const MatrixXd L = testing::gain(problem, problem.constrained());
     const MatrixXd K = testing::gain(problem, {});
     const VectorXd weight = prior_sigma(problem.P).cwiseInverse();
-    const MatrixXd DC = problem.z.D * problem.C;
+    const MatrixXd DC = multiply(problem.z.D, problem.C);
     const double unconstrained = std::max(1.0, MatrixXd(weight.asDiagonal() * K * DC).cwiseAbs().maxCoeff());
     const MatrixXd heard = weight.asDiagonal() * L * DC;
-    const Eigen::JacobiSVD<MatrixXd> svd(heard, Eigen::ComputeThinV);
-    for (Index k = 0; k < svd.singularValues().size(); ++k) {
-      if (svd.singularValues()(k) <= kNear * unconstrained) {
+    const RightSingular svd = right_singular(heard);
+    for (Index k = 0; k < svd.values.size(); ++k) {
+      if (svd.values(k) <= kNear * unconstrained) {
         continue;  // silenced
       }
       // What is heard is too weak to matter: a plausible error moves no pixel by a thousandth of its noise.
-      const VectorXd moved = problem.z.sigma.cwiseInverse().asDiagonal() * (DC * svd.matrixV().col(k));
+      const VectorXd moved = problem.z.sigma.cwiseInverse().asDiagonal() * (DC * svd.V.col(k));
       EXPECT_LE(moved.norm(), kWeakDirection) << problem.name;
-      EXPECT_LE((heard * svd.matrixV().col(k)).cwiseAbs().maxCoeff(), kWeakDirection) << problem.name;
+      EXPECT_LE((heard * svd.V.col(k)).cwiseAbs().maxCoeff(), kWeakDirection) << problem.name;
     }
   }
 }
@@ -125,7 +126,7 @@ TEST(ConstrainedUpdate, CovarianceStaysPositiveDefiniteWhateverTheGeometry) {
   for (const StereoProblem& problem : testing::degenerate_problems(generator)) {
     const Updated result = updated(problem, problem.constrained());
     EXPECT_EQ(result.P, result.P.transpose()) << problem.name;
-    EXPECT_EQ(Eigen::LLT<MatrixXd>(result.P).info(), Eigen::Success) << problem.name;
+    EXPECT_TRUE(Cholesky(result.P).succeeded()) << problem.name;
     EXPECT_GT(smallest_eigenvalue(result.P, problem.P.dense()), 0.0) << problem.name;
   }
 }

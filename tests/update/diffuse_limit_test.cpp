@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "limber/core/dense.hpp"
 #include "limber/update/update.hpp"
 #include "stereo_problem.hpp"
 
@@ -28,7 +29,7 @@ Updated with_theta_in_the_state(const StereoProblem& problem, double variance) {
   const Index n = problem.P.size();
   StereoProblem full = problem;
   full.P.append(6);
-  full.P.set_diagonal_block(n, variance * problem.C * problem.C.transpose());
+  full.P.set_diagonal_block(n, variance * multiply(problem.C, transposed(problem.C)));
   for (Index row = 0; row < full.z.rows(); row += 2) {
     full.z.H.blocks.push_back({row, n, problem.z.D.block<2, 3>(row, 0)});
     full.z.H.blocks.push_back({row, n + 3, problem.z.D.block<2, 3>(row, 3)});
@@ -41,7 +42,7 @@ Updated with_theta_in_the_state(const StereoProblem& problem, double variance) {
 }
 
 Updated with_white_theta(const StereoProblem& problem, double variance) {
-  return updated(problem, {{}, variance * problem.C * problem.C.transpose()});
+  return updated(problem, {{}, variance * multiply(problem.C, transposed(problem.C))});
 }
 
 std::vector<StereoProblem> problems(Generator& generator) {
@@ -117,9 +118,9 @@ TEST(SoftUpdate, AddsToTheConstraintWhatTheConstraintDoesNotCover) {
     const MatrixXd rotation = problem.C.leftCols<3>();
     const MatrixXd translation = problem.C.rightCols<3>();
     const Updated hard = updated(problem, {rotation, {}});
-    const Updated both = updated(problem, {rotation, 100.0 * rotation * rotation.transpose()});
+    const Updated both = updated(problem, {rotation, 100.0 * multiply(rotation, transposed(rotation))});
     EXPECT_LE(difference(both, hard, prior_sigma(problem.P)), 1e-9) << problem.name;
-    const Updated careful = updated(problem, {rotation, translation * translation.transpose()});
+    const Updated careful = updated(problem, {rotation, multiply(translation, transposed(translation))});
     EXPECT_GT(careful.P.trace(), hard.P.trace()) << problem.name;
     EXPECT_LT(careful.P.trace(), updated(problem, problem.constrained()).P.trace()) << problem.name;
   }

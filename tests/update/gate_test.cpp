@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/gate.hpp"
+#include "limber/core/factors.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <set>
@@ -52,7 +52,7 @@ StereoProblem random_frame(Generator& generator, int count = 20) {
 
 void draw_residual(Generator& generator, StereoProblem& problem) {
   const MatrixXd H = problem.H();
-  const MatrixXd root = problem.P.dense().llt().matrixL();
+  const MatrixXd root = Cholesky(problem.P.dense()).L();
   problem.z.residual = H * root * testing::random_normal(generator, root.rows()) +
                        problem.z.sigma.cwiseProduct(testing::random_normal(generator, H.rows()));
 }
@@ -74,19 +74,19 @@ bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel
     const LinearMeasurement z = problem.z.subset(report.accepted);
     const MatrixXd W = z.sigma.cwiseInverse().asDiagonal();
     const MatrixXd H = W * z.H.dense(z.rows(), P.rows());
-    MatrixXd S = H * P * H.transpose() + MatrixXd::Identity(z.rows(), z.rows());
+    MatrixXd S = congruence(H, P) + MatrixXd::Identity(z.rows(), z.rows());
     if (treatment.white_covariance.size() > 0) {
-      S += W * z.D * treatment.white_covariance * z.D.transpose() * W;
+      S += W * congruence(z.D, treatment.white_covariance) * W;
     }
     // r − D dtheta_hat and its covariance, by the oblique projector onto what D C cannot explain.
     MatrixXd M = MatrixXd::Identity(z.rows(), z.rows());
     if (treatment.constrained.cols() > 0) {
       const MatrixXd A = strong_directions(W * z.D * treatment.constrained);
-      const MatrixXd SinvA = S.llt().solve(A);
-      M -= A * MatrixXd(A.transpose() * SinvA).llt().solve(SinvA.transpose());
+      const MatrixXd SinvA = Cholesky(S).solve(A);
+      add_product(M, -1.0, A, Cholesky(multiply(transposed(A), SinvA)).solve(SinvA.transpose()));
     }
     const VectorXd e = M * (W * z.residual);
-    const MatrixXd B = M * S * M.transpose();
+    const MatrixXd B = congruence(M, S);
     double worst_ratio = 1.0;
     std::size_t worst = problem.z.groups.size();
     std::size_t kept = 0;
@@ -96,9 +96,12 @@ bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel
       }
       const auto [row, rows, own] = z.groups[kept++];
       // In units of the group's own S, or a new landmark's huge variance makes a direction look used up.
-      const MatrixXd L = S.block(row, row, rows, rows).llt().matrixL();
-      const MatrixXd white = L.inverse() * B.block(row, row, rows, rows) * L.inverse().transpose();
-      const VectorXd white_e = L.inverse() * e.segment(row, rows);
+      const Cholesky root(S.block(row, row, rows, rows));
+      MatrixXd white = B.block(row, row, rows, rows);
+      solve_lower(root.factor(), white);
+      solve_lower_from_right(transposed(root.factor()), white);
+      VectorXd white_e = e.segment(row, rows);
+      solve_lower(root.factor(), white_e);
       Eigen::CompleteOrthogonalDecomposition<MatrixXd> block;
       block.setThreshold(1e-8);
       block.compute(white);
@@ -126,7 +129,7 @@ std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErr
   MatrixXd S = innovation.S;
   MatrixXd A(S.rows(), 0);
   if (treatment.white_covariance.size() > 0) {
-    S += innovation.D * treatment.white_covariance * innovation.D.transpose();
+    S += congruence(innovation.D, treatment.white_covariance);
   }
   if (treatment.constrained.cols() > 0) {
     A = 10.0 * innovation.D * treatment.constrained;
@@ -209,7 +212,7 @@ TEST(Gate, AgreesWithTheSlowObviousOne) {
       treatment.constrained = k % 3 == 1 ? problem.C : MatrixXd(problem.C.leftCols<3>());
     }
     if (k % 2 == 0) {
-      treatment.white_covariance = problem.C * problem.C.transpose();
+      treatment.white_covariance = multiply(problem.C, transposed(problem.C));
     }
     const GateReport found = gated(problem, treatment);
     const GateReport expected = obvious_gate(problem, treatment);
@@ -279,11 +282,11 @@ TEST(Gate, WithoutConstraintJudgesEachGroupByItsOwnBlock) {
   StereoProblem problem = random_frame(generator);
   draw_residual(generator, problem);
   const GateReport report = gated(problem, {});
-  const MatrixXd S = problem.H() * problem.P.dense() * problem.H().transpose() + problem.R();
+  const MatrixXd S = congruence(problem.H(), problem.P.dense()) + problem.R();
   for (std::size_t g = 0; g < problem.z.groups.size(); ++g) {
     const auto [row, rows, own] = problem.z.groups[g];
     const VectorXd r = problem.z.residual.segment(row, rows);
-    const double expected = r.dot(S.block(row, row, rows, rows).llt().solve(r));
+    const double expected = r.dot(Cholesky(S.block(row, row, rows, rows)).solve(r));
     EXPECT_NEAR(report.distance[g], expected, 1e-9 * (1.0 + expected));
     EXPECT_NEAR(report.threshold[g], chi_square_quantile(kProbability, static_cast<double>(rows)), 1e-12);
   }

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 
 #include "check_covariance.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/update/update.hpp"
 #include "stereo_problem.hpp"
 
@@ -115,11 +115,11 @@ TEST(Nuisance, IsNothingThatTheWitnessLearnsFrom) {
     ParameterErrorModel how = watch_first(problem);
     how.witness = Witness{n, testing::random_normal(generator, kWitnessSize)};
     const MatrixXd prior = problem.P.dense(), R = problem.R();
-    const MatrixXd DB = problem.z.D * how.watched, DX = problem.z.D * problem.C.rightCols(kNuisance);
+    const MatrixXd DB = multiply(problem.z.D, how.watched), DX = problem.z.D * problem.C.rightCols(kNuisance);
     MatrixXd H = problem.H();
     H.middleCols(n, DB.cols()) += DB;
-    const MatrixXd S = H * prior * H.transpose() + R + 1e8 * DX * DX.transpose();
-    const MatrixXd K = S.llt().solve(H * prior.middleCols(n, kWitnessSize)).transpose();
+    const MatrixXd S = congruence(H, prior) + R + 1e8 * multiply(DX, transposed(DX));
+    const MatrixXd K = Cholesky(S).solve(multiply(H, prior.middleCols(n, kWitnessSize))).transpose();
     const VectorXd expected = K * (problem.z.residual - DB * how.witness->mean.head(DB.cols()));
 
     Covariance P = problem.P;

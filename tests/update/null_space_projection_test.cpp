@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 
 #include "check_covariance.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/update/constraint.hpp"
 #include "limber/update/null_space_projection.hpp"
 #include "limber/update/update.hpp"
@@ -67,7 +68,8 @@ TEST(NullSpaceProjection, IsAnOrthogonalChangeOfRows) {
   for (const Case& c : cases(generator)) {
     const Index m = c.D.rows();
     const MatrixXd Qt = whole(NullSpaceProjection(strong_directions(c.D)), m);
-    EXPECT_LE((Qt * Qt.transpose() - MatrixXd::Identity(m, m)).cwiseAbs().maxCoeff(), 1e-13) << c.name;
+    EXPECT_LE((multiply(Qt, transposed(Qt)) - MatrixXd::Identity(m, m)).cwiseAbs().maxCoeff(), 1e-13)
+        << c.name;
   }
 }
 
@@ -103,8 +105,7 @@ TEST(NullSpaceProjection, ActsOnColumnsAsOnRows) {
 
 TEST(StrongDirections, LeaveAloneWhatMovesNoPixelByAThousandthOfItsNoise) {
   Generator generator(5);
-  const MatrixXd U =
-      random_matrix(generator, 20, 2).householderQr().householderQ() * MatrixXd::Identity(20, 2);
+  const MatrixXd U = householder_qr(random_matrix(generator, 20, 2)).Q().leftCols(2);
   for (const auto& [strength, rank] : std::vector<std::pair<double, Index>>{
            {2.0 * kWeakDirection, 2}, {0.5 * kWeakDirection, 1}, {0.0, 1}}) {
     MatrixXd D = U;
@@ -119,13 +120,13 @@ TEST(StrongDirections, LeaveAloneWhatMovesNoPixelByAThousandthOfItsNoise) {
 TEST(NullSpaceProjection, SilencesWhatIsStrongInDegenerateStereoGeometry) {
   Generator generator(6);
   for (const testing::StereoProblem& problem : testing::degenerate_problems(generator)) {
-    const MatrixXd D = problem.z.sigma.cwiseInverse().asDiagonal() * problem.z.D * problem.C;
+    const MatrixXd D = problem.z.sigma.cwiseInverse().asDiagonal() * multiply(problem.z.D, problem.C);
     const NullSpaceProjection projection(strong_directions(D));
     MatrixXd moved = D;
     projection.apply_left(moved);
     const MatrixXd left_over = moved.bottomRows(D.rows() - projection.rank());
     if (left_over.size() > 0) {
-      EXPECT_LE(left_over.jacobiSvd().singularValues()(0), kWeakDirection) << problem.name;
+      EXPECT_LE(right_singular(left_over).values(0), kWeakDirection) << problem.name;
     }
   }
 }
@@ -136,7 +137,7 @@ Innovation random_innovation(Generator& generator, Index rows, const MatrixXd& s
   out.r = testing::random_normal(generator, rows);
   out.D = random_matrix(generator, rows, 6);
   const MatrixXd A = random_matrix(generator, rows, rows);
-  out.S = A * A.transpose() + MatrixXd::Identity(rows, rows);
+  out.S = multiply(A, transposed(A)) + MatrixXd::Identity(rows, rows);
   out.PHt = random_matrix(generator, 9, rows);
   out.stateless = {testing::random_normal(generator, stateless_D.rows()), stateless_D};
   return out;
@@ -175,12 +176,12 @@ TEST(StatelessRows, SayWhatTheySayAmongTheOthers) {
              {{}, {}, C, {}},
              {C, {}, C, {}},
              {C.leftCols<3>(), {}, C.leftCols<3>(), {}},
-             {{}, root * root.transpose(), C, {}},
+             {{}, multiply(root, transposed(root)), C, {}},
              {{}, 1e4 * MatrixXd::Identity(6, 6), C, {}},
-             {C.rightCols<2>(), root * root.transpose(), C.rightCols<2>(), {}}}) {
+             {C.rightCols<2>(), multiply(root, transposed(root)), C.rightCols<2>(), {}}}) {
       const Innovation parts = random_innovation(generator, 14, E);
       MatrixXd start = MatrixXd::Identity(9, 9);
-      start += 40.0 * parts.PHt * parts.PHt.transpose();
+      start += 40.0 * multiply(parts.PHt, transposed(parts.PHt));
       Covariance P_parts, P_joined;
       P_parts.assign(start);
       P_joined.assign(start);
@@ -212,9 +213,9 @@ TEST(StrongDirections, SpanTheColumnSpaceWithoutTheWeak) {
       continue;
     }
     // D is within their span.
-    const MatrixXd rest = c.D - strong * strong.householderQr().solve(c.D);
+    const MatrixXd rest = c.D - multiply(strong, multiply(pseudo_inverse(strong), c.D));
     EXPECT_LE(rest.cwiseAbs().maxCoeff(), 1e-12) << c.name;
-    EXPECT_EQ(Eigen::FullPivLU<MatrixXd>(strong).rank(), c.rank) << c.name;
+    EXPECT_EQ(pivoted_qr(strong).rank, c.rank) << c.name;
   }
 }
 

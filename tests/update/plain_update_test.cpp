@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "check_covariance.hpp"
+#include "limber/core/dense.hpp"
 #include "limber/core/divergence_error.hpp"
 #include "limber/update/innovation.hpp"
 #include "limber/update/update.hpp"
@@ -213,9 +214,9 @@ TEST(FormInnovation, IsTheDenseOneInUnitsOfTheNoise) {
     problem.z.sigma = (0.5 * testing::random_normal(generator, problem.z.rows())).cwiseAbs().array() + 0.2;
     const Innovation innovation = form_innovation(problem.P, problem.z);
     const MatrixXd W = problem.z.sigma.cwiseInverse().asDiagonal();
-    const MatrixXd H = W * problem.H();
-    const MatrixXd PHt = problem.P.dense() * H.transpose();
-    const MatrixXd S = H * PHt + MatrixXd::Identity(H.rows(), H.rows());
+    const MatrixXd H = multiply(W, problem.H());
+    const MatrixXd PHt = multiply(problem.P.dense(), transposed(H));
+    const MatrixXd S = multiply(H, PHt) + MatrixXd::Identity(H.rows(), H.rows());
     EXPECT_LE((innovation.r - W * problem.z.residual).cwiseAbs().maxCoeff(), 1e-12);
     EXPECT_LE((innovation.D - W * problem.z.D).cwiseAbs().maxCoeff(), 1e-9);
     EXPECT_LE((innovation.PHt - PHt).cwiseAbs().maxCoeff(), 1e-12 * PHt.cwiseAbs().maxCoeff());

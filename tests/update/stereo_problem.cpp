@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "update/stereo_problem.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "check_covariance.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/measure/point_rows.hpp"
 
 namespace limber::testing {
@@ -186,13 +186,13 @@ Updated textbook_ekf(const StereoProblem& problem) {
   const Eigen::MatrixXd P = problem.P.dense();
   const Eigen::MatrixXd H = problem.H();
   const Eigen::MatrixXd R = problem.R();
-  const Eigen::MatrixXd S = H * P * H.transpose() + R;
-  const Eigen::MatrixXd K = S.llt().solve(H * P).transpose();
-  const Eigen::MatrixXd I_KH = Eigen::MatrixXd::Identity(P.rows(), P.rows()) - K * H;
+  const Eigen::MatrixXd S = congruence(H, P) + R;
+  const Eigen::MatrixXd K = Cholesky(S).solve(multiply(H, P)).transpose();
+  const Eigen::MatrixXd I_KH = Eigen::MatrixXd::Identity(P.rows(), P.rows()) - multiply(K, H);
   Updated out;
   out.report.dx = K * problem.z.residual;
-  out.report.nis = problem.z.residual.dot(S.llt().solve(problem.z.residual));
-  out.P = I_KH * P * I_KH.transpose() + K * R * K.transpose();
+  out.report.nis = problem.z.residual.dot(Cholesky(S).solve(problem.z.residual));
+  out.P = congruence(I_KH, P) + congruence(K, R);
   return out;
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "limber/update/whiten.hpp"
+#include "limber/core/factors.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <limits>
 
 #include "check_covariance.hpp"
@@ -20,7 +20,7 @@ TEST(WhitenColumns, IsTheTriangularSolveFromTheRight) {
   for (const Index m : {1, 2, 7, 8, 9, 15, 16, 17, 24, 31, 64, 65, 100}) {
     for (const Index n : {1, 5, 8, 21, 130}) {
       const MatrixXd A = testing::random_normal(generator, m * m).reshaped(m, m);
-      MatrixXd L = (A * A.transpose() + MatrixXd::Identity(m, m)).llt().matrixL();
+      MatrixXd L = Cholesky(multiply(A, transposed(A)) + MatrixXd::Identity(m, m)).L();
       const MatrixXd X = testing::random_normal(generator, n * m).reshaped(n, m);
       MatrixXd white = X;
       const MatrixXd lower = L;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/QR>
 
 #include "check_covariance.hpp"
+#include "limber/core/factors.hpp"
 #include "limber/update/update.hpp"
 #include "stereo_problem.hpp"
 
@@ -56,18 +56,19 @@ Joint joseph(const WitnessProblem& problem) {
   const MatrixXd P = problem.stereo.P.dense();
   const Index n = P.rows(), at = problem.witness.at;
   const MatrixXd H_states = problem.stereo.H(), R = problem.stereo.R();
-  const MatrixXd DC = problem.stereo.z.D * problem.stereo.C;
+  const MatrixXd DC = multiply(problem.stereo.z.D, problem.stereo.C);
   MatrixXd H = H_states;
   H.middleCols(at, kWitnessSize) = DC;
-  const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(DC).householderQ();
+  const MatrixXd Q = householder_qr(DC).Q();
   const MatrixXd N = Q.rightCols(Q.cols() - DC.cols());
-  MatrixXd G = P * H_states.transpose() * N *
-               (N.transpose() * (H_states * P * H_states.transpose() + R) * N).llt().solve(N.transpose());
-  const MatrixXd S = H * P * H.transpose() + R;
-  G.middleRows(at, kWitnessSize) = S.llt().solve(H * P.middleCols(at, kWitnessSize)).transpose();
-  const MatrixXd A = MatrixXd::Identity(n, n) - G * H;
-  Joint out{G * (problem.stereo.z.residual - DC * problem.witness.mean), A * P * A.transpose()};
-  out.P += G * R * G.transpose();
+  const MatrixXd S_rest = congruence(transposed(N), congruence(H_states, P) + R);
+  MatrixXd G =
+      multiply(multiply(multiply(P, transposed(H_states)), N), Cholesky(S_rest).solve(N.transpose()));
+  const MatrixXd S = congruence(H, P) + R;
+  G.middleRows(at, kWitnessSize) = Cholesky(S).solve(multiply(H, P.middleCols(at, kWitnessSize))).transpose();
+  const MatrixXd A = MatrixXd::Identity(n, n) - multiply(G, H);
+  Joint out{G * (problem.stereo.z.residual - DC * problem.witness.mean), congruence(A, P)};
+  out.P += congruence(G, R);
   return out;
 }
 
@@ -113,10 +114,10 @@ TEST(ParameterEvidence, IsThatOfTheInnovation) {
   for (const bool constrained : {false, true}) {
     const StereoProblem problem = testing::make_problem(generator, "evidence", testing::stereo_rig(2.0),
                                                         testing::random_points(generator, 15, 2.0, 60.0));
-    const MatrixXd S = problem.H() * problem.P.dense() * problem.H().transpose() + problem.R();
-    const MatrixXd DC = problem.z.D * problem.C;
-    const MatrixXd information = DC.transpose() * S.llt().solve(DC);
-    const VectorXd vector = DC.transpose() * S.llt().solve(problem.z.residual);
+    const MatrixXd S = congruence(problem.H(), problem.P.dense()) + problem.R();
+    const MatrixXd DC = multiply(problem.z.D, problem.C);
+    const MatrixXd information = multiply(transposed(DC), Cholesky(S).solve(DC));
+    const VectorXd vector = DC.transpose() * Cholesky(S).solve(problem.z.residual);
     ParameterErrorModel how;
     how.watched = problem.C;
     if (constrained) {
@@ -128,7 +129,7 @@ TEST(ParameterEvidence, IsThatOfTheInnovation) {
     EXPECT_LE((evidence.vector - vector).norm(), 1e-8 * vector.norm());
     const EvidenceStatistic s = statistic(evidence, 1e-12);
     EXPECT_EQ(s.dof, 6);
-    EXPECT_NEAR(s.value, vector.dot(information.ldlt().solve(vector)), 1e-6 * s.value);
+    EXPECT_NEAR(s.value, vector.dot(solve_symmetric(information, vector)), 1e-6 * s.value);
   }
 }
 
@@ -139,7 +140,7 @@ TEST(ParameterEvidence, AWhiteShareCanBeTakenOutAgain) {
   ParameterErrorModel plain;
   plain.watched = problem.C;
   ParameterErrorModel soft = plain;
-  soft.white_covariance = problem.C * problem.C.transpose();
+  soft.white_covariance = multiply(problem.C, transposed(problem.C));
   Covariance P_plain = problem.P, P_soft = problem.P;
   const ParameterEvidence expected = update(P_plain, problem.z, plain).evidence;
   const ParameterEvidence with_share = update(P_soft, problem.z, soft).evidence;

@@ -54,14 +54,10 @@ class PassiveBlock {
   Eigen::Index remove(Eigen::Index row);
 
   /// Correction of the passive means that a correction dz of z implies.
-  [[nodiscard]] Eigen::VectorXd correction(const Eigen::Ref<const Eigen::VectorXd>& dz) const {
-    return Gt_.transpose() * dz;
-  }
+  [[nodiscard]] Eigen::VectorXd correction(const Eigen::Ref<const Eigen::VectorXd>& dz) const;
   /// The same for one triplet.
   [[nodiscard]] Eigen::Vector3d correction(Eigen::Index row,
-                                           const Eigen::Ref<const Eigen::VectorXd>& dz) const {
-    return Gt_.middleCols<kTriplet>(row).transpose() * dz;
-  }
+                                           const Eigen::Ref<const Eigen::VectorXd>& dz) const;
 
   /// Covariance of the triplets at two rows, P as during the epoch.
   [[nodiscard]] Eigen::Matrix3d triplet_block(const Covariance& P, Eigen::Index body_size, Eigen::Index row,
@@ -70,22 +66,16 @@ class PassiveBlock {
   [[nodiscard]] Eigen::MatrixXd cross(const Covariance& P, Eigen::Index body_size, Eigen::Index row) const;
 
   /// x_d := x_d + C z_k for the triplet at `row`, z_k the triplet of z at `column`.
-  void couple_row(Eigen::Index row, Eigen::Index column, const Eigen::Matrix3d& C) {
-    Gt_.block<kTriplet, kTriplet>(column, row) += C.transpose();
-  }
+  void couple_row(Eigen::Index row, Eigen::Index column, const Eigen::Matrix3d& C);
   /// x_d := M x_d for the triplet at `row`.
   void transform_row(Eigen::Index row, const Eigen::Matrix3d& M);
 
   /// z_k is from now on measured as z_k := M z_k, M invertible.
   void transform_column(Eigen::Index column, const Eigen::Matrix3d& M);
   /// z is from now on measured as z := z + C z_j, C: z_size × 3, zero in the rows of z_j.
-  void couple_columns(Eigen::Index other, const Eigen::Ref<const Eigen::MatrixXd>& C) {
-    Gt_.middleRows<kTriplet>(other) -= (C.transpose() * Gt_).eval();
-  }
+  void couple_columns(Eigen::Index other, const Eigen::Ref<const Eigen::MatrixXd>& C);
   /// z_k is from now on measured as z_k := z_k + C z_j.
-  void couple_column(Eigen::Index column, Eigen::Index other, const Eigen::Matrix3d& C) {
-    Gt_.middleRows<kTriplet>(other) -= (C.transpose() * Gt_.middleRows<kTriplet>(column)).eval();
-  }
+  void couple_column(Eigen::Index column, Eigen::Index other, const Eigen::Matrix3d& C);
 
  private:
   [[nodiscard]] Eigen::MatrixXd rows_of(const std::vector<Eigen::Index>& states,
