@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "limber/core/median.hpp"
@@ -16,6 +17,7 @@ constexpr std::int64_t kGapNs = 100'000'000;
 constexpr double kLeastForce = 0.5, kLargestForce = 1.5;  // mean specific force, in gravities
 constexpr double kLargestRate = 10.0;                     // [rad/s] mean, of anything that carries cameras
 constexpr double kSuspiciousNis = 3.0;                    // per degree of freedom
+constexpr double kModestNis = 0.4;                        // "
 
 double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
 
@@ -113,7 +115,7 @@ std::vector<std::string> remarks_on_input(const Recording& recording, MotionMode
 }
 
 std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method method,
-                                                 const PointCount& points) {
+                                                 const PixelNoise& sigma_px, const PointCount& points) {
   std::vector<std::string> remarks;
   std::size_t used = 0;
   double nis = 0.0, dof = 0.0;
@@ -135,6 +137,13 @@ std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method
         "NIS per degree of freedom is {:.3g}, 1 is expected: the measurements contradict the model; is the "
         "calibration wrong, or the noise larger than assumed (--sigma-px)?",
         nis / dof));
+  } else if (dof > 0.0 && nis < kModestNis * dof) {
+    const double assumed = std::sqrt(sigma_px.squaredNorm() / 4.0);
+    remarks.push_back(fmt::format(
+        "NIS per degree of freedom is {:.2g}, 1 is expected: pixels scatter from frame to frame by about "
+        "{:.2g} px "
+        "where {:.2g} px are assumed; where errors do not stay along a track, --sigma-px {:.2g} is better",
+        nis / dof, assumed * std::sqrt(nis / dof), assumed, assumed * std::sqrt(nis / dof)));
   }
   return remarks;
 }

@@ -30,7 +30,9 @@ struct PointCount {
 };
 
 /// What the measurements did in this run: cameras that saw nothing, residuals that contradict the model.
+/// @param sigma_px  assumed
 [[nodiscard]] std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method method,
+                                                               const PixelNoise& sigma_px,
                                                                const PointCount& points);
 
 }  // namespace limber::detail

@@ -273,7 +273,8 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     record.notes.push_back(fmt::format("stopped after {} of {} frames: these are partial results",
                                        record.frames.size(), record.frames_of_recording - first));
   }
-  append(record.notes, detail::remarks_on_measurements(record, options.method, points));
+  append(record.notes,
+         detail::remarks_on_measurements(record, options.method, setup.navigator.sigma_px, points));
   return record;
 }
 

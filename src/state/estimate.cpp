@@ -22,6 +22,7 @@ using L = StateLayout;
 namespace {
 
 constexpr double kCloneJitterPosition = 1e-6;  // [m]
+constexpr double kRounding = 1e-12;            // of a variance, over many updates
 constexpr double kCloneJitterAttitude = 1e-7;  // [rad]
 
 void retract_attitude(Matrix3d& R, const Vector3d& dtheta) { R = so3_normalized(R * so3_exp(dtheta)); }
@@ -284,7 +285,8 @@ int Estimate::append_anchor(const Pose& T_world_frame, const Pose& T_frame_cam0)
 /// @param columns  of P: those of the anchor's two triplets
 void Estimate::add_jitter(const Anchor& anchor, MatrixXd& columns) const {
   for (Index k = 0; k < kTriplet; ++k) {
-    columns(anchor.position_at + k, k) += kCloneJitterPosition * kCloneJitterPosition;
+    const double rounding = kRounding * columns(anchor.position_at + k, k);
+    columns(anchor.position_at + k, k) += kCloneJitterPosition * kCloneJitterPosition + rounding;
     columns(anchor.attitude_at + k, kTriplet + k) += kCloneJitterAttitude * kCloneJitterAttitude;
   }
 }

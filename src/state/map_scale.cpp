@@ -19,9 +19,12 @@ using L = StateLayout;
 
 namespace {
 
-constexpr double kJitter = 1e-4;        // of the map's scale [-]: keeps P positive definite
-constexpr double kOwnError = 3e-3;      // of a log depth [-]: no landmark is trusted for more
-constexpr double kStraightUpTo = 0.5;   // a correction of the log scale from where on the factor is bent
+/// What nobody knows at all is not known worse than that [-]: new depths come from the assumed baseline,
+/// which may be long or short by a half. Wider, one linear step could turn the map inside out.
+constexpr double kWidest = 0.5;
+constexpr double kJitter = 1e-4;       // of the map's scale [-]: keeps P positive definite
+constexpr double kOwnError = 3e-3;     // of a log depth [-]: no landmark is trusted for more
+constexpr double kStraightUpTo = 0.5;  // a correction of the log scale from where on the factor is bent
 
 /// The factor of all lengths where the log scale is corrected by s: one over that of an inverse depth, which
 /// goes down by the share s. It is linear in what frames are linear in, and stays positive.
@@ -70,8 +73,8 @@ VectorXd Estimate::displacements(const VectorXd& dx, const Growth& by) const {
   out.segment<3>(L::kVelocity) += beyond * nav.v_world_body;
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     const Index at = layout_.map_begin() + kTriplet * static_cast<Index>(k);
-    const ScaleCoupling since =
-        scale_coupling(active_blocks_[k], displacement_in_epoch(at), at < frozen_end_ ? body_moved_ : Vector3d::Zero());
+    const ScaleCoupling since = scale_coupling(active_blocks_[k], displacement_in_epoch(at),
+                                               at < frozen_end_ ? body_moved_ : Vector3d::Zero());
     out.segment<3>(at) = displacement(active_blocks_[k], dx.segment<3>(at), by) +
                          by.of_velocity.log * since.velocity + by.of_map.log * since.map;
   }
@@ -169,6 +172,9 @@ void Estimate::refresh_map_scale() {
   columns.middleRows<kTriplet>(at).setIdentity();
   columns(at, 0) = c.dot(columns.col(0)) + kJitter * kJitter;
   P.scatter(std::array<Index, 1>{at}, columns);
+  if (columns(at, 0) > kWidest * kWidest) {  // as if it had been measured, and nothing been wrong
+    P.subtract_outer(columns.leftCols<1>() / std::sqrt(columns(at, 0) + kWidest * kWidest));
+  }
 }
 
 }  // namespace limber

@@ -118,7 +118,8 @@ Known fly(std::uint64_t seed, const Way& way, Method method, double duration_s) 
   const Vector3d v = estimate.nav.v_world_body;
   if (way.v.norm() > 0.0) {
     const Vector3d along = v.normalized();
-    out.of_velocity = std::sqrt(along.dot(estimate.P.diagonal_block<3>(StateLayout::kVelocity) * along)) / v.norm();
+    out.of_velocity =
+        std::sqrt(along.dot(estimate.P.diagonal_block<3>(StateLayout::kVelocity) * along)) / v.norm();
     out.off = v.norm() / way.v.norm() - 1.0;
   }
   return out;
