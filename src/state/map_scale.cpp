@@ -35,16 +35,19 @@ double factor(double s) {
 
 }  // namespace
 
+/// How surely the velocity is one, from 0 to 1.
+double Estimate::moves() const {
+  const double size = nav.v_world_body.squaredNorm();
+  const double doubt = P.diagonal_block<3>(L::kVelocity).trace() / size;
+  return size > 0.0 ? 1.0 / (1.0 + doubt * doubt * doubt * doubt) : 0.0;
+}
+
 /// How far off the scale is where the velocity is off by dv: the row times dv [-]. Nil where the velocity is
 /// not known to differ from zero.
 RowVector3d Estimate::scale_of_velocity() const {
+  const double share = layout_.has_map_scale ? moves() : 0.0;
   const Vector3d& v = nav.v_world_body;
-  const double size = v.squaredNorm();
-  if (!layout_.has_map_scale || !(size > 0.0)) {
-    return RowVector3d::Zero();
-  }
-  const double doubt = P.diagonal_block<3>(L::kVelocity).trace() / size;
-  return v.transpose() / (size * (1.0 + doubt * doubt * doubt * doubt));
+  return share > 0.0 ? RowVector3d(share / v.squaredNorm() * v.transpose()) : RowVector3d::Zero();
 }
 
 Estimate::Growth Estimate::growth(const VectorXd& dx) const {
@@ -52,7 +55,7 @@ Estimate::Growth Estimate::growth(const VectorXd& dx) const {
     return {};
   }
   const double of_velocity = scale_of_velocity() * dx.segment<3>(L::kVelocity);
-  const double of_map = dx(layout_.map_scale());
+  const double of_map = of_velocity + (1.0 - moves()) * dx(layout_.map_scale());
   return {{of_velocity, factor(of_velocity)}, {of_map, factor(of_map)}};
 }
 
@@ -76,7 +79,7 @@ VectorXd Estimate::displacements(const VectorXd& dx, const Growth& by) const {
     const ScaleCoupling since = scale_coupling(active_blocks_[k], displacement_in_epoch(at),
                                                at < frozen_end_ ? body_moved_ : Vector3d::Zero());
     out.segment<3>(at) = displacement(active_blocks_[k], dx.segment<3>(at), by) +
-                         by.of_velocity.log * since.velocity + by.of_map.log * since.map;
+                         by.of_velocity.log * since.velocity + dx(layout_.map_scale()) * since.map;
   }
   return out;
 }
@@ -108,9 +111,12 @@ Estimate::ScaleCoupling Estimate::scale_coupling(StateBlock block, const Vector3
   if (block.owner != Owner::kLandmark) {
     return {Vector3d::Zero(), Vector3d::Zero()};
   }
-  return landmarks_[block.index].kind == LandmarkKind::kCartesian
-             ? ScaleCoupling{of_body, displacement - of_body}
-             : ScaleCoupling{Vector3d::Zero(), {0.0, 0.0, -displacement.z()}};
+  const double rests = 1.0 - moves();
+  if (landmarks_[block.index].kind == LandmarkKind::kCartesian) {
+    return {displacement, rests * (displacement - of_body)};
+  }
+  const Vector3d grown(0.0, 0.0, -displacement.z());
+  return {grown, rests * grown};
 }
 
 void Estimate::couple_scales(MatrixXd& U, Index at, const ScaleCoupling& coupling) const {

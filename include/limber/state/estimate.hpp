@@ -157,6 +157,7 @@ class Estimate {
     double variance;
   };
   [[nodiscard]] std::vector<LogDepth> log_depths() const;
+  [[nodiscard]] double moves() const;
   [[nodiscard]] Eigen::RowVector3d scale_of_velocity() const;
   [[nodiscard]] Growth growth(const Eigen::VectorXd& dx) const;
   [[nodiscard]] Eigen::VectorXd displacements(const Eigen::VectorXd& dx, const Growth& by) const;
