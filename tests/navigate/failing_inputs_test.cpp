@@ -347,22 +347,25 @@ TEST(FailingInputs, GoingBackTakesNoFrameMuchLongerThanAnother) {
   };
   const Scene scene = make_scene(scene_options);
   Navigator navigator(with_method(scene, Method::kAdaptive), scene.calibration, scene.initial);
-  std::vector<double> spent;
-  std::size_t next = 0, replayed = 0;
+  std::vector<double> ordinary, going_back;
+  std::size_t next = 0;
   for (std::size_t k = 0; k < scene.frames.size(); ++k) {
     for (; next < scene.inputs.size() && scene.inputs[next].t_ns <= scene.frames[k].t_ns; ++next) {
       navigator.add_imu({scene.inputs[next].t_ns, scene.inputs[next].first, scene.inputs[next].second});
     }
+    // While it goes back, the parallel filter answers.
+    const auto parallel_answers = [&] { return navigator.estimate().layout().has_witness; };
+    const bool went_back = parallel_answers();
     const double begin = cpu_seconds();
     (void)navigator.process(scene.frames[k]);
-    spent.push_back(cpu_seconds() - begin);
-    replayed += navigator.estimate().layout().has_witness ? 1 : 0;  // the parallel filter answers
+    (went_back || parallel_answers() ? going_back : ordinary).push_back(cpu_seconds() - begin);
     EXPECT_EQ(navigator.estimate().nav.t_ns, scene.frames[k].t_ns);
   }
-  EXPECT_GE(replayed, 5U);
+  ASSERT_GE(going_back.size(), 5U);
   EXPECT_FALSE(navigator.estimate().layout().has_witness);
-  std::sort(spent.begin(), spent.end());
-  EXPECT_LE(spent.back(), 8.0 * spent[spent.size() / 2]);
+  // Four frames' work instead of two; and of both kinds the longest, for frames differ by a factor of ten.
+  EXPECT_LE(*std::max_element(going_back.begin(), going_back.end()),
+            3.0 * *std::max_element(ordinary.begin(), ordinary.end()));
 }
 
 }  // namespace
