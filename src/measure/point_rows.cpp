@@ -59,10 +59,9 @@ void write_point_rows(LinearMeasurement& measurement, Index row, const Eigen::Ve
   if (projection.J_motion) {
     push_motion(blocks, row, *projection.J_motion, layout.motion);
   }
-  if (projection.J_scales) {
-    blocks.push_back({row, L::kVelocity, projection.J_scales->velocity});
+  if (projection.J_map_scale) {
     blocks.push_back({row, layout.map_scale(), Eigen::Matrix<double, 2, 3>::Zero()});
-    blocks.back().value.col(0) = projection.J_scales->map_scale;
+    blocks.back().value.col(0) = *projection.J_map_scale;
   }
   measurement.D.middleRows<2>(row).leftCols<kBlockSize>() = projection.J_theta;
   if (layout.has_theta) {

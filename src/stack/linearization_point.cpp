@@ -39,10 +39,9 @@ Matrix2d predicted_covariance(const Estimate& estimate, const Landmark& landmark
     J.emplace_back(anchor->position_at, projection.J_anchor_position);
     J.emplace_back(anchor->attitude_at, projection.J_anchor_attitude);
   }
-  if (projection.J_scales) {
-    J.emplace_back(StateLayout::kVelocity, projection.J_scales->velocity);
+  if (projection.J_map_scale) {
     J.emplace_back(estimate.layout().map_scale(), Eigen::Matrix<double, 2, 3>::Zero());
-    J.back().second.col(0) = projection.J_scales->map_scale;
+    J.back().second.col(0) = *projection.J_map_scale;
   }
   Matrix2d covariance = Matrix2d::Zero();
   for (const auto& [row, J_row] : J) {

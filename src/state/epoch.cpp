@@ -81,7 +81,6 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
   drift_.setZero(frozen_end_ - layout_.map_begin());
   moved_ = drift_;
   grown_ = {};
-  body_moved_.setZero();
   refresh_map_scale();
   epoch_began_ns_ = nav.t_ns;
 }
@@ -101,10 +100,10 @@ void Estimate::carry_active(const std::vector<Move>& kept) {
     } else if (is_world_vector(kept[k].block)) {
       U.block<kTriplet, kTriplet>(at, 0) = -skew(kept[k].displacement) * nav.T_world_body.R;
     }
-    couple_scales(U, at, scale_coupling(kept[k].block, kept[k].displacement, body_moved_));
+    couple_scale(U, at, grown(kept[k].block, kept[k].displacement));
   }
   if (!passive_.empty()) {
-    const std::array<Index, 3> to = {L::kAttitude, L::kVelocity, layout_.map_scale()};
+    const std::array<Index, 2> to = {L::kAttitude, layout_.map_scale()};
     for (Index k = 0; kTriplet * k < U.cols(); ++k) {
       passive_.couple_columns(to[static_cast<std::size_t>(k)],
                               U.block(layout_.map_begin(), kTriplet * k, passive_.z_size(), kTriplet));
@@ -122,9 +121,8 @@ void Estimate::carry_dormant(const std::vector<Move>& passive) {
       passive_.couple_row(row, L::kAttitude, -skew(passive[k].displacement) * nav.T_world_body.R);
     }
     if (layout_.has_map_scale) {
-      const ScaleCoupling by = scale_coupling(passive[k].block, passive[k].displacement, body_moved_);
-      passive_.couple_row(row, L::kVelocity, by.velocity * scale_of_velocity());
-      passive_.couple_row(row, layout_.map_scale(), by.map * Eigen::RowVector3d::UnitX());
+      passive_.couple_row(row, layout_.map_scale(),
+                          grown(passive[k].block, passive[k].displacement) * Eigen::RowVector3d::UnitX());
     }
   }
 }
@@ -139,17 +137,13 @@ void Estimate::refer_to_epoch(const Landmark& landmark, PointProjection& project
   // Error of a world vector now: its own in P − [displacement]_x R dtheta, as in transport().
   const Matrix3d R = nav.T_world_body.R;
   if (layout_.has_map_scale && landmark.at < frozen_end_) {
-    const auto coupling = [&](Index at) {
-      return scale_coupling(active_blocks_[slot(at)], displacement_in_epoch(at), body_moved_);
+    const auto grown_since = [&](Index at) {
+      return grown(active_blocks_[slot(at)], displacement_in_epoch(at));
     };
-    const ScaleCoupling own = coupling(landmark.at);
-    PointProjection::ScaleJacobians J{projection.J_landmark * own.velocity * scale_of_velocity(),
-                                      projection.J_landmark * own.map};
+    projection.J_map_scale = projection.J_landmark * grown_since(landmark.at);
     if (anchor != nullptr) {
-      J.velocity +=
-          projection.J_anchor_position * coupling(anchor->position_at).velocity * scale_of_velocity();
+      *projection.J_map_scale += projection.J_anchor_position * grown_since(anchor->position_at);
     }
-    projection.J_scales = J;
   }
   if (anchor == nullptr) {
     projection.J_attitude -= projection.J_landmark * skew(displacement_in_epoch(landmark.at)) * R;

@@ -119,7 +119,6 @@ void Estimate::retract(const Eigen::VectorXd& dx) {
   drift_ += dx.segment(layout_.map_begin(), drift_.size());
   moved_ += moved.segment(layout_.map_begin(), moved_.size());
   grown_ += by;
-  body_moved_ += moved.segment<3>(L::kPosition);
 }
 
 void Estimate::retract_parameters(const Eigen::VectorXd& dx) {
@@ -163,17 +162,16 @@ bool Estimate::is_world_vector(StateBlock block) const {
 void Estimate::transport(const Eigen::VectorXd& dx) {
   const Index attitude = L::kAttitude;
   const Matrix3d turned_back = so3_exp(-dx.segment<3>(attitude));
-  const Vector3d of_body = dx.segment<3>(L::kPosition);
   // Rows of the world vectors: error − [dx]_x R dtheta; of lengths: + displacement * (error of the scale).
   MatrixXd U = MatrixXd::Zero(size(), coupled_columns());
   const auto couple = [&](Index at) {
     U.block<kTriplet, kTriplet>(at, 0) = -skew(dx.segment<3>(at)) * nav.T_world_body.R;
   };
   couple(L::kPosition);
-  couple_scales(U, L::kPosition, {of_body, Vector3d::Zero()});
+  couple_scale(U, L::kPosition, dx.segment<3>(L::kPosition));
   if (layout_.motion != MotionModel::kOdometry) {
     couple(L::kVelocity);
-    couple_scales(U, L::kVelocity, {dx.segment<3>(L::kVelocity), Vector3d::Zero()});
+    couple_scale(U, L::kVelocity, dx.segment<3>(L::kVelocity));
   }
   for (Index at = frozen_end_; at < size(); at += kTriplet) {
     const StateBlock block = active_blocks_[slot(at)];
@@ -182,23 +180,23 @@ void Estimate::transport(const Eigen::VectorXd& dx) {
     } else if (is_world_vector(block)) {
       couple(at);
     }
-    couple_scales(U, at, scale_coupling(block, dx.segment<3>(at), of_body));
+    couple_scale(U, at, grown(block, dx.segment<3>(at)));
   }
   U.block<kTriplet, kTriplet>(attitude, 0) = turned_back - Matrix3d::Identity();
   add_couplings(U);
 }
 
-/// P := (I + U Eᵀ) P (I + U Eᵀ)ᵀ, E: the columns of the body's attitude and, with a map scale, of its
-/// velocity and of that scale. U: size() × coupled_columns().
+/// P := (I + U Eᵀ) P (I + U Eᵀ)ᵀ, E: the columns of the body's attitude and, if there is one, of the map's
+/// scale. U: size() × coupled_columns().
 void Estimate::add_couplings(const MatrixXd& U) {
-  const std::array<Index, 3> to = {L::kAttitude, L::kVelocity, layout_.map_scale()};
+  const std::array<Index, 2> to = {L::kAttitude, layout_.map_scale()};
   const auto triplets = static_cast<std::size_t>(U.cols() / kTriplet);
   MatrixXd G, own(U.cols(), U.cols());
   P.gather(std::span(to).first(triplets), G);
   for (std::size_t k = 0; k < triplets; ++k) {
     own.middleRows<kTriplet>(kTriplet * static_cast<Index>(k)) = G.middleRows<kTriplet>(to[k]);
   }
-  G.noalias() += 0.5 * U * own;
+  add_product(G, 0.5, U, own);
   P.add_symmetric_product(U, G);
 }
 

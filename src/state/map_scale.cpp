@@ -12,7 +12,6 @@ namespace limber {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::RowVector3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using L = StateLayout;
@@ -35,33 +34,12 @@ double factor(double s) {
 
 }  // namespace
 
-/// How surely the velocity is one, from 0 to 1.
-double Estimate::moves() const {
-  const double size = nav.v_world_body.squaredNorm();
-  const double doubt = P.diagonal_block<3>(L::kVelocity).trace() / size;
-  return size > 0.0 ? 1.0 / (1.0 + doubt * doubt * doubt * doubt) : 0.0;
-}
-
-/// How far off the scale is where the velocity is off by dv: the row times dv [-]. Nil where the velocity is
-/// not known to differ from zero.
-RowVector3d Estimate::scale_of_velocity() const {
-  const double share = layout_.has_map_scale ? moves() : 0.0;
-  const Vector3d& v = nav.v_world_body;
-  return share > 0.0 ? RowVector3d(share / v.squaredNorm() * v.transpose()) : RowVector3d::Zero();
-}
-
 Estimate::Growth Estimate::growth(const VectorXd& dx) const {
   if (!layout_.has_map_scale) {
     return {};
   }
-  const double of_velocity = scale_of_velocity() * dx.segment<3>(L::kVelocity);
-  const double of_map = of_velocity + (1.0 - moves()) * dx(layout_.map_scale());
-  return {{of_velocity, factor(of_velocity)}, {of_map, factor(of_map)}};
-}
-
-void Estimate::Growth::operator+=(const Growth& next) {
-  of_velocity = {of_velocity.log + next.of_velocity.log, of_velocity.factor * next.of_velocity.factor};
-  of_map = {of_map.log + next.of_map.log, of_map.factor * next.of_map.factor};
+  const double log = dx(layout_.map_scale());
+  return {log, factor(log)};
 }
 
 /// What a correction moves the triplets by: itself and, where all lengths grow, what a factor does to second
@@ -71,58 +49,40 @@ VectorXd Estimate::displacements(const VectorXd& dx, const Growth& by) const {
   if (!layout_.has_map_scale) {
     return out;
   }
-  const double beyond = by.of_velocity.beyond_linear();
-  out.segment<3>(L::kPosition) += beyond * nav.T_world_body.p;
-  out.segment<3>(L::kVelocity) += beyond * nav.v_world_body;
+  out.segment<3>(L::kPosition) += by.beyond_linear() * nav.T_world_body.p;
+  out.segment<3>(L::kVelocity) += by.beyond_linear() * nav.v_world_body;
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     const Index at = layout_.map_begin() + kTriplet * static_cast<Index>(k);
-    const ScaleCoupling since = scale_coupling(active_blocks_[k], displacement_in_epoch(at),
-                                               at < frozen_end_ ? body_moved_ : Vector3d::Zero());
     out.segment<3>(at) = displacement(active_blocks_[k], dx.segment<3>(at), by) +
-                         by.of_velocity.log * since.velocity + dx(layout_.map_scale()) * since.map;
+                         by.log * grown(active_blocks_[k], displacement_in_epoch(at));
   }
   return out;
 }
 
 Vector3d Estimate::displacement(StateBlock block, const Vector3d& dx, const Growth& by) const {
-  if (!layout_.has_map_scale) {
-    return dx;
-  }
   if (block.owner == Owner::kAnchorPosition) {
-    return dx + by.of_velocity.beyond_linear() * anchors_[block.index].T_world_body.p;
+    return dx + by.beyond_linear() * anchors_[block.index].T_world_body.p;
   }
   if (block.owner != Owner::kLandmark) {
     return dx;
   }
   const Landmark& landmark = landmarks_[block.index];
-  if (landmark.kind == LandmarkKind::kCartesian) {
-    const Vector3d& p = nav.T_world_body.p;
-    return dx + by.of_velocity.beyond_linear() * p + by.of_map.beyond_linear() * (landmark.value - p);
-  }
-  return dx + Vector3d(0.0, 0.0, by.of_map.beyond_linear_inverse() * landmark.value.z());
+  return landmark.kind == LandmarkKind::kCartesian
+             ? Vector3d(dx + by.beyond_linear() * landmark.value)
+             : Vector3d(dx + Vector3d(0.0, 0.0, by.beyond_linear_inverse() * landmark.value.z()));
 }
 
-/// @param of_body  what the body's position moved by meanwhile
-Estimate::ScaleCoupling Estimate::scale_coupling(StateBlock block, const Vector3d& displacement,
-                                                 const Vector3d& of_body) const {
-  if (block.owner == Owner::kAnchorPosition) {
-    return {displacement, Vector3d::Zero()};
+/// What a triplet moves by, per unit of the scale's error, more after a displacement than before it.
+Vector3d Estimate::grown(StateBlock block, const Vector3d& displacement) const {
+  if (is_world_vector(block)) {
+    return displacement;
   }
-  if (block.owner != Owner::kLandmark) {
-    return {Vector3d::Zero(), Vector3d::Zero()};
-  }
-  const double rests = 1.0 - moves();
-  if (landmarks_[block.index].kind == LandmarkKind::kCartesian) {
-    return {displacement, rests * (displacement - of_body)};
-  }
-  const Vector3d grown(0.0, 0.0, -displacement.z());
-  return {grown, rests * grown};
+  return block.owner == Owner::kLandmark ? Vector3d(0.0, 0.0, -displacement.z()) : Vector3d::Zero();
 }
 
-void Estimate::couple_scales(MatrixXd& U, Index at, const ScaleCoupling& coupling) const {
+void Estimate::couple_scale(MatrixXd& U, Index at, const Vector3d& grown) const {
   if (layout_.has_map_scale) {
-    U.block<kTriplet, kTriplet>(at, kTriplet) = coupling.velocity * scale_of_velocity();
-    U.block<kTriplet, 1>(at, 2 * kTriplet) = coupling.map;
+    U.block<kTriplet, 1>(at, kTriplet) = grown;
   }
 }
 

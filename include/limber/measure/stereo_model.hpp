@@ -49,13 +49,8 @@ struct PointProjection {
     Eigen::Matrix<double, 2, 3> velocity, rate;
   };
   std::optional<MotionJacobians> J_motion;
-  /// Of what the landmark's error owes to that of scales: the body's velocity, the map's scale. See
-  /// Estimate::refer_to_epoch.
-  struct ScaleJacobians {
-    Eigen::Matrix<double, 2, 3> velocity;
-    Eigen::Vector2d map_scale;
-  };
-  std::optional<ScaleJacobians> J_scales;
+  /// Of what the landmark's error owes to that of the map's scale: see Estimate::refer_to_epoch.
+  std::optional<Eigen::Vector2d> J_map_scale;
 };
 
 /// @brief Projects a body point into one camera of the rig.

@@ -134,22 +134,13 @@ class Estimate {
 
   // The common factor of all lengths: src/state/map_scale.cpp.
   /// A correction of the scale: of its logarithm, and the factor of all lengths that it stands for.
-  struct Factor {
+  struct Growth {
     double log = 0.0, factor = 1.0;
     /// Of a length: what the factor moves it by beyond the linear correction.
     [[nodiscard]] double beyond_linear() const { return factor - 1.0 - log; }
     /// The same of an inverse depth.
     [[nodiscard]] double beyond_linear_inverse() const { return 1.0 / factor - 1.0 + log; }
-  };
-  /// As the body's velocity and as the map show it.
-  struct Growth {
-    Factor of_velocity, of_map;
-    void operator+=(const Growth& next);
-  };
-  /// What a triplet moves by where velocity's and map's scales are off by one, beyond what it moves by
-  /// anyhow.
-  struct ScaleCoupling {
-    Eigen::Vector3d velocity, map;
+    void operator+=(const Growth& next) { *this = {log + next.log, factor * next.factor}; }
   };
   struct LogDepth {
     Eigen::Index at;
@@ -157,17 +148,14 @@ class Estimate {
     double variance;
   };
   [[nodiscard]] std::vector<LogDepth> log_depths() const;
-  [[nodiscard]] double moves() const;
-  [[nodiscard]] Eigen::RowVector3d scale_of_velocity() const;
   [[nodiscard]] Growth growth(const Eigen::VectorXd& dx) const;
   [[nodiscard]] Eigen::VectorXd displacements(const Eigen::VectorXd& dx, const Growth& by) const;
   [[nodiscard]] Eigen::Vector3d displacement(StateBlock block, const Eigen::Vector3d& dx,
                                              const Growth& by) const;
-  [[nodiscard]] ScaleCoupling scale_coupling(StateBlock block, const Eigen::Vector3d& displacement,
-                                             const Eigen::Vector3d& of_body) const;
-  void couple_scales(Eigen::MatrixXd& U, Eigen::Index at, const ScaleCoupling& coupling) const;
+  [[nodiscard]] Eigen::Vector3d grown(StateBlock block, const Eigen::Vector3d& displacement) const;
+  void couple_scale(Eigen::MatrixXd& U, Eigen::Index at, const Eigen::Vector3d& grown) const;
   [[nodiscard]] Eigen::Index coupled_columns() const {
-    return layout_.has_map_scale ? 3 * kTriplet : kTriplet;
+    return layout_.has_map_scale ? 2 * kTriplet : kTriplet;
   }
   int append_anchor(const Pose& T_world_frame, const Pose& T_frame_cam0);
   void add_jitter(const Anchor& anchor, Eigen::MatrixXd& columns) const;
@@ -213,7 +201,6 @@ class Estimate {
   Eigen::VectorXd drift_;        // sum of the corrections of the frozen part since the epoch began
   Eigen::VectorXd moved_;        // what it was moved by: beside corrections, factors to second order
   Growth grown_;                 // of all lengths since then
-  Eigen::Vector3d body_moved_ = Eigen::Vector3d::Zero();  // the body's position, by corrections since then
   std::int64_t epoch_began_ns_ = 0;
 };
 
