@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -27,6 +30,20 @@ bool leaves_scale_unseen(const NavigatorOptions& options, const StereoCalibratio
          (longer - C * C.completeOrthogonalDecomposition().solve(longer)).norm() < 1e-9 * longer.norm();
 }
 
+/// A start that knows its scale this well [-] is followed as it always was: what is learned by chance is less
+/// than what accelerations tell.
+constexpr double kVagueScale = 0.03;
+
+/// How well a start's map knows how long a metre is [-]: its best depth. Without a map, none is claimed.
+double scale_sigma(const InitialState& initial) {
+  double best = initial.landmarks.empty() ? 0.0 : std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < initial.landmarks.size(); ++k) {
+    const Eigen::Index at = kTriplet * static_cast<Eigen::Index>(k) + 2;
+    best = std::min(best, std::sqrt(initial.landmarks_covariance(at, at)) / initial.landmarks[k].value.z());
+  }
+  return best;
+}
+
 }  // namespace
 
 Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration& calibration,
@@ -40,8 +57,8 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
   for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
     layout.has_more[k] = (estimated(options) & parameters_of(kMoreBlocks[k])).any();
   }
-  layout.has_map_scale =
-      options.motion != MotionModel::kOdometry && leaves_scale_unseen(options, calibration);
+  layout.has_map_scale = options.motion != MotionModel::kOdometry &&
+                         leaves_scale_unseen(options, calibration) && scale_sigma(initial) > kVagueScale;
   Estimate out(layout, initial.nav, initial.body_covariance, calibration.theta,
                theta_prior(options, calibration).cwiseAbs2().asDiagonal());
   const ParameterVector prior =

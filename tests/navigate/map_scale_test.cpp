@@ -4,8 +4,11 @@
 #include <cmath>
 #include <vector>
 
+#include "check_covariance.hpp"
 #include "limber/core/so3.hpp"
+#include "limber/measure/triangulate.hpp"
 #include "limber/navigate/stereo_filter.hpp"
+#include "random_geometry.hpp"
 #include "scene.hpp"
 
 /// A filter that distrusts its rig, or has one camera, learns how long a metre is from accelerations alone.
@@ -38,7 +41,7 @@ class World {
   World(std::uint64_t seed, const Way& way, double duration_s) : generator_(seed) {
     const Vector3d end = way.v * duration_s;
     for (int k = 0; k < 900; ++k) {
-      const Vector3d ahead = random_scalar(generator_, -0.2, 1.2) * end;
+      const Vector3d ahead = testing::random_scalar(generator_, -0.2, 1.2) * end;
       points_.push_back(ahead + Vector3d(testing::random_vector(generator_, 20.0)));
     }
   }
@@ -77,6 +80,35 @@ class World {
   std::vector<Vector3d> points_;
 };
 
+/// A first map of what the first frame shows: depths of its own to 5 %, and all of them and the velocity to
+/// `share`, by which they are wrong.
+void give_map(InitialState& initial, const StereoFrame& frame, const StereoCalibration& rig, double share) {
+  const auto n = static_cast<Eigen::Index>(frame.observations.size());
+  Eigen::VectorXd of_map = Eigen::VectorXd::Zero(3 * n), own = Eigen::VectorXd::Zero(3 * n);
+  const MountedRig mounted = mount(rig);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const StereoObservation& o = frame.observations[static_cast<std::size_t>(k)];
+    Landmark landmark;
+    landmark.track_id = o.track_id;
+    const Vector3d d0 = *unproject(rig.cam0, o.uv_cam0), d1 = *unproject(rig.cam1, o.uv_cam1);
+    landmark.R_cam0_chart.col(2) = d0;
+    landmark.R_cam0_chart.col(0) = d0.unitOrthogonal();
+    landmark.R_cam0_chart.col(1) = d0.cross(landmark.R_cam0_chart.col(0));
+    const double rho =
+        inverse_depth_along(d0, d1, mounted[1].T_cam_body * mounted[0].T_cam_body.inverse()).value_or(1e-3);
+    landmark.value << 0.0, 0.0, std::max(rho, 1e-2) / (1.0 + share);
+    of_map(3 * k + 2) = -share * landmark.value.z();
+    own.segment<3>(3 * k) << 1e-6, 1e-6, std::pow(0.05 * landmark.value.z(), 2) + 1e-5;
+    initial.landmarks.push_back(landmark);
+  }
+  Eigen::VectorXd of_body = Eigen::VectorXd::Zero(initial.body_covariance.rows());
+  of_body.segment<3>(StateLayout::kVelocity) = share / (1.0 + share) * initial.nav.v_world_body;
+  initial.body_covariance.diagonal().segment<3>(StateLayout::kVelocity).setConstant(1e-4);
+  initial.body_covariance += of_body * of_body.transpose();
+  initial.landmarks_covariance = MatrixXd(own.asDiagonal()) + of_map * of_map.transpose();
+  initial.landmarks_body = of_map * of_body.transpose();
+}
+
 /// What the best known depth says of the scale, at the end [-]; beside it, the velocity's.
 struct Known {
   double of_map = 1e9, of_velocity = 1e9, off = 0.0;
@@ -91,11 +123,13 @@ Known fly(std::uint64_t seed, const Way& way, Method method, double duration_s) 
   World world(seed, way, duration_s);
   InitialSigma sigma;
   sigma.attitude = 1e-3;
-  sigma.velocity = way.v.norm() > 0.0 ? 0.1 * way.v.norm() : 0.01;
+  sigma.velocity = 0.01;
   NavigationState truth;
   truth.v_world_body = way.v;
   InitialState initial = make_initial_state(truth, options.motion, sigma);
-  initial.nav.v_world_body *= 1.1;  // one sigma off
+  const double share = way.v.norm() > 0.0 ? 0.1 : 0.5;
+  initial.nav.v_world_body *= 1.0 + share;  // one sigma off, and the map with it
+  give_map(initial, world.seen(0, {}, rig), rig, share);
   StereoFilter filter(options, rig, initial);
   for (std::int64_t t_ns = 0; 1e-9 * static_cast<double>(t_ns) <= duration_s; t_ns += kInputNs) {
     const double t = 1e-9 * static_cast<double>(t_ns);
@@ -125,21 +159,24 @@ Known fly(std::uint64_t seed, const Way& way, Method method, double duration_s) 
   return out;
 }
 
-TEST(MapScale, IsNotLearnedFromConstantVelocity) {
+// 9.1 % at the start, 7.0 to 7.2 % after ten seconds: a little is learned by chance still. Where the
+// covariance is not carried along it is 0.9 to 1.1 %.
+TEST(MapScale, StaysVagueAtConstantVelocity) {
   for (const Method method : {Method::kLcekf, Method::kMonoLeft}) {
     for (const std::uint64_t seed : {1, 2, 3}) {
       const Known known = fly(seed, {{3.0, 0.5, 0.0}, 0.0}, method, 10.0);
-      EXPECT_GE(known.of_velocity, 0.085) << to_string(method) << ", seed " << seed;
+      EXPECT_GE(known.of_velocity, 0.06) << to_string(method) << ", seed " << seed;
       EXPECT_LE(std::abs(known.off), 0.3) << to_string(method) << ", seed " << seed;
     }
   }
 }
 
-TEST(MapScale, IsNotLearnedFromStandingOrTurning) {
+// 35 % at the start, 19 to 24 % at rest and 14 to 15 % in rotation after ten seconds; else 3.2 to 4.8 %.
+TEST(MapScale, StaysVagueAtRestAndInRotation) {
   for (const double yaw_rate : {0.0, 0.3}) {
     for (const std::uint64_t seed : {1, 2, 3}) {
       const Known known = fly(seed, {Vector3d::Zero(), yaw_rate}, Method::kLcekf, 10.0);
-      EXPECT_GE(known.of_map, 0.5) << "rate " << yaw_rate << ", seed " << seed;
+      EXPECT_GE(known.of_map, 0.1) << "rate " << yaw_rate << ", seed " << seed;
     }
   }
 }
