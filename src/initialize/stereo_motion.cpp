@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "limber/initialize/stereo_motion.hpp"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <unordered_map>
 
-#include "limber/core/factors.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/measure/rig.hpp"
 #include "limber/measure/stereo_model.hpp"
@@ -87,8 +87,9 @@ std::optional<Pose> locate(const StereoFrame& frame, const MountedRig& rig, cons
     if (normal.points < kFewestPairs) {
       return std::nullopt;
     }
-    const Eigen::Matrix<double, 6, 1> step = solve_symmetric(normal.A, normal.b);
-    if (!step.allFinite()) {
+    const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> ldlt(normal.A);
+    const Eigen::Matrix<double, 6, 1> step = ldlt.solve(normal.b);
+    if (ldlt.info() != Eigen::Success || !step.allFinite()) {
       return std::nullopt;
     }
     T.p += step.head<3>();

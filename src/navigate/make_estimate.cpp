@@ -39,7 +39,10 @@ double scale_sigma(const InitialState& initial) {
   double best = initial.landmarks.empty() ? 0.0 : std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < initial.landmarks.size(); ++k) {
     const Eigen::Index at = kTriplet * static_cast<Eigen::Index>(k) + 2;
-    best = std::min(best, std::sqrt(initial.landmarks_covariance(at, at)) / initial.landmarks[k].value.z());
+    const double rho = initial.landmarks[k].value.z();
+    if (rho > 0.0) {  // others know nothing of a depth
+      best = std::min(best, std::sqrt(initial.landmarks_covariance(at, at)) / rho);
+    }
   }
   return best;
 }

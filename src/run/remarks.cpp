@@ -141,8 +141,8 @@ std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method
     const double assumed = std::sqrt(sigma_px.squaredNorm() / 4.0);
     remarks.push_back(fmt::format(
         "NIS per degree of freedom is {:.2g}, 1 is expected: pixels scatter from frame to frame by about "
-        "{:.2g} px "
-        "where {:.2g} px are assumed; where errors do not stay along a track, --sigma-px {:.2g} is better",
+        "{:.2g} px where {:.2g} px are assumed; where errors do not stay along a track, --sigma-px {:.2g} is "
+        "better",
         nis / dof, assumed * std::sqrt(nis / dof), assumed, assumed * std::sqrt(nis / dof)));
   }
   return remarks;

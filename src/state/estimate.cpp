@@ -2,7 +2,6 @@
 #include "limber/state/estimate.hpp"
 
 #include <array>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -157,47 +156,6 @@ void Estimate::retract_triplet(StateBlock block, const Vector3d& dx) {
 bool Estimate::is_world_vector(StateBlock block) const {
   return block.owner == Owner::kAnchorPosition ||
          (block.owner == Owner::kLandmark && landmarks_[block.index].kind == LandmarkKind::kCartesian);
-}
-
-void Estimate::transport(const Eigen::VectorXd& dx) {
-  const Index attitude = L::kAttitude;
-  const Matrix3d turned_back = so3_exp(-dx.segment<3>(attitude));
-  // Rows of the world vectors: error − [dx]_x R dtheta; of lengths: + displacement * (error of the scale).
-  MatrixXd U = MatrixXd::Zero(size(), coupled_columns());
-  const auto couple = [&](Index at) {
-    U.block<kTriplet, kTriplet>(at, 0) = -skew(dx.segment<3>(at)) * nav.T_world_body.R;
-  };
-  couple(L::kPosition);
-  couple_scale(U, L::kPosition, dx.segment<3>(L::kPosition));
-  if (layout_.motion != MotionModel::kOdometry) {
-    couple(L::kVelocity);
-    couple_scale(U, L::kVelocity, dx.segment<3>(L::kVelocity));
-  }
-  for (Index at = frozen_end_; at < size(); at += kTriplet) {
-    const StateBlock block = active_blocks_[slot(at)];
-    if (block.owner == Owner::kAnchorAttitude) {
-      P.transform_triplet(at, so3_exp(-dx.segment<3>(at)));
-    } else if (is_world_vector(block)) {
-      couple(at);
-    }
-    couple_scale(U, at, grown(block, dx.segment<3>(at)));
-  }
-  U.block<kTriplet, kTriplet>(attitude, 0) = turned_back - Matrix3d::Identity();
-  add_couplings(U);
-}
-
-/// P := (I + U Eᵀ) P (I + U Eᵀ)ᵀ, E: the columns of the body's attitude and, if there is one, of the map's
-/// scale. U: size() × coupled_columns().
-void Estimate::add_couplings(const MatrixXd& U) {
-  const std::array<Index, 2> to = {L::kAttitude, layout_.map_scale()};
-  const auto triplets = static_cast<std::size_t>(U.cols() / kTriplet);
-  MatrixXd G, own(U.cols(), U.cols());
-  P.gather(std::span(to).first(triplets), G);
-  for (std::size_t k = 0; k < triplets; ++k) {
-    own.middleRows<kTriplet>(kTriplet * static_cast<Index>(k)) = G.middleRows<kTriplet>(to[k]);
-  }
-  add_product(G, 0.5, U, own);
-  P.add_symmetric_product(U, G);
 }
 
 void Estimate::restart_witness(double sigma) {
