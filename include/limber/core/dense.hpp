@@ -13,17 +13,21 @@ namespace limber {
 /// A.transpose(). No result may share memory with an argument. Matrices of fixed size and products with
 /// vectors stay Eigen's.
 
+/// A matrix of any size as an argument, not copied.
 using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
 
 /// Aᵀ as an argument; A has to outlive the call.
 struct Transposed {
   MatrixRef matrix;
 };
+/// Aᵀ.
 [[nodiscard]] inline Transposed transposed(const MatrixRef& A) { return {A}; }
 
 /// A B.
 [[nodiscard]] Eigen::MatrixXd multiply(const MatrixRef& A, const MatrixRef& B);
+/// Aᵀ B.
 [[nodiscard]] Eigen::MatrixXd multiply(const Transposed& A, const MatrixRef& B);
+/// A Bᵀ.
 [[nodiscard]] Eigen::MatrixXd multiply(const MatrixRef& A, const Transposed& B);
 
 /// A U Aᵀ, U: k×k.
@@ -33,7 +37,9 @@ struct Transposed {
 
 /// C += alpha A B.
 void add_product(Eigen::Ref<Eigen::MatrixXd> C, double alpha, const MatrixRef& A, const MatrixRef& B);
+/// C += alpha Aᵀ B.
 void add_product(Eigen::Ref<Eigen::MatrixXd> C, double alpha, const Transposed& A, const MatrixRef& B);
+/// C += alpha A Bᵀ.
 void add_product(Eigen::Ref<Eigen::MatrixXd> C, double alpha, const MatrixRef& A, const Transposed& B);
 
 /// C += A Bᵀ in the lower triangle alone. C: n×n, A and B: n×k.
@@ -47,7 +53,9 @@ void add_outer(Eigen::Ref<Eigen::MatrixXd> S, double alpha, const MatrixRef& W);
 
 /// X := L⁻¹ X. Of L: n×n the lower triangle is read.
 void solve_lower(const MatrixRef& L, Eigen::Ref<Eigen::MatrixXd> X);
+/// x := L⁻¹ x.
 void solve_lower(const MatrixRef& L, Eigen::VectorXd& x);
+/// The same for a part of a vector.
 void solve_lower(const MatrixRef& L, Eigen::VectorBlock<Eigen::VectorXd> x);
 
 /// X := X L⁻¹.

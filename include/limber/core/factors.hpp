@@ -98,6 +98,7 @@ struct PseudoInverse {
 };
 /// A: m×n, not empty, b: m.
 [[nodiscard]] PseudoInverse pseudo_inverse(const MatrixRef& A, const Eigen::VectorXd& b);
+/// A⁺. A: m×n, not empty.
 [[nodiscard]] Eigen::MatrixXd pseudo_inverse(const MatrixRef& A);
 
 }  // namespace limber
