@@ -234,6 +234,7 @@ WindowNormal linearise(const WindowModel& model, const WindowState& state) {
   const Index n = static_cast<Index>(state.frames.size()) * model.frame_size();
   const auto points = static_cast<Index>(3 * state.points.size());
   WindowNormal out;
+  out.layout = model.layout(state.frames.size());
   out.A = MatrixXd::Zero(n, n);
   out.W = MatrixXd::Zero(n, points);
   out.V.assign(state.points.size(), Matrix3d::Zero());

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "frames_factor.hpp"
 #include "limber/measure/rig.hpp"
 #include "limber/navigate/navigator_options.hpp"
 #include "limber/predict/input_buffer.hpp"
@@ -37,6 +38,10 @@ struct WindowModel {
 
   [[nodiscard]] Eigen::Index body_size() const { return StateLayout{options.motion}.body_size(); }
   [[nodiscard]] Eigen::Index frame_size() const { return body_size() + directions.cols(); }
+  [[nodiscard]] FrameLayout layout(std::size_t frames) const {
+    return {static_cast<Eigen::Index>(frames), StateLayout::kPoseSize, body_size() - StateLayout::kPoseSize,
+            directions.cols()};
+  }
 };
 
 /// One frame: state, theta along the free directions, and the inputs since the frame before.
@@ -69,8 +74,9 @@ struct WindowState {
 
 /// @brief Normal equations at a state: [A W; Wᵀ V] dx = g, the frames' errors first, then three per point.
 struct WindowNormal {
-  double cost = 0.0;     ///< half the sum of squares, after the robust loss
-  double left = 0.0;     ///< of a solution: how much lower the undamped step promises to come
+  double cost = 0.0;  ///< half the sum of squares, after the robust loss
+  double left = 0.0;  ///< of a solution: how much lower the undamped step promises to come
+  FrameLayout layout;
   Eigen::MatrixXd A, W;  ///< lower triangle of A; all of W
   std::vector<Eigen::Matrix3d> V;
   Eigen::VectorXd g, g_points;

@@ -78,12 +78,12 @@ struct Step {
 
 std::optional<Step> step_of(const WindowNormal& normal, double damping) {
   const MatrixXd WV = times_inverse(normal.W, normal.V, damping);
-  const Cholesky llt(without_points(normal, WV, damping));
-  if (!llt.succeeded()) {
+  const FramesFactor factor(without_points(normal, WV, damping), normal.layout);
+  if (!factor.succeeded()) {
     return std::nullopt;
   }
   Step out;
-  out.frames = llt.solve(normal.g - WV * normal.g_points);
+  out.frames = factor.solve(normal.g - WV * normal.g_points);
   out.points = normal.g_points - normal.W.transpose() * out.frames;
   for (std::size_t j = 0; j < normal.V.size(); ++j) {
     Matrix3d damped = normal.V[j];

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cstdlib>
 
 #include "check_covariance.hpp"
 #include "check_jacobian.hpp"
@@ -109,6 +110,24 @@ TEST(WindowProblem, CovarianceOfTheFramesIsThatOfTheWholeProblem) {
   const VectorXd scale = P.diagonal().cwiseSqrt().cwiseInverse();
   const MatrixXd dense = whole(normal).ldlt().solve(MatrixXd::Identity(whole(normal).rows(), n));
   EXPECT_LE((scale.asDiagonal() * (P - dense.topRows(n)) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+/// What FramesFactor rests on.
+TEST(WindowProblem, VelocityAndBiasesAreKnownToTheirNeighboursAlone) {
+  const Problem problem(MotionModel::kImu, 6);
+  const WindowNormal normal = linearise(problem.model, problem.state);
+  const MatrixXd A = normal.A.selfadjointView<Eigen::Lower>();
+  const FrameLayout& layout = normal.layout;
+  ASSERT_EQ(layout.frames * layout.size(), A.rows());
+  for (Index k = 0; k < layout.frames; ++k) {
+    const auto of_chain = A.middleRows(k * layout.size() + layout.pose, layout.chain);
+    EXPECT_TRUE(normal.W.middleRows(k * layout.size() + layout.pose, layout.chain).isZero(0.0));
+    for (Index j = 0; j < layout.frames; ++j) {
+      const auto with = of_chain.middleCols(j * layout.size(), layout.size());
+      EXPECT_TRUE(with.rightCols(layout.theta).isZero(0.0)) << k << " " << j;
+      EXPECT_EQ(with.isZero(0.0), std::abs(k - j) > 1) << k << " " << j;
+    }
+  }
 }
 
 /// A full Newton step's promise: twice what the cost could still come down, summed over all directions, in

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "frames_factor.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace limber::detail {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr Index kFramesAtATime = 8;  // of a product: wide enough to be fast, narrow enough to leave zeros out
+
+/// All poses, then all theta.
+std::vector<Index> without_chain(const FrameLayout& layout) {
+  std::vector<Index> out;
+  const auto add = [&](Index first, Index count) {
+    for (Index k = 0; k < layout.frames; ++k) {
+      for (Index i = 0; i < count; ++i) {
+        out.push_back(k * layout.size() + first + i);
+      }
+    }
+  };
+  add(0, layout.pose);
+  add(layout.pose + layout.chain, layout.theta);
+  return out;
+}
+
+/// Those rows and columns, in that order; the lower triangle of both.
+MatrixXd lower_part(const MatrixXd& S, const std::vector<Index>& rows) {
+  const auto n = static_cast<Index>(rows.size());
+  MatrixXd out(n, n);
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = j; i < n; ++i) {
+      const auto [low, high] =
+          std::minmax(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+      out(i, j) = S(high, low);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+FramesFactor::FramesFactor(const MatrixXd& S, const FrameLayout& layout)
+    : layout_(layout), rest_(without_chain(layout)) {
+  Y_ = MatrixXd::Zero(layout.frames * layout.pose, layout.frames * layout.chain);
+  for (Index k = 0; k < layout.frames; ++k) {
+    factor_chain(S, k);
+    if (!chain_.back().succeeded()) {
+      return;
+    }
+  }
+  MatrixXd D = lower_part(S, rest_);
+  for (Index k = 0; k < layout.frames; k += kFramesAtATime) {
+    const Index count = std::min(kFramesAtATime, layout.frames - k);
+    const Index filled = std::min(k + count + 1, layout.frames) * layout.pose;
+    add_outer(D.topLeftCorner(filled, filled), -1.0,
+              Y_.block(0, k * layout.chain, filled, count * layout.chain));
+  }
+  dense_.emplace(std::move(D));
+}
+
+/// The columns of L that belong to a frame's chain.
+void FramesFactor::factor_chain(const MatrixXd& S, Index frame) {
+  const Index c = layout_.chain, p = layout_.pose, size = layout_.size();
+  const Index at = frame * size + p;
+  const Index filled = std::min(frame + 2, layout_.frames) * p;
+  MatrixXd B = S.block(at, at, c, c);
+  MatrixXd G;
+  auto Y = Y_.block(0, frame * c, filled, c);
+  Y.middleRows(frame * p, p) = S.block(at, frame * size, c, p).transpose();
+  if (frame + 1 < layout_.frames) {
+    Y.bottomRows(p) = S.block((frame + 1) * size, at, p, c);
+  }
+  if (frame > 0) {
+    Y.middleRows((frame - 1) * p, p) = S.block(at, (frame - 1) * size, c, p).transpose();
+    G = S.block(at, at - size, c, c);
+    solve_lower_from_right(transposed(chain_.back().factor()), G);
+    add_outer(B, -1.0, G);
+    const Index before = (frame + 1) * p;
+    add_product(Y.topRows(before), -1.0, Y_.block(0, (frame - 1) * c, before, c), transposed(G));
+  }
+  chain_.emplace_back(std::move(B));
+  links_.push_back(std::move(G));
+  solve_lower_from_right(transposed(chain_.back().factor()), Y);
+}
+
+VectorXd FramesFactor::solve(const VectorXd& g) const {
+  const Index c = layout_.chain;
+  const Index poses = Y_.rows();
+  const auto chain_at = [&](Index frame) { return frame * layout_.size() + layout_.pose; };
+  VectorXd z(Y_.cols());
+  for (Index k = 0; k < layout_.frames; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    z.segment(k * c, c) = g.segment(chain_at(k), c);
+    if (k > 0) {
+      z.segment(k * c, c) -= links_[i] * z.segment((k - 1) * c, c);
+    }
+    solve_lower(chain_[i].factor(), z.segment(k * c, c));
+  }
+  VectorXd rest = g(rest_);
+  rest.head(poses) -= Y_ * z;
+  rest = dense_->solve(rest);
+  z -= Y_.transpose() * rest.head(poses);
+  VectorXd out(g.size());
+  out(rest_) = rest;
+  for (Index k = layout_.frames - 1; k >= 0; --k) {
+    const auto i = static_cast<std::size_t>(k);
+    VectorXd x = z.segment(k * c, c);
+    if (k + 1 < layout_.frames) {
+      x -= links_[i + 1].transpose() * out.segment(chain_at(k + 1), c);
+    }
+    chain_[i].factor().triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+    out.segment(chain_at(k), c) = x;
+  }
+  return out;
+}
+
+}  // namespace limber::detail

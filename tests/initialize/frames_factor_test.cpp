@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "initialize/frames_factor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <cstdlib>
+
+#include "check_covariance.hpp"
+
+namespace limber::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Positive definite, dense but for the chain, which knows poses and chains of the neighbouring frames alone.
+/// Above the diagonal NaN.
+MatrixXd normal_matrix(const FrameLayout& layout, limber::testing::Generator& generator) {
+  const Index n = layout.frames * layout.size();
+  const auto frame = [&](Index i) { return i / layout.size(); };
+  const auto in_frame = [&](Index i) { return i % layout.size(); };
+  const auto of_chain = [&](Index i) {
+    return in_frame(i) >= layout.pose && in_frame(i) < layout.pose + layout.chain;
+  };
+  const auto of_theta = [&](Index i) { return in_frame(i) >= layout.pose + layout.chain; };
+  MatrixXd S(n, n);
+  for (Index j = 0; j < n; ++j) {
+    S.col(j) = limber::testing::random_normal(generator, n);
+    for (Index i = 0; i < n; ++i) {
+      if ((of_chain(i) || of_chain(j)) && (std::abs(frame(i) - frame(j)) > 1 || of_theta(i) || of_theta(j))) {
+        S(i, j) = 0.0;
+      }
+    }
+    S(j, j) = 3.0 * static_cast<double>(n);  // outweighs the rest of its row
+    S.col(j).head(j).setConstant(std::nan(""));
+  }
+  return S;
+}
+
+TEST(FramesFactor, SolvesWhatADenseFactorSolves) {
+  limber::testing::Generator generator(5);
+  // Without theta, with it, one frame, two, many, without a pose.
+  for (const FrameLayout layout :
+       {FrameLayout{7, 6, 9, 0}, FrameLayout{6, 6, 9, 6}, FrameLayout{1, 6, 9, 6}, FrameLayout{2, 6, 6, 3},
+        FrameLayout{19, 6, 9, 3}, FrameLayout{5, 0, 3, 1}}) {
+    const MatrixXd S = normal_matrix(layout, generator);
+    const VectorXd g = limber::testing::random_normal(generator, S.rows());
+    const FramesFactor factor(S, layout);
+    ASSERT_TRUE(factor.succeeded());
+    const VectorXd dense = S.llt().solve(g);
+    EXPECT_LT((factor.solve(g) - dense).norm(), 1e-12 * dense.norm());
+  }
+}
+
+TEST(FramesFactor, SaysWhereAMatrixIsNotPositiveDefinite) {
+  limber::testing::Generator generator(6);
+  const FrameLayout layout{5, 6, 9, 6};
+  for (const Index at : {0, 7, 50, 104}) {  // a pose, chains, the last theta
+    MatrixXd S = normal_matrix(layout, generator);
+    S(at, at) = -1.0;
+    EXPECT_FALSE(FramesFactor(S, layout).succeeded()) << at;
+  }
+}
+
+}  // namespace
+}  // namespace limber::detail
