@@ -14,47 +14,52 @@ namespace {
 
 constexpr Index kFramesAtATime = 8;  // of a product: wide enough to be fast, narrow enough to leave zeros out
 
-/// All poses, then all theta.
-std::vector<Index> without_chain(const FrameLayout& layout) {
+}  // namespace
+
+std::vector<Index> FrameLayout::rest() const {
   std::vector<Index> out;
   const auto add = [&](Index first, Index count) {
-    for (Index k = 0; k < layout.frames; ++k) {
+    for (Index k = 0; k < frames; ++k) {
       for (Index i = 0; i < count; ++i) {
-        out.push_back(k * layout.size() + first + i);
+        out.push_back(k * size() + first + i);
       }
     }
   };
-  add(0, layout.pose);
-  add(layout.pose + layout.chain, layout.theta);
+  add(0, pose);
+  add(pose + chain, theta);
   return out;
 }
 
-/// Those rows and columns, in that order; the lower triangle of both.
-MatrixXd lower_part(const MatrixXd& S, const std::vector<Index>& rows) {
-  const auto n = static_cast<Index>(rows.size());
-  MatrixXd out(n, n);
-  for (Index j = 0; j < n; ++j) {
-    for (Index i = j; i < n; ++i) {
+void subtract_of_rest(MatrixXd& S, const MatrixXd& of_rest, const FrameLayout& layout) {
+  const std::vector<Index> rest = layout.rest();
+  for (Index j = 0; j < of_rest.cols(); ++j) {
+    for (Index i = j; i < of_rest.rows(); ++i) {
       const auto [low, high] =
-          std::minmax(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
-      out(i, j) = S(high, low);
+          std::minmax(rest[static_cast<std::size_t>(i)], rest[static_cast<std::size_t>(j)]);
+      S(high, low) -= of_rest(i, j);
     }
   }
-  return out;
 }
 
-}  // namespace
-
-FramesFactor::FramesFactor(const MatrixXd& S, const FrameLayout& layout)
-    : layout_(layout), rest_(without_chain(layout)) {
+FramesFactor::FramesFactor(const MatrixXd& A, double damping, const MatrixXd& of_rest,
+                           const FrameLayout& layout)
+    : layout_(layout), rest_(layout.rest()) {
   Y_ = MatrixXd::Zero(layout.frames * layout.pose, layout.frames * layout.chain);
   for (Index k = 0; k < layout.frames; ++k) {
-    factor_chain(S, k);
+    factor_chain(A, damping, k);
     if (!chain_.back().succeeded()) {
       return;
     }
   }
-  MatrixXd D = lower_part(S, rest_);
+  const Index n = layout.rest_size();
+  MatrixXd D(n, n);
+  for (Index j = 0; j < n; ++j) {
+    for (Index i = j; i < n; ++i) {
+      const auto [low, high] =
+          std::minmax(rest_[static_cast<std::size_t>(i)], rest_[static_cast<std::size_t>(j)]);
+      D(i, j) = A(high, low) * (i == j ? 1.0 + damping : 1.0) - of_rest(i, j);
+    }
+  }
   for (Index k = 0; k < layout.frames; k += kFramesAtATime) {
     const Index count = std::min(kFramesAtATime, layout.frames - k);
     const Index filled = std::min(k + count + 1, layout.frames) * layout.pose;
@@ -65,20 +70,21 @@ FramesFactor::FramesFactor(const MatrixXd& S, const FrameLayout& layout)
 }
 
 /// The columns of L that belong to a frame's chain.
-void FramesFactor::factor_chain(const MatrixXd& S, Index frame) {
+void FramesFactor::factor_chain(const MatrixXd& A, double damping, Index frame) {
   const Index c = layout_.chain, p = layout_.pose, size = layout_.size();
   const Index at = frame * size + p;
   const Index filled = std::min(frame + 2, layout_.frames) * p;
-  MatrixXd B = S.block(at, at, c, c);
+  MatrixXd B = A.block(at, at, c, c);
+  B.diagonal() *= 1.0 + damping;
   MatrixXd G;
   auto Y = Y_.block(0, frame * c, filled, c);
-  Y.middleRows(frame * p, p) = S.block(at, frame * size, c, p).transpose();
+  Y.middleRows(frame * p, p) = A.block(at, frame * size, c, p).transpose();
   if (frame + 1 < layout_.frames) {
-    Y.bottomRows(p) = S.block((frame + 1) * size, at, p, c);
+    Y.bottomRows(p) = A.block((frame + 1) * size, at, p, c);
   }
   if (frame > 0) {
-    Y.middleRows((frame - 1) * p, p) = S.block(at, (frame - 1) * size, c, p).transpose();
-    G = S.block(at, at - size, c, c);
+    Y.middleRows((frame - 1) * p, p) = A.block(at, (frame - 1) * size, c, p).transpose();
+    G = A.block(at, at - size, c, c);
     solve_lower_from_right(transposed(chain_.back().factor()), G);
     add_outer(B, -1.0, G);
     const Index before = (frame + 1) * p;

@@ -9,7 +9,8 @@
 
 namespace limber::detail {
 
-/// How the unknowns of a window's frames lie in memory, the same in each frame: pose, chain, theta.
+/// How the unknowns of a window's frames lie in memory, the same in each frame: pose, chain, theta. The
+/// *rest* is what is not of the chain, the poses of all frames first, then their theta.
 struct FrameLayout {
   Eigen::Index frames = 0;
   Eigen::Index pose = 0;
@@ -17,16 +18,27 @@ struct FrameLayout {
   Eigen::Index theta = 0;
 
   [[nodiscard]] Eigen::Index size() const { return pose + chain + theta; }
+  /// In the rest: how long it is, and where a frame's pose and theta stand.
+  [[nodiscard]] Eigen::Index rest_size() const { return frames * (pose + theta); }
+  [[nodiscard]] Eigen::Index pose_in_rest(Eigen::Index frame) const { return frame * pose; }
+  [[nodiscard]] Eigen::Index theta_in_rest(Eigen::Index frame) const { return frames * pose + frame * theta; }
+  /// The rest's unknowns among all of them.
+  [[nodiscard]] std::vector<Eigen::Index> rest() const;
 };
 
-/// @brief S = L Lᵀ of the frames' normal equations, points eliminated. The chains go first, one frame after
-/// another: they fill no more than their own rows. What is left is dense, and several times cheaper than all
-/// of S would be.
+/// Subtracts what is given of the rest from a matrix of all unknowns, lower triangles.
+void subtract_of_rest(Eigen::MatrixXd& S, const Eigen::MatrixXd& of_rest, const FrameLayout& layout);
+
+/// @brief S = L Lᵀ of the frames' normal equations, S: A, its diagonal grown by the share `damping`, minus
+/// what is given of the rest. The chains go first, one frame after another: they fill no more than their own
+/// rows. What is left is dense, and several times cheaper than all of S would be.
 class FramesFactor {
  public:
-  /// @param S the lower triangle is read. A frame's chain has to be zero in it but with chain and pose of the
+  /// @param A the lower triangle is read. A frame's chain has to be zero in it but with chain and pose of the
   ///   same frame and of its neighbours.
-  FramesFactor(const Eigen::MatrixXd& S, const FrameLayout& layout);
+  /// @param of_rest rest by rest, the lower triangle is read
+  FramesFactor(const Eigen::MatrixXd& A, double damping, const Eigen::MatrixXd& of_rest,
+               const FrameLayout& layout);
 
   /// Whether S is positive definite; else there is no solution.
   [[nodiscard]] bool succeeded() const { return dense_ && dense_->succeeded(); }
@@ -34,15 +46,14 @@ class FramesFactor {
   [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& g) const;
 
  private:
-  void factor_chain(const Eigen::MatrixXd& S, Eigen::Index frame);
+  void factor_chain(const Eigen::MatrixXd& A, double damping, Eigen::Index frame);
 
   FrameLayout layout_;
-  std::vector<Eigen::Index> rest_;  // unknowns that are not of the chain: poses first, then theta
-  std::vector<Cholesky> chain_;     // of L, the block of each frame's chain
-  std::vector<Eigen::MatrixXd>
-      links_;                      // of L, chain of a frame by chain of the one before; of the first: none
-  Eigen::MatrixXd Y_;              // of L, poses by chains
-  std::optional<Cholesky> dense_;  // of L, rest by rest
+  std::vector<Eigen::Index> rest_;
+  std::vector<Cholesky> chain_;         // of L, the block of each frame's chain
+  std::vector<Eigen::MatrixXd> links_;  // of L, a frame's chain by the one's before; of the first: none
+  Eigen::MatrixXd Y_;                   // of L, poses by chains
+  std::optional<Cholesky> dense_;       // of L, rest by rest
 };
 
 }  // namespace limber::detail

@@ -72,6 +72,7 @@ InitialState hand_over(const WindowModel& model, const WindowState& state, const
   InitialState out;
   out.nav = state.frames.back().nav;
   out.body_covariance = frames.block(last, last, body, body);
+  const std::vector<Index> rest = normal.layout.rest();
   std::vector<MatrixXd> rows;  // each point's error in those of the frames
   std::vector<Matrix3d> own;   // and what it has beside
   for (std::size_t j = 0; j < state.points.size(); ++j) {
@@ -82,7 +83,8 @@ InitialState hand_over(const WindowModel& model, const WindowState& state, const
     const LastView view = view_from_last(model, state, point);
     const Matrix3d V = normal.V[j].inverse();
     const Matrix3d JV = view.J_point * V;
-    MatrixXd B = -JV * normal.W.middleCols<3>(static_cast<Index>(3 * j)).transpose();
+    MatrixXd B = MatrixXd::Zero(3, frames.cols());
+    B(Eigen::all, rest) = -JV * normal.W.middleCols<3>(static_cast<Index>(3 * j)).transpose();
     B.middleCols<6>(last) += view.J_last;
     B.middleCols<6>(static_cast<Index>(point.anchor()) * model.frame_size()) += view.J_anchor;
     rows.push_back(std::move(B));

@@ -103,7 +103,8 @@ void add_motion(const WindowModel& model, const WindowState& state, WindowNormal
 
 /// Columns of one pixel's Jacobian that belong to frames.
 struct FrameBlock {
-  Index col = 0;
+  Index col = 0;   // among all unknowns of the frames
+  Index rest = 0;  // in the layout's rest
   Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 6> J;
 };
 
@@ -120,7 +121,7 @@ void add_rows(const PixelRows& rows, std::size_t point, WindowNormal& out) {
   out.g_points.segment<3>(at) += rows.J_point.transpose() * rows.r;
   for (std::size_t i = 0; i < rows.used; ++i) {
     const FrameBlock& bi = rows.blocks[i];
-    out.W.block(bi.col, at, bi.J.cols(), 3) += bi.J.transpose() * rows.J_point;
+    out.W.block(bi.rest, at, bi.J.cols(), 3) += bi.J.transpose() * rows.J_point;
     out.g.segment(bi.col, bi.J.cols()) += bi.J.transpose() * rows.r;
     for (std::size_t j = 0; j < rows.used; ++j) {
       const FrameBlock& bj = rows.blocks[j];
@@ -157,13 +158,18 @@ void add_pixel(const WindowModel& model, const WindowState& state, const Mounted
   J_pose << projection->J_position, projection->J_attitude;
   J_anchor << projection->J_anchor_position, projection->J_anchor_attitude;
   const bool own = p.anchor() == sighting.frame;
-  const Index at = static_cast<Index>(sighting.frame) * model.frame_size();
-  rows.blocks[rows.used++] = {at, G * (own ? (J_pose + J_anchor).eval() : J_pose)};
+  const auto frame = static_cast<Index>(sighting.frame);
+  const Index at = frame * model.frame_size();
+  rows.blocks[rows.used++] = {at, out.layout.pose_in_rest(frame),
+                              G * (own ? (J_pose + J_anchor).eval() : J_pose)};
   if (!own) {
-    rows.blocks[rows.used++] = {static_cast<Index>(p.anchor()) * model.frame_size(), G * J_anchor};
+    const auto anchored = static_cast<Index>(p.anchor());
+    rows.blocks[rows.used++] = {anchored * model.frame_size(), out.layout.pose_in_rest(anchored),
+                                G * J_anchor};
   }
   if (rig[cam].depends_on_theta && model.directions.cols() > 0) {
-    rows.blocks[rows.used++] = {at + model.body_size(), G * projection->J_theta * model.directions};
+    rows.blocks[rows.used++] = {at + model.body_size(), out.layout.theta_in_rest(frame),
+                                G * projection->J_theta * model.directions};
   }
   add_rows(rows, point, out);
 }
@@ -236,7 +242,7 @@ WindowNormal linearise(const WindowModel& model, const WindowState& state) {
   WindowNormal out;
   out.layout = model.layout(state.frames.size());
   out.A = MatrixXd::Zero(n, n);
-  out.W = MatrixXd::Zero(n, points);
+  out.W = MatrixXd::Zero(out.layout.rest_size(), points);
   out.V.assign(state.points.size(), Matrix3d::Zero());
   out.g = VectorXd::Zero(n);
   out.g_points = VectorXd::Zero(points);

@@ -72,12 +72,13 @@ struct WindowState {
   std::vector<WindowPoint> points;
 };
 
-/// @brief Normal equations at a state: [A W; Wᵀ V] dx = g, the frames' errors first, then three per point.
+/// @brief Normal equations at a state: [A W; Wᵀ V] dx = g, the frames' errors first, then three per point. Of
+/// W only the rows of the layout's rest are there: no pixel tells of velocity and biases.
 struct WindowNormal {
   double cost = 0.0;  ///< half the sum of squares, after the robust loss
   double left = 0.0;  ///< of a solution: how much lower the undamped step promises to come
   FrameLayout layout;
-  Eigen::MatrixXd A, W;  ///< lower triangle of A; all of W
+  Eigen::MatrixXd A, W;  ///< lower triangle of A; W: rest by points
   std::vector<Eigen::Matrix3d> V;
   Eigen::VectorXd g, g_points;
 };

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "limber/core/factors.hpp"
 #include "window_problem.hpp"
@@ -40,36 +42,13 @@ MatrixXd times_inverse(const MatrixXd& W, const std::vector<Matrix3d>& V, double
   return out;
 }
 
-/// Rows of W that are not zero: poses and theta; points say nothing of velocities and biases.
-std::vector<Index> seen_by_points(const MatrixXd& W) {
-  const VectorXd largest = W.cols() > 0 ? VectorXd(W.cwiseAbs().rowwise().maxCoeff()) : VectorXd();
-  std::vector<Index> rows;
-  for (Index k = 0; k < largest.size(); ++k) {
-    if (largest[k] > 0.0) {
-      rows.push_back(k);
-    }
+/// W V^-1 Wᵀ, the lower triangle: what the points' elimination takes from A.
+MatrixXd by_points(const WindowNormal& normal, const MatrixXd& WV) {
+  MatrixXd out = MatrixXd::Zero(WV.rows(), WV.rows());
+  if (WV.cols() > 0) {  // Eigen multiplies nothing at its peril
+    add_lower_product(out, WV, transposed(normal.W));
   }
-  return rows;
-}
-
-/// A - W V^-1 Wᵀ, lower triangle.
-MatrixXd without_points(const WindowNormal& normal, const MatrixXd& WV, double damping) {
-  MatrixXd S = normal.A;
-  S.diagonal() *= 1.0 + damping;
-  const std::vector<Index> rows = seen_by_points(normal.W);
-  if (rows.empty()) {  // Eigen multiplies nothing at its peril
-    return S;
-  }
-  const auto n = static_cast<Index>(rows.size());
-  const MatrixXd W = normal.W(rows, Eigen::all);
-  MatrixXd known = MatrixXd::Zero(n, n);
-  add_lower_product(known, WV(rows, Eigen::all), transposed(W));
-  for (Index j = 0; j < n; ++j) {
-    for (Index i = j; i < n; ++i) {
-      S(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]) -= known(i, j);
-    }
-  }
-  return S;
+  return out;
 }
 
 struct Step {
@@ -78,13 +57,17 @@ struct Step {
 
 std::optional<Step> step_of(const WindowNormal& normal, double damping) {
   const MatrixXd WV = times_inverse(normal.W, normal.V, damping);
-  const FramesFactor factor(without_points(normal, WV, damping), normal.layout);
+  const FramesFactor factor(normal.A, damping, by_points(normal, WV), normal.layout);
   if (!factor.succeeded()) {
     return std::nullopt;
   }
   Step out;
-  out.frames = factor.solve(normal.g - WV * normal.g_points);
-  out.points = normal.g_points - normal.W.transpose() * out.frames;
+  const std::vector<Index> rest = normal.layout.rest();
+  VectorXd g = normal.g;
+  g(rest) -= WV * normal.g_points;
+  out.frames = factor.solve(g);
+  const VectorXd of_rest = out.frames(rest);
+  out.points = normal.g_points - normal.W.transpose() * of_rest;
   for (std::size_t j = 0; j < normal.V.size(); ++j) {
     Matrix3d damped = normal.V[j];
     damped.diagonal() *= 1.0 + damping;
@@ -164,7 +147,9 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
 
 MatrixXd frame_covariance(const WindowNormal& normal) {
   const MatrixXd WV = times_inverse(normal.W, normal.V, 0.0);
-  const Cholesky llt(without_points(normal, WV, 0.0));
+  MatrixXd S = normal.A;
+  subtract_of_rest(S, by_points(normal, WV), normal.layout);
+  const Cholesky llt(std::move(S));
   if (!llt.succeeded()) {
     return {};
   }

@@ -46,10 +46,17 @@ TEST(FramesFactor, SolvesWhatADenseFactorSolves) {
   for (const FrameLayout layout :
        {FrameLayout{7, 6, 9, 0}, FrameLayout{6, 6, 9, 6}, FrameLayout{1, 6, 9, 6}, FrameLayout{2, 6, 6, 3},
         FrameLayout{19, 6, 9, 3}, FrameLayout{5, 0, 3, 1}}) {
-    const MatrixXd S = normal_matrix(layout, generator);
-    const VectorXd g = limber::testing::random_normal(generator, S.rows());
-    const FramesFactor factor(S, layout);
+    const MatrixXd A = normal_matrix(layout, generator);
+    const VectorXd g = limber::testing::random_normal(generator, A.rows());
+    const MatrixXd root = MatrixXd::NullaryExpr(layout.rest_size(), layout.rest_size(), [&] {
+      return limber::testing::random_normal(generator, 1)[0];
+    });
+    const MatrixXd of_rest = 0.1 * (root + root.transpose());
+    const FramesFactor factor(A, 0.1, of_rest, layout);
     ASSERT_TRUE(factor.succeeded());
+    MatrixXd S = A;
+    S.diagonal() *= 1.1;
+    subtract_of_rest(S, of_rest, layout);
     const VectorXd dense = S.llt().solve(g);
     EXPECT_LT((factor.solve(g) - dense).norm(), 1e-12 * dense.norm());
   }
@@ -59,9 +66,10 @@ TEST(FramesFactor, SaysWhereAMatrixIsNotPositiveDefinite) {
   limber::testing::Generator generator(6);
   const FrameLayout layout{5, 6, 9, 6};
   for (const Index at : {0, 7, 50, 104}) {  // a pose, chains, the last theta
-    MatrixXd S = normal_matrix(layout, generator);
-    S(at, at) = -1.0;
-    EXPECT_FALSE(FramesFactor(S, layout).succeeded()) << at;
+    MatrixXd A = normal_matrix(layout, generator);
+    A(at, at) = -1.0;
+    const MatrixXd none = MatrixXd::Zero(layout.rest_size(), layout.rest_size());
+    EXPECT_FALSE(FramesFactor(A, 0.0, none, layout).succeeded()) << at;
   }
 }
 
