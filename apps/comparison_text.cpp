@@ -3,15 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <optional>
 
+#include "ordered_json.hpp"
 #include "text_table.hpp"
 
 namespace limber::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string digits(const std::optional<double>& value) { return value ? fmt::format("{:.3g}", *value) : "-"; }
 

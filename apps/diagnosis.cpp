@@ -6,14 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
+#include "ordered_json.hpp"
 
 namespace limber::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double kSignificant = 5.0;                      // standard deviations of a time offset ...
 constexpr double kLeastCam1 = 1e-3, kLeastCamera = 3e-3;  // ... that is at least that large [s]

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "limber/evaluate/consistency.hpp"
 #include "limber/evaluate/evaluation.hpp"
 #include "limber/evaluate/statistics.hpp"
+#include "ordered_json.hpp"
 #include "trajectory_input.hpp"
 
 /// An evaluation as JSON and as text. What is not known is null, or a dash.
 namespace limber::app {
-
-/// Keeps the order in which keys are added.
-using Json = nlohmann::ordered_json;
 
 /// Consistency of an estimate as it is, and aligned at its first pose by position and yaw.
 struct ConsistencyReport {

@@ -6,16 +6,15 @@
 
 #include <algorithm>
 #include <ctime>
-#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "health_since.hpp"
+#include "ordered_json.hpp"
 #include "text_table.hpp"
 
 namespace limber::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Row = TextRow;
 
 /// Of the first frame, in UTC; "-" where stamps do not count from 1970.

@@ -4,15 +4,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "limber/io/parameter_text.hpp"
 #include "limber/sensors/parameters.hpp"
+#include "ordered_json.hpp"
 
 namespace limber::app {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string verdict_in_words(const Recalibration& found) {
   switch (found.verdict) {

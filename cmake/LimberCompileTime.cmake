@@ -33,8 +33,9 @@ endfunction()
 
 set(limber_std_headers <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <limits> <map> <memory> <optional>
                        <span> <stdexcept> <string> <string_view> <unordered_map> <utility> <variant> <vector>)
-set(limber_eigen_headers <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR>
-                         <Eigen/SVD>)
+set(limber_eigen_expressions ${CMAKE_CURRENT_LIST_DIR}/eigen_expressions.hpp)
+set(limber_eigen_headers ${limber_eigen_expressions} <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry>
+                         <Eigen/LU> <Eigen/QR> <Eigen/SVD>)
 
 # limber_add_headers(<target> <libraries>...): nothing but a place for precompiled headers that other targets share.
 function(limber_add_headers target)

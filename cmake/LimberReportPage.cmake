@@ -54,8 +54,14 @@ function(limber_add_report_page target)
     DEPENDS ${plotly} ${parts}
     COMMENT "Putting the report page together"
     VERBATIM)
+  limber_long_strings(${generated})
   target_sources(${target} PRIVATE ${generated})
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+endfunction()
+
+# limber_long_strings(<source>): one whose literals hold a page.
+function(limber_long_strings source)
+  set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS -Wno-overlength-strings SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 # limber_add_view_page(<target>): adds the live view's page to the target. Needs LIMBER_HAS_REPORT_PAGE.
@@ -70,6 +76,7 @@ function(limber_add_view_page target)
     DEPENDS limber_npm ${parts} ${report_page}/page.css ${report_page}/cpp_literals.mjs
     COMMENT "Putting the live view's page together"
     VERBATIM)
+  limber_long_strings(${generated})
   target_sources(${target} PRIVATE ${generated})
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 endfunction()

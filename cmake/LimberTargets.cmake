@@ -30,6 +30,11 @@ function(limber_set_flags target)
   endif()
 endfunction()
 
+# Where little is worth optimising: files, words and pages. A quarter to a third of the time to compile.
+function(limber_optimize_little target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # Eigen without optimisation is fifty times slower: nobody should get that by saying nothing.
 function(limber_default_build_type type)
   get_property(is_multi_config GLOBAL PROPERTY GENERATOR_IS_MULTI_CONFIG)

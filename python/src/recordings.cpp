@@ -321,7 +321,7 @@ void bind_recordings(py::module_& module) {
       [](const fs::path& path, const fs::path& calib, const fs::path& imu, const std::string& images,
          const std::string& topics) {
         try {
-          return std::make_shared<Recording>(app::open_recording({path, calib, imu, images, topics}));
+          return std::make_shared<Recording>(app::open_recording({path, calib, imu, images, topics, {}}));
         } catch (const CLI::ValidationError& error) {  // an option that is missing or of no use
           throw std::invalid_argument(error.what());
         }

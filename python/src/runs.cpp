@@ -364,7 +364,7 @@ app::TrajectoryInput make_trajectory(const Integers& t_ns, const Doubles& p, con
   require_shape(t_ns, {-1}, "t_ns");
   require_shape(p, {t_ns.shape(0), 3}, "p");
   require_shape(R, {t_ns.shape(0), 3, 3}, "R");
-  app::TrajectoryInput out{name, true, {}, {}};
+  app::TrajectoryInput out{name, true, {}, {}, {}};
   for (py::ssize_t k = 0; k < t_ns.shape(0); ++k) {
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(R.data() + 9 * k);
     out.poses.push_back({t_ns.data()[k], {rotation, Eigen::Vector3d::Map(p.data() + 3 * k)}});

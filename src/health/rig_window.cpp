@@ -108,6 +108,10 @@ Matrix solve(const NormalEquations& normal, Vector& beta) {
 
 }  // namespace
 
+NormalEquations::Vector NormalEquations::score(const Vector& beta) const {
+  return vector - information * beta;
+}
+
 NormalEquations& NormalEquations::operator+=(const NormalEquations& other) {
   information += other.information;
   vector += other.vector;

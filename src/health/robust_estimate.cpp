@@ -131,6 +131,8 @@ double middle(const RigEvidence& window, std::int64_t origin_ns) {
 
 }  // namespace
 
+RigParameters RigEstimate::sigma() const { return covariance.diagonal().cwiseSqrt(); }
+
 BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                              bool metric) {
   const Fit found = fit(windows, std::vector<VectorXd>(windows.size(), VectorXd::Ones(1)));

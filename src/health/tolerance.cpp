@@ -70,7 +70,7 @@ HealthVerdict judge(const SizeInterval& interval, const Band& band) {
 }
 
 RigParameters depth_slope(const RigParameters& theta, double baselines) {
-  constexpr double kStep = 1e-7;
+  constexpr double kDifference = 1e-7;
   const Eigen::Vector3d ahead = Eigen::Vector3d::UnitZ();
   const double depth = baselines * theta.tail<3>().norm();
   const Pose assumed = pose_from_rig(theta);
@@ -82,10 +82,10 @@ RigParameters depth_slope(const RigParameters& theta, double baselines) {
   const Eigen::Vector2d by_depth = (image(assumed, depth + dz) - image(assumed, depth - dz)) / (2.0 * dz);
   RigParameters slope;
   for (Eigen::Index k = 0; k < 6; ++k) {
-    const RigParameters step = kStep * RigParameters::Unit(k);
+    const RigParameters step = kDifference * RigParameters::Unit(k);
     const Eigen::Vector2d by_theta =
         (image(pose_from_rig(theta + step), depth) - image(pose_from_rig(theta - step), depth)) /
-        (2.0 * kStep);
+        (2.0 * kDifference);
     slope(k) = by_theta.dot(by_depth) / by_depth.squaredNorm() / depth;
   }
   return slope;

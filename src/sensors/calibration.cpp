@@ -24,6 +24,8 @@ RigParameters rig_from_pose(const Pose& T_cam1_cam0) {
   return theta;
 }
 
+double StereoCalibration::baseline() const { return theta.tail<3>().norm(); }
+
 RigParameters plausible_error(double baseline) {
   RigParameters out;
   out << Eigen::Vector3d::Constant(kPlausibleAngle), Eigen::Vector3d::Constant(kPlausibleShare * baseline);

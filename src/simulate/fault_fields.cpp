@@ -18,12 +18,12 @@ namespace limber {
 namespace {
 
 using detail::FieldVisitor;
+using detail::kSeconds;
 using detail::Range;
 using detail::Unit;
 
 constexpr double kStandardGravity = 9.80665;  // [m/s^2]
 
-const Unit kSeconds{"s", 1.0};
 const Unit kGravities{"g", kStandardGravity};
 const Range kTime{.min = 0.0, .max = 1e6};
 const Range kDuration{.min = 0.0, .max = 1e6, .min_excluded = true};

@@ -36,6 +36,7 @@ struct Unit {
 
 inline const Unit kDegrees{"deg", kDegree};
 inline const Unit kMetres{"m", 1.0};
+inline const Unit kSeconds{"s", 1.0};
 
 /// @brief Visits the fields of one mapping. A reader lets absent keys keep their value and refuses what does
 /// not fit (DataError); a writer writes every key and refuses what a reader would (std::invalid_argument).

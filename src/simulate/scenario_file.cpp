@@ -27,6 +27,7 @@ using detail::hold_alternative;
 using detail::kDegree;
 using detail::kDegrees;
 using detail::kMetres;
+using detail::kSeconds;
 using detail::Range;
 using detail::Unit;
 
@@ -44,7 +45,6 @@ const Unit kNone{"", 1.0};
 const Unit kMetresPerSecond{"m/s", 1.0};
 const Unit kHertz{"Hz", 1.0};
 const Unit kPixels{"px", 1.0};
-const Unit kSeconds{"s", 1.0};
 
 void check_order(FieldVisitor& io, const std::string& larger_key, double smaller, double larger,
                  const std::string& smaller_key) {

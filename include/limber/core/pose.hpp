@@ -13,16 +13,14 @@ struct Pose {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< R_a_b
   Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< origin of b in a [m]
 
-  [[nodiscard]] Pose inverse() const { return {R.transpose(), -(R.transpose() * p)}; }
-  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& point) const { return R * point + p; }
-  [[nodiscard]] Pose operator*(const Pose& other) const { return {R * other.R, R * other.p + p}; }
+  [[nodiscard]] Pose inverse() const;
+  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& point) const;
+  [[nodiscard]] Pose operator*(const Pose& other) const;
 };
 
 /// The pose a share s of the way from a to b, along the line and the shortest rotation (slerp); s below 0 or
 /// above 1 continues that motion.
-[[nodiscard]] inline Pose interpolate(const Pose& a, const Pose& b, double s) {
-  return {a.R * so3_exp(s * so3_log(a.R.transpose() * b.R)), (1.0 - s) * a.p + s * b.p};
-}
+[[nodiscard]] Pose interpolate(const Pose& a, const Pose& b, double s);
 
 /// A pose with its time: `T_world_body` at `t_ns` [ns].
 struct StampedPose {

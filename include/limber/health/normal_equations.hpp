@@ -22,7 +22,7 @@ struct NormalEquations {
 
   NormalEquations& operator+=(const NormalEquations& other);
   /// Sum of the rows' scores at beta.
-  [[nodiscard]] Vector score(const Vector& beta) const { return vector - information * beta; }
+  [[nodiscard]] Vector score(const Vector& beta) const;
 };
 
 }  // namespace limber

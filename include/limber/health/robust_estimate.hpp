@@ -15,7 +15,7 @@ namespace limber {
 struct RigEstimate {
   RigParameters delta = RigParameters::Zero();
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  [[nodiscard]] RigParameters sigma() const { return covariance.diagonal().cwiseSqrt(); }
+  [[nodiscard]] RigParameters sigma() const;
 };
 
 /// The same with all of beta, and what it does to the points that were seen.

@@ -38,7 +38,7 @@ struct StereoCalibration {
   std::array<double, 2> readout_time_s{};
 
   /// Distance between the camera centres [m].
-  [[nodiscard]] double baseline() const { return theta.tail<3>().norm(); }
+  [[nodiscard]] double baseline() const;
 };
 
 /// The longest that an image may take from its first row to its last [s].
