@@ -32,13 +32,14 @@ __all__ = [
 _SCENARIOS = _pathlib.Path(__file__).parent / "scenarios"
 
 
-def read(path, *, calib="", imu="", images="", topics=""):
+def read(path, *, calib="", imu="", images="", topics="", readout_time=None):
     """Reads a recording; its content tells the format (docs/formats.md).
 
-    calib, imu, images, topics: as --calib, --imu, --images and --topics of `limber run`; a bag needs calib.
+    calib, imu, images, topics, readout_time: as --calib, --imu, --images, --topics and --readout-time of `limber run`;
+    a bag needs calib.
     Raises DataError if a file cannot be used, ValueError if an option is missing or does not fit.
     """
-    return _limber.read_recording(path, calib, imu, images, topics)
+    return _limber.read_recording(path, calib, imu, images, topics, readout_time)
 
 
 def scenarios():

@@ -4,7 +4,11 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <optional>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
@@ -319,15 +323,21 @@ void bind_recordings(py::module_& module) {
   module.def(
       "read_recording",
       [](const fs::path& path, const fs::path& calib, const fs::path& imu, const std::string& images,
-         const std::string& topics) {
+         const std::string& topics, std::optional<double> readout_time) {
+        if (readout_time && !(std::abs(*readout_time) <= kLongestReadout)) {
+          throw std::invalid_argument(fmt::format("readout_time: expected a number from -{0} to {0}, got {1}",
+                                                  kLongestReadout, *readout_time));
+        }
         try {
-          return std::make_shared<Recording>(app::open_recording({path, calib, imu, images, topics, {}}));
+          return std::make_shared<Recording>(
+              app::open_recording({path, calib, imu, images, topics, readout_time}));
         } catch (const CLI::ValidationError& error) {  // an option that is missing or of no use
           throw std::invalid_argument(error.what());
         }
       },
       py::arg("path"), py::arg("calib") = "", py::arg("imu") = "", py::arg("images") = "",
-      py::arg("topics") = "", py::call_guard<py::gil_scoped_release>(), DOC(read_recording));
+      py::arg("topics") = "", py::arg("readout_time") = py::none(), py::call_guard<py::gil_scoped_release>(),
+      DOC(read_recording));
 }
 
 }  // namespace limber::python

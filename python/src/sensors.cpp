@@ -74,11 +74,13 @@ void bind_rig(py::module_& module) {
           "__matmul__", [](const Pose& a, const Pose& b) { return a * b; }, py::arg("other"));
   py::class_<StereoCalibration>(module, "StereoCalibration", DOC(StereoCalibration))
       .def(py::init([](const Camera& cam0, const Camera& cam1, const RigParameters& theta, BodyFrame body,
-                       const Pose& T_body_cam0, std::array<double, 2> time_offset_s) {
-             return StereoCalibration{cam0, cam1, theta, body, T_body_cam0, time_offset_s};
+                       const Pose& T_body_cam0, std::array<double, 2> time_offset_s,
+                       std::array<double, 2> readout_time_s) {
+             return StereoCalibration{cam0, cam1, theta, body, T_body_cam0, time_offset_s, readout_time_s};
            }),
            py::arg("cam0"), py::arg("cam1"), py::arg("theta"), py::arg("body") = BodyFrame::kImu,
-           py::arg("T_body_cam0") = Pose{}, py::arg("time_offset_s") = std::array<double, 2>{})
+           py::arg("T_body_cam0") = Pose{}, py::arg("time_offset_s") = std::array<double, 2>{},
+           py::arg("readout_time_s") = std::array<double, 2>{})
       .def_readwrite("cam0", &StereoCalibration::cam0)
       .def_readwrite("cam1", &StereoCalibration::cam1)
       .def_readwrite("theta", &StereoCalibration::theta,
@@ -86,6 +88,8 @@ void bind_rig(py::module_& module) {
       .def_readwrite("body", &StereoCalibration::body)
       .def_readwrite("T_body_cam0", &StereoCalibration::T_body_cam0, DOC(StereoCalibration_T_body_cam0))
       .def_readwrite("time_offset_s", &StereoCalibration::time_offset_s)
+      .def_readwrite("readout_time_s", &StereoCalibration::readout_time_s,
+                     DOC(StereoCalibration_readout_time_s))
       .def_property_readonly("baseline", &StereoCalibration::baseline, DOC(StereoCalibration_baseline));
   module.def("pose_from_rig", &pose_from_rig, py::arg("theta"), "T_cam1_cam0 of theta.");
   module.def("rig_from_pose", &rig_from_pose, py::arg("T_cam1_cam0"), "theta of T_cam1_cam0.");

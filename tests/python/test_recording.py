@@ -60,6 +60,15 @@ def test_a_track_log_comes_back(recording, tmp_path):
     recording.write(tmp_path, force=True)
 
 
+def test_the_readout_time_may_be_given(recording, tmp_path):
+    recording.write(tmp_path)
+    assert limber.read(tmp_path).calibration.readout_time_s == [0.0, 0.0]
+    assert limber.read(tmp_path, readout_time=-0.02).calibration.readout_time_s == [-0.02, -0.02]
+    for wrong in (0.2, float("nan")):
+        with pytest.raises(ValueError, match="readout_time: expected a number from -0.1 to 0.1"):
+            limber.read(tmp_path, readout_time=wrong)
+
+
 def test_a_recording_from_memory_runs_as_the_one_it_was_made_of(recording, run):
     copy = limber.Recording(recording.calibration, list(recording.frames))
     copy.set_imu(recording.imu["t_ns"], recording.imu["omega"], recording.imu["accel"])
