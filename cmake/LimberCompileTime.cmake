@@ -10,7 +10,7 @@ function(limber_compile_together target files)
   endif()
 endfunction()
 
-# limber_precompile(<target> <headers>...): headers of the system and of other projects, never ours, so that no change
+# limber_precompile(<target> <headers>...): headers of the system and of other projects, none of include/, so that no change
 # of ours compiles them anew and all checkouts share them in a compiler cache.
 function(limber_precompile target)
   if(LIMBER_FAST_COMPILE)
