@@ -14,6 +14,12 @@ namespace {
 
 constexpr Index kFramesAtATime = 8;  // of a product: wide enough to be fast, narrow enough to leave zeros out
 
+/// Row and column in the lower triangle of all unknowns of what stands in row i, column j of the rest.
+std::pair<Index, Index> in_lower(const std::vector<Index>& rest, Index i, Index j) {
+  const auto [low, high] = std::minmax(rest[static_cast<std::size_t>(i)], rest[static_cast<std::size_t>(j)]);
+  return {high, low};
+}
+
 }  // namespace
 
 std::vector<Index> FrameLayout::rest() const {
@@ -34,9 +40,8 @@ void subtract_of_rest(MatrixXd& S, const MatrixXd& of_rest, const FrameLayout& l
   const std::vector<Index> rest = layout.rest();
   for (Index j = 0; j < of_rest.cols(); ++j) {
     for (Index i = j; i < of_rest.rows(); ++i) {
-      const auto [low, high] =
-          std::minmax(rest[static_cast<std::size_t>(i)], rest[static_cast<std::size_t>(j)]);
-      S(high, low) -= of_rest(i, j);
+      const auto [row, col] = in_lower(rest, i, j);
+      S(row, col) -= of_rest(i, j);
     }
   }
 }
@@ -55,9 +60,8 @@ FramesFactor::FramesFactor(const MatrixXd& A, double damping, const MatrixXd& of
   MatrixXd D(n, n);
   for (Index j = 0; j < n; ++j) {
     for (Index i = j; i < n; ++i) {
-      const auto [low, high] =
-          std::minmax(rest_[static_cast<std::size_t>(i)], rest_[static_cast<std::size_t>(j)]);
-      D(i, j) = A(high, low) * (i == j ? 1.0 + damping : 1.0) - of_rest(i, j);
+      const auto [row, col] = in_lower(rest_, i, j);
+      D(i, j) = A(row, col) * (i == j ? 1.0 + damping : 1.0) - of_rest(i, j);
     }
   }
   for (Index k = 0; k < layout.frames; k += kFramesAtATime) {
