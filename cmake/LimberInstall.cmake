@@ -20,9 +20,9 @@ function(limber_package_of library out)
     set(package "")  # a file, not a package
   elseif(library STREQUAL "SQLiteCpp")
     set(package SQLiteCpp)
-  elseif(library MATCHES "^(BZip2|ZLIB)::")
+  elseif(library MATCHES "^(BZip2|TIFF|ZLIB)::")
     set(package ${CMAKE_MATCH_1})
-  elseif(library MATCHES "^(lz4|zstd|cpp-httplib)$")
+  elseif(library MATCHES "^(lz4|zstd|spng|turbojpeg|cpp-httplib)$")
     set(package "")  # plain libraries
   else()
     message(FATAL_ERROR "Name the package of '${library}' in cmake/LimberInstall.cmake: "

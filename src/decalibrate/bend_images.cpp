@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "frontend/image_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/track_log.hpp"
+#include "limber/images/picture.hpp"
 
 namespace limber {
 namespace {
@@ -80,8 +80,8 @@ void copy_poses(const Recording& recording, const fs::path& folder) {
 }
 
 void write_png(const fs::path& file, const cv::Mat& image) {
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", image, bytes);
+  const int bits = image.depth() == CV_16U ? 16 : 8;
+  const auto bytes = encode_png({image.cols, image.rows, image.channels(), bits, image.step, image.data});
   write_bytes(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
@@ -100,7 +100,10 @@ ImageBending bend_images(const Recording& recording, const BentRig& rig, const f
   std::string list = "#timestamp [ns],filename\n";
   for (const ImagePair& pair : recording.images) {
     if (stop && stop()) throw std::runtime_error("stopped: nothing is written");
-    const cv::Mat bent = warp(frontend::read_unchanged(pair.cam1, camera), rig.turn_of_cam1(pair.t_ns));
+    Picture sound = frontend::read_picture(pair.cam1, camera, Colours::kKeep);
+    const cv::Mat pixels(sound.height, sound.width,
+                         CV_MAKETYPE(sound.bits == 16 ? CV_16U : CV_8U, sound.channels), sound.data.data());
+    const cv::Mat bent = warp(pixels, rig.turn_of_cam1(pair.t_ns));
     const std::string name = pair.cam1.stem().string() + ".png";
     write_png(folder / layout.right_images / name, bent);
     list += fmt::format("{},{}\n", pair.t_ns, name);

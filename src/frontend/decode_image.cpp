@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 #include <string_view>
@@ -12,6 +11,7 @@
 #include "frontend/image_file.hpp"
 #include "io/image_size.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/images/picture.hpp"
 
 namespace limber {
 namespace {
@@ -24,7 +24,7 @@ struct Encoding {
   std::string_view name;
   int type;  ///< of OpenCV
   int to_grey;
-  int to_bgr;  ///< as PNG files are written from; kNone: as it is
+  int to_rgb;  ///< as PNG files hold it; kNone: as it is
 };
 
 // https://docs.ros.org/en/api/sensor_msgs/html/image__encodings_8h_source.html. OpenCV names Bayer patterns
@@ -34,14 +34,14 @@ constexpr std::array<Encoding, 24> kEncodings = {
      {"8UC1", CV_8UC1, kNone, kNone},
      {"mono16", CV_16UC1, kNone, kNone},
      {"16UC1", CV_16UC1, kNone, kNone},
-     {"bgr8", CV_8UC3, cv::COLOR_BGR2GRAY, kNone},
-     {"8UC3", CV_8UC3, cv::COLOR_BGR2GRAY, kNone},
-     {"rgb8", CV_8UC3, cv::COLOR_RGB2GRAY, cv::COLOR_RGB2BGR},
-     {"bgra8", CV_8UC4, cv::COLOR_BGRA2GRAY, kNone},
-     {"8UC4", CV_8UC4, cv::COLOR_BGRA2GRAY, kNone},
-     {"rgba8", CV_8UC4, cv::COLOR_RGBA2GRAY, cv::COLOR_RGBA2BGRA},
-     {"bgr16", CV_16UC3, cv::COLOR_BGR2GRAY, kNone},
-     {"rgb16", CV_16UC3, cv::COLOR_RGB2GRAY, cv::COLOR_RGB2BGR},
+     {"bgr8", CV_8UC3, cv::COLOR_BGR2GRAY, cv::COLOR_BGR2RGB},
+     {"8UC3", CV_8UC3, cv::COLOR_BGR2GRAY, cv::COLOR_BGR2RGB},
+     {"rgb8", CV_8UC3, cv::COLOR_RGB2GRAY, kNone},
+     {"bgra8", CV_8UC4, cv::COLOR_BGRA2GRAY, cv::COLOR_BGRA2RGBA},
+     {"8UC4", CV_8UC4, cv::COLOR_BGRA2GRAY, cv::COLOR_BGRA2RGBA},
+     {"rgba8", CV_8UC4, cv::COLOR_RGBA2GRAY, kNone},
+     {"bgr16", CV_16UC3, cv::COLOR_BGR2GRAY, cv::COLOR_BGR2RGB},
+     {"rgb16", CV_16UC3, cv::COLOR_RGB2GRAY, kNone},
      {"bayer_rggb8", CV_8UC1, cv::COLOR_BayerBG2GRAY, kNone},
      {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2GRAY, kNone},
      {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2GRAY, kNone},
@@ -121,10 +121,9 @@ std::pair<int, int> size_of(const EncodedImage& image, const std::string& place)
 GreyPixels decode_grey(const EncodedImage& image, const std::string& place) {
   if (image.encoding.empty()) {
     const auto [width, height] = size_of(image, place);
-    if (static_cast<long>(width) * height > kMostPixels) {
-      throw DataError(place, 0, "an image of at most 2^28 pixels", frontend::size_text(width, height));
-    }
-    return copied(frontend::grey_of_file(bytes_of(image), width, height, place));
+    return {width, height,
+            frontend::highest_eight(
+                frontend::picture_of(bytes_of(image), width, height, Colours::kToGrey, place), 16)};
   }
   const Encoding& encoding = encoding_of(image, place);
   cv::Mat grey = pixels_of(image, encoding, place);
@@ -149,22 +148,17 @@ GreyPixels decode_grey(const EncodedImage& image, const std::string& place) {
 
 std::vector<std::uint8_t> encode_png(const EncodedImage& image, const std::string& place) {
   const Encoding& encoding = encoding_of(image, place);
-  if (encoding.to_bgr == kNoPng) {
+  if (encoding.to_rgb == kNoPng) {
     throw DataError(place, 0, "an encoding that a PNG file can hold", "'" + image.encoding + "'");
   }
   cv::Mat pixels = pixels_of(image, encoding, place);
-  std::vector<std::uint8_t> out;
-  try {
-    if (encoding.to_bgr != kNone) {
-      cv::Mat bgr;
-      cv::cvtColor(pixels, bgr, encoding.to_bgr);
-      pixels = bgr;
-    }
-    cv::imencode(".png", pixels, out, {cv::IMWRITE_PNG_COMPRESSION, 1});
-  } catch (const cv::Exception& error) {
-    throw DataError(place, 0, "an image that OpenCV can write as PNG", error.err);
+  if (encoding.to_rgb != kNone) {
+    cv::Mat rgb;
+    cv::cvtColor(pixels, rgb, encoding.to_rgb);
+    pixels = rgb;
   }
-  return out;
+  return encode_png(PictureView{pixels.cols, pixels.rows, pixels.channels(),
+                                pixels.depth() == CV_16U ? 16 : 8, pixels.step, pixels.data});
 }
 
 }  // namespace limber

@@ -2,9 +2,10 @@
 #include "limber/frontend/encode_jpeg.hpp"
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+
+#include "limber/images/picture.hpp"
 
 namespace limber {
 
@@ -22,9 +23,7 @@ std::vector<std::uint8_t> encode_jpeg(const GreyImage& image, int quality, int m
                cv::INTER_AREA);
     pixels = small;
   }
-  std::vector<std::uint8_t> out;
-  cv::imencode(".jpg", pixels, out, {cv::IMWRITE_JPEG_QUALITY, quality});
-  return out;
+  return encode_jpeg(PictureView{pixels.cols, pixels.rows, 1, 8, pixels.step, pixels.data}, quality);
 }
 
 }  // namespace limber

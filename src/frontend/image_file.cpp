@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "frontend/image_file.hpp"
 
+#include <algorithm>
+#include <cstring>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <sstream>
-#include <string_view>
 #include <system_error>
 
 #include "io/image_size.hpp"
@@ -18,19 +18,18 @@ std::string size_text(int width, int height) {
 
 namespace {
 
-/// A PNG file without its end: cut off while it was written or copied.
-bool is_torn_png(std::string_view bytes) {
-  constexpr std::size_t kEndChunk = 12;
-  return bytes.starts_with("\x89PNG") &&
-         (bytes.size() < kEndChunk ||
-          bytes.substr(bytes.size() - kEndChunk).find("IEND") == std::string::npos);
+std::uint16_t sixteen(const Picture& picture, std::size_t k) {
+  std::uint16_t value = 0;
+  std::memcpy(&value, picture.data.data() + 2 * k, 2);
+  return value;
 }
 
-cv::Mat decode(std::string_view bytes, int width, int height, const std::string& name, int flags) {
+}  // namespace
+
+Picture picture_of(std::string_view file, int width, int height, Colours colours, const std::string& name) {
   const std::string expected = "an image of " + size_text(width, height);
-  if (is_torn_png(bytes)) throw DataError(name, 0, expected, "a PNG file that was cut off");
   // Before the pixels are unpacked: a small file can hold a picture that fills the memory.
-  std::istringstream header{std::string(bytes)};
+  std::istringstream header{std::string(file)};
   if (const auto size = detail::image_size_of(header);
       size && (size->width != width || size->height != height)) {
     throw DataError(name, 0, expected + " (the calibration's resolution)",
@@ -38,24 +37,10 @@ cv::Mat decode(std::string_view bytes, int width, int height, const std::string&
   } else if (!size) {
     throw DataError(name, 0, expected, "nothing that can be decoded as an image: no PNG or JPEG");
   }
-  cv::Mat image;
-  try {
-    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-    if (!bytes.empty()) image = cv::imdecode(encoded, flags);
-  } catch (const cv::Exception&) {
-    image.release();  // what OpenCV refuses to decode is no image to us
-  }
-  if (image.empty()) throw DataError(name, 0, expected, "nothing that can be decoded as an image");
-  if (image.depth() != CV_8U && image.depth() != CV_16U) {
-    throw DataError(name, 0, expected + " of 8 or 16 bit", "other numbers as pixels");
-  }
-  if (image.cols != width || image.rows != height) {
-    throw DataError(name, 0, expected + " (the calibration's resolution)", size_text(image.cols, image.rows));
-  }
-  return image;
+  return decode_picture(file, colours, name);
 }
 
-cv::Mat read(const std::filesystem::path& file, const Camera& camera, int flags) {
+Picture read_picture(const std::filesystem::path& file, const Camera& camera, Colours colours) {
   std::error_code no_error_wanted;
   std::ifstream in(file, std::ios::binary);
   if (!in || !std::filesystem::is_regular_file(file, no_error_wanted)) {
@@ -64,23 +49,23 @@ cv::Mat read(const std::filesystem::path& file, const Camera& camera, int flags)
   }
   std::ostringstream content;
   content << in.rdbuf();
-  return decode(content.view(), camera.width, camera.height, file.string(), flags);
+  return picture_of(content.view(), camera.width, camera.height, colours, file.string());
 }
 
-}  // namespace
-
-// A camera's pixels stay where they are, whatever the file says about how to turn them for viewing.
-
-cv::Mat grey_of_file(std::string_view bytes, int width, int height, const std::string& name) {
-  return decode(bytes, width, height, name, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+unsigned largest_number(const Picture& picture) {
+  if (picture.bits == 8) return *std::max_element(picture.data.begin(), picture.data.end());
+  std::uint16_t largest = 0;
+  for (std::size_t k = 0; k < picture.data.size() / 2; ++k) largest = std::max(largest, sixteen(picture, k));
+  return largest;
 }
 
-cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera) {
-  return read(file, camera, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
-}
-
-cv::Mat read_unchanged(const std::filesystem::path& file, const Camera& camera) {
-  return read(file, camera, cv::IMREAD_ANYCOLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+std::vector<std::uint8_t> highest_eight(Picture picture, int bits) {
+  if (picture.bits == 8) return std::move(picture.data);
+  std::vector<std::uint8_t> out(picture.data.size() / 2);
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    out[k] = static_cast<std::uint8_t>(sixteen(picture, k) >> (bits - 8));
+  }
+  return out;
 }
 
 }  // namespace limber::frontend

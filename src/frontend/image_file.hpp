@@ -2,10 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <opencv2/core/mat.hpp>
 #include <string>
 #include <string_view>
 
+#include "limber/images/picture.hpp"
 #include "limber/sensors/camera.hpp"
 
 namespace limber::frontend {
@@ -13,16 +13,20 @@ namespace limber::frontend {
 /// "752 x 480 px"
 [[nodiscard]] std::string size_text(int width, int height);
 
-/// @brief Reads an image as it is stored: 8 or 16 bit, grey or colour.
-/// @throws DataError if it cannot be read or decoded, or has not the camera's resolution
-[[nodiscard]] cv::Mat read_unchanged(const std::filesystem::path& file, const Camera& camera);
-
-/// @brief The content of an image file, of any format OpenCV knows, as 8 bit grey.
+/// @brief The content of an image file.
 /// @param name  for messages
 /// @throws DataError if it cannot be decoded, or has not this size
-[[nodiscard]] cv::Mat grey_of_file(std::string_view bytes, int width, int height, const std::string& name);
+[[nodiscard]] Picture picture_of(std::string_view file, int width, int height, Colours colours,
+                                 const std::string& name);
 
-/// @brief The same as grey, of 8 or 16 bit as it is stored.
-[[nodiscard]] cv::Mat read_grey(const std::filesystem::path& file, const Camera& camera);
+/// @brief Reads an image file.
+/// @throws DataError if it cannot be read or decoded, or has not the camera's resolution
+[[nodiscard]] Picture read_picture(const std::filesystem::path& file, const Camera& camera, Colours colours);
+
+/// The largest number of a picture.
+[[nodiscard]] unsigned largest_number(const Picture& picture);
+
+/// The highest eight of the `bits` in use of a picture's numbers; of 8 bit, as they are.
+[[nodiscard]] std::vector<std::uint8_t> highest_eight(Picture picture, int bits);
 
 }  // namespace limber::frontend

@@ -5,13 +5,14 @@
 
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <future>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "limber/core/errors.hpp"
 #include "limber/core/random.hpp"
 #include "limber/datasets/track_log.hpp"
+#include "limber/images/picture.hpp"
 #include "render/truth_files.hpp"
 
 namespace limber {
@@ -69,9 +70,13 @@ class Studio {
   std::array<PictureCamera, 2> cameras_;
 };
 
-void write_png(const fs::path& file, const Camera& camera, std::vector<std::uint8_t> pixels) {
-  const cv::Mat image(camera.height, camera.width, CV_8U, pixels.data());
-  if (!cv::imwrite(file.string(), image)) {
+void write_png(const fs::path& file, const Camera& camera, const std::vector<std::uint8_t>& pixels) {
+  const auto width = static_cast<std::size_t>(camera.width);
+  const auto bytes = encode_png({camera.width, camera.height, 1, 8, width, pixels.data()});
+  std::ofstream stream(file, std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (!stream) {
     throw DataError(file.string(), 0, "room to write the file", "a write that failed");
   }
 }

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "cli/run_program.hpp"
 #include "frontend/painted_room.hpp"
 #include "limber/datasets/track_log.hpp"
+#include "limber/images/picture.hpp"
 
 namespace limber {
 namespace {
@@ -20,6 +20,11 @@ using testing::read_text;
 using testing::write_text;
 
 constexpr std::int64_t kFrames = 6, kPeriodNs = 50'000'000;
+
+void write_png(const fs::path& file, int width, int height, const std::vector<std::uint8_t>& pixels) {
+  const auto bytes = encode_png({width, height, 1, 8, static_cast<std::size_t>(width), pixels.data()});
+  write_text(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
 
 class ImageFolder : public ::testing::Test {
  protected:
@@ -60,10 +65,10 @@ class ImageFolder : public ::testing::Test {
     std::string list = "#timestamp [ns],filename\n";
     fs::create_directories(mav0() / name / "data");
     for (std::int64_t k = 0; k < kFrames; ++k) {
-      testing::Image picture = testing::photograph(camera, testing::flight(static_cast<int>(k)) * T_cam0_cam,
-                                                   {1.0, 0.0, 1.0, static_cast<std::uint64_t>(k)});
-      const cv::Mat matrix(picture.height, picture.width, CV_8U, picture.pixels.data());
-      cv::imwrite(image(name, k).string(), matrix);
+      const testing::Image picture =
+          testing::photograph(camera, testing::flight(static_cast<int>(k)) * T_cam0_cam,
+                              {1.0, 0.0, 1.0, static_cast<std::uint64_t>(k)});
+      write_png(image(name, k), picture.width, picture.height, picture.pixels);
       list += std::to_string(k * kPeriodNs) + "," + image(name, k).filename().string() + "\n";
     }
     write_text(mav0() / name / "data.csv", list);
@@ -127,14 +132,13 @@ TEST_F(ImageFolder, IsRefusedWhereAnImageIsMissing) {
 TEST_F(ImageFolder, IsRefusedWhereAnImageIsTornEvenHalfWay) {
   const std::string whole = read_text(image("cam0", 4));
   write_text(image("cam0", 4), whole.substr(0, whole.size() / 2));
-  expect_refused(image("cam0", 4), "expected an image of 376 x 240 px, found a PNG file that was cut off");
+  expect_refused(image("cam0", 4), "found a PNG file that was cut off");
 }
 
 TEST_F(ImageFolder, IsRefusedWhereAnImageIsNoneOrOfAnotherSize) {
   write_text(image("cam1", 4), "this is no image");
   expect_refused(image("cam1", 4), "found nothing that can be decoded as an image");
-  const cv::Mat small(100, 120, CV_8U, cv::Scalar(9));
-  cv::imwrite(image("cam1", 4).string(), small);
+  write_png(image("cam1", 4), 120, 100, std::vector<std::uint8_t>(12'000, 9));
   expect_refused(image("cam1", 4), "found 120 x 100 px");
   // Small as a file, 900 million pixels unpacked: refused by its header.
   write_text(image("cam1", 4), testing::png_header(30'000, 30'000) + std::string(1000, '\0') + "IEND1234");
