@@ -9,6 +9,7 @@
 
 #include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
+#include "limber/sensors/image_cell.hpp"
 
 namespace limber {
 
@@ -22,11 +23,9 @@ namespace {
 constexpr double kPrior = NormalEquations::kPrior;
 constexpr std::size_t kFewestPoints = 100;
 constexpr std::size_t kMostPoints = 12000;  // of a window
-constexpr double kCell_px = 150.0, kCellHeight_px = 120.0;
-constexpr int kColumns = 1 << 16;
-constexpr double kStep = 1e-6;         // of numerical derivatives [rad, m]
-constexpr double kMostDepthNoise = 2;  // px that the depth from motion adds, for 1 px of the left pixels
-constexpr double kMoving_px = 3.0;     // rms of a track's left pixels about one point: it moved, or is none
+constexpr double kStep = 1e-6;              // of numerical derivatives [rad, m]
+constexpr double kMostDepthNoise = 2;       // px that the depth from motion adds, for 1 px of the left pixels
+constexpr double kMoving_px = 3.0;  // rms of a track's left pixels about one point: it moved, or is none
 constexpr std::size_t kShortestTrack = 4;  // frames
 constexpr int kPixelSteps = 4;             // of Gauss-Newton on a point
 constexpr double kHuberLimit = 1.345, kTukeyLimit = 4.685;
@@ -40,11 +39,6 @@ constexpr int kHuberSteps = 6, kTukeySteps = 4;
 Vector3d line_of(const Vector3d& d0, const Pose& rig) {
   const Vector3d line = rig.p.cross(rig.R * d0);
   return line / std::hypot(line.x(), line.y());
-}
-
-int cell_of(const Eigen::Vector2d& uv) {
-  return static_cast<int>(std::floor(uv.x() / kCell_px)) +
-         kColumns * static_cast<int>(std::floor(uv.y() / kCellHeight_px));
 }
 
 /// One camera's sight of a point.
@@ -138,7 +132,7 @@ void RigWindow::add(const StereoFrame& frame, const Pose& T_world_cam0, bool fol
     }
     const auto d0 = unproject(calibration_.cam0, o.uv_cam0), d1 = unproject(calibration_.cam1, o.uv_cam1);
     if (d0 && d1 && d0->z() > 0.0 && d1->z() > 0.0) {
-      kept.points.push_back({{o.track_id, stretch_}, *d0 / d0->z(), *d1 / d1->z(), cell_of(o.uv_cam1)});
+      kept.points.push_back({{o.track_id, stretch_}, *d0 / d0->z(), *d1 / d1->z(), image_cell(o.uv_cam1)});
       ++seen_;
     }
   }

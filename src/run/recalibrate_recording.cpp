@@ -132,6 +132,7 @@ std::optional<RigPart> solve_part(const Part& part, const Recording& recording,
   out.information = eigen.vectors * eigen.values.cwiseMax(0.0).asDiagonal() * eigen.vectors.transpose();
   const RigParameters step = result.frames.front().theta - given.theta;
   out.theta = given.theta + solve_symmetric(out.information, all * step);
+  out.scores = std::move(result.theta_scores);
   return out;
 }
 

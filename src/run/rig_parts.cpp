@@ -4,8 +4,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <stdexcept>
+#include <vector>
+
+#include "limber/core/factors.hpp"
 
 namespace limber {
 namespace {
@@ -26,14 +30,19 @@ Sum sum_of(std::span<const RigPart> windows, const RigParameters& given) {
   return out;
 }
 
-/// Rows and columns of axes that are left alone, as if they were known.
-RigFit solve(const Sum& sum, const RigParameters& given, const RigAxes& seen) {
-  std::vector<Index> free;
+std::vector<Index> axes_of(const RigAxes& seen) {
+  std::vector<Index> out;
   for (Index k = 0; k < 6; ++k) {
     if (seen[static_cast<std::size_t>(k)]) {
-      free.push_back(k);
+      out.push_back(k);
     }
   }
+  return out;
+}
+
+/// Rows and columns of axes that are left alone, as if they were known.
+RigFit solve(const Sum& sum, const RigParameters& given, const RigAxes& seen) {
+  const std::vector<Index> free = axes_of(seen);
   RigFit out;
   out.theta = given;
   out.seen = seen;
@@ -54,6 +63,46 @@ double spread_of(std::span<const RigPart> windows, const RigFit& fit) {
   const auto free = static_cast<double>(fit.seen.count());
   const double dof = free * (static_cast<double>(windows.size()) - 1.0);
   return dof > 0.0 ? std::max(1.0, misfit(windows, fit.theta) / dof) : 1.0;
+}
+
+/// `a`, as large as `b` in the directions in which that is larger, whatever the units.
+Eigen::MatrixXd widened(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  const Eigen::MatrixXd L = Cholesky(a).L();
+  const Eigen::MatrixXd half = L.triangularView<Eigen::Lower>().solve(b);
+  const SymmetricEigen eigen =
+      symmetric_eigen(L.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(half.transpose())));
+  const Eigen::MatrixXd root = L * eigen.vectors * eigen.values.cwiseMax(1.0).cwiseSqrt().asDiagonal();
+  return root * root.transpose();
+}
+
+/// The covariance of theta if the points of one image cell err together in all windows and those of different
+/// cells do not: the cells are left out one after the other. Zero without two cells.
+/// @param inverse  of the information of the windows
+Eigen::MatrixXd by_cells(std::span<const RigPart> windows, const std::vector<Index>& free,
+                         const Eigen::MatrixXd& inverse) {
+  std::map<int, CellScore> cells;
+  RigMatrix of_points = RigMatrix::Zero(), of_all = RigMatrix::Zero();
+  for (const RigPart& window : windows) {
+    of_all += window.information;
+    for (const auto& [cell, score] : window.scores) {
+      cells[cell].pull += score.pull;
+      cells[cell].information += score.information;
+      of_points += score.information;
+    }
+  }
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
+  if (cells.size() < 2) return sum;
+  // With what is known beside the points: a length that is trusted.
+  const Eigen::MatrixXd all = widened(of_points(free, free), of_all(free, free));
+  const auto count = static_cast<double>(cells.size());
+  for (const auto& [cell, score] : cells) {
+    // What the others would have to make up for: (1 − its share)⁻¹.
+    const Eigen::VectorXd step = inverse * Eigen::VectorXd(score.pull(free));
+    const Eigen::VectorXd without =
+        solve_symmetric(Eigen::MatrixXd(all - score.information(free, free)), Eigen::VectorXd(all * step));
+    sum += (count - 1.0) / count * without * without.transpose();
+  }
+  return sum;
 }
 
 /// The seen axis whose standard deviation is furthest above its bound; nothing if none is.
@@ -93,7 +142,10 @@ RigFit fit_rig(std::span<const RigPart> windows, const RigParameters& given, con
   for (;;) {
     RigFit fit = solve(sum, given, seen);
     fit.spread = spread_of(windows, fit);
-    fit.covariance *= fit.spread;
+    if (const std::vector<Index> free = axes_of(seen); !free.empty()) {
+      const Eigen::MatrixXd inverse = fit.covariance(free, free);
+      fit.covariance(free, free) = widened(fit.spread * inverse, by_cells(windows, free, inverse));
+    }
     const std::optional<Index> worst = worst_axis(fit, bounds);
     if (!worst) {
       return fit;

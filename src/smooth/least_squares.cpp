@@ -8,6 +8,7 @@
 #include "factors.hpp"
 #include "limber/core/time.hpp"
 #include "limber/navigate/method.hpp"
+#include "limber/sensors/image_cell.hpp"
 #include "pose_manifold.hpp"
 
 namespace limber::detail {
@@ -160,6 +161,7 @@ void LeastSquares::add_rigs(std::span<const StereoFrame> frames) {
     double* theta = unknowns_.theta[k].data();
     problem_->AddParameterBlock(theta, kBlockSize);
     columns_.kept.push_back(theta);
+    columns_.rig = options_.rig == RigModel::kConstant ? theta : nullptr;
     if (walks && k > 0) {
       const double dt = seconds_between(frames[k - 1].t_ns, frames[k].t_ns);
       problem_->AddResidualBlock(new WalkFactor((dt * options_.rig_walk).cwiseSqrt()), nullptr,
@@ -207,6 +209,7 @@ void LeastSquares::add_track(Track& track, const SmootherInput& input) {
   double* value = track.landmark.value.data();
   problem_->AddParameterBlock(value, kTriplet);
   columns_.landmarks.push_back(value);
+  columns_.cells.push_back(image_cell(track.first_left()));
   PointSight sight;
   sight.landmark = track.landmark;
   sight.T_body_cam0 = body_from_cam0(calibration_);

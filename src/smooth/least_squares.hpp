@@ -42,8 +42,10 @@ class Rigs : public ceres::EvaluationCallback {
 /// Columns of the problem, in the order in which they are eliminated.
 struct Columns {
   std::vector<double*> landmarks;  ///< three wide, independent of each other
+  std::vector<int> cells;          ///< of each landmark: part of the left image that it was first seen in
   std::vector<double*> chain;      ///< velocities, biases: each coupled with its neighbours alone
   std::vector<double*> kept;       ///< poses, theta, other parameters
+  const double* rig = nullptr;     ///< theta, where it is one of all frames
 };
 
 /// @brief Unknowns, terms and their loss functions. Frames [0, frames), whatever has been left out.

@@ -71,7 +71,7 @@ struct LandmarkPart {
 
 /// Adds JᵀJ and Jᵀr of all rows.
 struct Accumulator {
-  explicit Accumulator(const Linearised& l)
+  Accumulator(const Linearised& l, const Columns& columns)
       : linearised(l),
         landmarks(static_cast<std::size_t>(l.chain_begin / 3)),
         chain(l.kept_begin - l.chain_begin, l.kept_begin - l.chain_begin),
@@ -80,6 +80,18 @@ struct Accumulator {
     system.information = MatrixXd::Zero(kept_chain.rows(), kept_chain.rows());
     system.gradient = VectorXd::Zero(kept_chain.rows());
     system.begin = l.begin;
+    for (const int cell : columns.cells) {
+      CellPart& part = system.of_cell[cell];
+      part.gradient.setZero(kept_chain.rows());
+      cell_parts.push_back(&part);
+    }
+    if (columns.rig != nullptr) rig_begin = l.begin.at(columns.rig);
+  }
+
+  /// Adds to what the points of a cell have: kept column, and where both are of the rig their product.
+  void add_to_cell(CellPart& cell, int a, int b, double product) const {
+    const int row = a - rig_begin, col = b - rig_begin;
+    if (rig_begin >= 0 && row >= 0 && row < 6 && col >= 0 && col < 6) cell.rig(row, col) += product;
   }
 
   void add_rows() {
@@ -89,15 +101,30 @@ struct Accumulator {
       const auto first = static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row)]);
       const auto last = static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row) + 1]);
       const double r = linearised.r(row);
+      CellPart* const cell = cell_of_row(first, last);
       for (std::size_t i = first; i < last; ++i) {
         add_gradient(J.cols[i], J.values[i] * r);
+        const int kept = J.cols[i] - linearised.kept_begin;
+        if (cell != nullptr && kept >= 0) cell->gradient(kept) += J.values[i] * r;
         for (std::size_t k = first; k < last; ++k) {
           add_product(J.cols[i], J.cols[k], J.values[i] * J.values[k], of_chain, of_both);
+          if (cell != nullptr) {
+            add_to_cell(*cell, kept, J.cols[k] - linearised.kept_begin, J.values[i] * J.values[k]);
+          }
         }
       }
     }
     chain.setFromTriplets(of_chain.begin(), of_chain.end());
     kept_chain.setFromTriplets(of_both.begin(), of_both.end());
+  }
+
+  /// Part of the cell of the landmark among the columns of a row; null if there is none.
+  [[nodiscard]] CellPart* cell_of_row(std::size_t first, std::size_t last) const {
+    for (std::size_t i = first; i < last; ++i) {
+      const int col = linearised.J.cols[i];
+      if (col < linearised.chain_begin) return cell_parts[static_cast<std::size_t>(col / 3)];
+    }
+    return nullptr;
   }
 
   void add_gradient(int col, double value) {
@@ -133,7 +160,8 @@ struct Accumulator {
   }
 
   void eliminate_landmarks() {
-    for (const LandmarkPart& landmark : landmarks) {
+    for (std::size_t n = 0; n < landmarks.size(); ++n) {
+      const LandmarkPart& landmark = landmarks[n];
       const Eigen::LLT<Matrix3d> llt(landmark.own);
       if (llt.info() != Eigen::Success) {
         fail("the place of a point is");
@@ -146,6 +174,8 @@ struct Accumulator {
       for (std::size_t j = 0; j < whitened.size(); ++j) {
         const auto& [col, y] = whitened[j];
         system.gradient(col) -= y.dot(g);
+        cell_parts[n]->gradient(col) -= y.dot(g);
+        for (const auto& [other, x] : whitened) add_to_cell(*cell_parts[n], other, col, -x.dot(y));
         for (std::size_t i = j; i < whitened.size(); ++i) {
           system.information(whitened[i].first, col) -= whitened[i].second.dot(y);
         }
@@ -175,13 +205,15 @@ struct Accumulator {
   Sparse chain, kept_chain;
   VectorXd chain_gradient;
   ReducedSystem system;
+  std::vector<CellPart*> cell_parts;  // of each landmark, in the system
+  int rig_begin = -1;                 // in the kept part
 };
 
 }  // namespace
 
 ReducedSystem reduce(ceres::Problem& problem, const Columns& columns) {
   const Linearised linearised = linearise(problem, columns);
-  Accumulator sums(linearised);
+  Accumulator sums(linearised, columns);
   sums.add_rows();
   sums.eliminate_landmarks();
   sums.eliminate_chain();
@@ -215,6 +247,14 @@ MatrixXd Marginals::of(const double* block, int size) const {
   const auto part = inverse_factor_.block(at, at, rest, size);
   const auto scale = scale_.segment(at, size);
   return scale.asDiagonal() * multiply(transposed(part), part) * scale.asDiagonal();
+}
+
+VectorXd Marginals::of_step(const double* block, int size, const VectorXd& gradient) const {
+  const Index at = system_.at(block);
+  const Index rest = inverse_factor_.rows() - at;
+  const VectorXd whitened = inverse_factor_.triangularView<Eigen::Lower>() * scale_.cwiseProduct(gradient);
+  const auto part = inverse_factor_.block(at, at, rest, size);
+  return scale_.segment(at, size).cwiseProduct(part.transpose() * whitened.tail(rest));
 }
 
 }  // namespace limber::detail

@@ -11,11 +11,18 @@
 /// What a least-squares problem says of some of its unknowns, once all others are eliminated.
 namespace limber::detail {
 
+/// Share of some points in a reduced system.
+struct CellPart {
+  Eigen::VectorXd gradient;                                               ///< K
+  Eigen::Matrix<double, 6, 6> rig = Eigen::Matrix<double, 6, 6>::Zero();  ///< information of Columns::rig
+};
+
 /// The problem at its present values: JᵀJ and Jᵀr of the kept unknowns after landmarks and chain are
 /// eliminated (Schur complements).
 struct ReducedSystem {
   Eigen::MatrixXd information;         ///< K×K; lower triangle alone is set
   Eigen::VectorXd gradient;            ///< K: of half the squared residuals
+  std::map<int, CellPart> of_cell;     ///< what the points of each image cell have in it
   std::map<const double*, int> begin;  ///< where each block's tangent begins
 
   [[nodiscard]] int at(const double* block) const { return begin.at(block); }
@@ -30,6 +37,10 @@ class Marginals {
  public:
   explicit Marginals(ReducedSystem system);
   [[nodiscard]] Eigen::MatrixXd of(const double* block, int size) const;
+  /// Part of a block in the covariance times a gradient of what is kept.
+  [[nodiscard]] Eigen::VectorXd of_step(const double* block, int size, const Eigen::VectorXd& gradient) const;
+  /// Of the points of each image cell: ReducedSystem::of_cell.
+  [[nodiscard]] const std::map<int, CellPart>& cells() const { return system_.of_cell; }
 
  private:
   ReducedSystem system_;

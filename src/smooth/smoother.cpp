@@ -285,6 +285,14 @@ class Smoothing {
             marginals.of(unknowns_.theta[unknowns_.theta_of[k]].data(), static_cast<int>(kBlockSize));
       }
     }
+    if (options_.rig == RigModel::kConstant) {
+      const double* const theta = unknowns_.theta.front().data();
+      const Eigen::Matrix<double, 6, 6> information = out.frames.front().theta_covariance.inverse();
+      for (const auto& [cell, part] : marginals.cells()) {
+        out.theta_scores[cell] = {
+            -information * marginals.of_step(theta, static_cast<int>(kBlockSize), part.gradient), part.rig};
+      }
+    }
     const auto sigma = options_.estimated.tail<kMoreParameters>();
     if (!sigma.isZero(0.0)) {
       const auto free = static_cast<int>((sigma.array() > 0.0).count());

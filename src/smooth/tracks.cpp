@@ -54,6 +54,10 @@ std::size_t Track::used() const {
       std::count_if(sights.begin(), sights.end(), [](const Sight& sight) { return !sight.refused; }));
 }
 
+Eigen::Vector2d Track::first_left() const {
+  return std::find_if(sights.begin(), sights.end(), [](const Sight& sight) { return sight.camera == 0; })->uv;
+}
+
 std::vector<Track> gather_tracks(std::span<const StereoFrame> frames, const MountedRig& rig,
                                  double forget_after_s, bool lone_frames) {
   std::vector<Track> tracks;

@@ -29,6 +29,7 @@ struct Track {
   std::vector<Sight> sights;
 
   [[nodiscard]] std::size_t used() const;  ///< pixels that were not refused
+  [[nodiscard]] Eigen::Vector2d first_left() const;
 };
 
 /// @brief All points that can say something: seen by the left camera, and at least twice in all.

@@ -54,6 +54,67 @@ TEST(FitRig, ItsCovarianceIsThatOfItsErrors) {
   }
 }
 
+/// Windows that see the same cells: noise of unit size in each row, and an error of twice that which all rows
+/// of a cell have in all windows. The length tx may be known beside them.
+std::vector<RigPart> windows_of_cells(const RigParameters& truth, std::size_t count, std::mt19937& random,
+                                      double sigma_of_length = 1.0) {
+  constexpr int kCells = 25;
+  using Rows = Eigen::Matrix<double, 10, 6>;
+  std::normal_distribution<double> draw;
+  std::vector<Rows> slopes(kCells);
+  std::vector<double> kept(kCells);
+  for (int cell = 0; cell < kCells; ++cell) {
+    for (double& number : slopes[static_cast<std::size_t>(cell)].reshaped()) number = 300.0 * draw(random);
+    kept[static_cast<std::size_t>(cell)] = 2.0 * draw(random);
+  }
+  std::vector<RigPart> out(count);
+  for (RigPart& window : out) {
+    std::vector<Eigen::Matrix<double, 10, 1>> errors(kCells);
+    RigParameters pull = RigParameters::Zero();
+    window.information(3, 3) = 1.0 / (sigma_of_length * sigma_of_length);
+    for (std::size_t cell = 0; cell < kCells; ++cell) {
+      for (double& error : errors[cell]) error = draw(random) + kept[cell];
+      window.information += slopes[cell].transpose() * slopes[cell];
+      pull += slopes[cell].transpose() * errors[cell];
+    }
+    const RigParameters step = window.information.ldlt().solve(pull);
+    window.theta = truth + step;
+    for (std::size_t cell = 0; cell < kCells; ++cell) {
+      window.scores[static_cast<int>(cell)] = {
+          slopes[cell].transpose() * (errors[cell] - slopes[cell] * step),
+          slopes[cell].transpose() * slopes[cell]};
+    }
+  }
+  return out;
+}
+
+TEST(FitRig, WhatACellDoesInAllWindowsIsInItsCovariance) {
+  std::mt19937 random(9);
+  constexpr int kRuns = 300;
+  double with = 0.0, without = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    std::vector<RigPart> windows = windows_of_cells(kGiven, 6, random);
+    const auto nees = [&] {
+      const RigFit fit = fit_rig(windows, kGiven, kBounds);
+      const RigParameters error = fit.theta - kGiven;
+      return error.dot(fit.covariance.ldlt().solve(error)) / (6.0 * kRuns);
+    };
+    with += nees();
+    for (RigPart& window : windows) window.scores.clear();
+    without += nees();
+  }
+  EXPECT_GT(without, 10.0);
+  EXPECT_GT(with, 0.6);
+  EXPECT_LT(with, 1.4);
+}
+
+TEST(FitRig, ALengthThatIsTrustedStaysSo) {
+  std::mt19937 random(10);
+  constexpr double kTrusted = 1e-6;  // [m]; the points alone: 1e-4
+  const std::vector<RigPart> windows = windows_of_cells(kGiven, 4, random, kTrusted);
+  EXPECT_LT(std::sqrt(fit_rig(windows, kGiven, kBounds).covariance(3, 3)), 2.0 * kTrusted);
+}
+
 TEST(FitRig, WhatNoWindowSeesIsLeftAlone) {
   std::mt19937 random(8);
   RigParameters truth = kGiven;

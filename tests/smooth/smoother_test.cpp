@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include "check_covariance.hpp"
 #include "limber/core/chi_square.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/run/draw_initial_state.hpp"
+#include "limber/run/rig_parts.hpp"
 #include "limber/simulate/simulator.hpp"
 
 namespace limber {
@@ -222,6 +224,47 @@ TEST(Smoother, FindsAWrongFocalLength) {
     EXPECT_LT(result.error_sigma(k), 1.0);
     EXPECT_NEAR(result.error(k), -3.0, 4.0 * result.error_sigma(k));
   }
+}
+
+/// The recording without the points of one cell of its left images.
+Recording without_cell(Recording recording, int cell) {
+  std::map<std::int64_t, int> first;
+  for (StereoFrame& frame : recording.frames) {
+    for (const StereoObservation& o : frame.observations) {
+      if (o.in_cam0) first.try_emplace(o.track_id, image_cell(o.uv_cam0));
+    }
+    std::erase_if(frame.observations, [&](const StereoObservation& o) {
+      return first.contains(o.track_id) && first.at(o.track_id) == cell;
+    });
+  }
+  return recording;
+}
+
+TEST(Smoother, ScoresOfACellTellWhatTheRigWouldBeWithoutItsPoints) {
+  Case c(bent(small_scenario()), MotionModel::kImu, 0);
+  c.options.rig = RigModel::kConstant;
+  c.options.loss = RobustLoss::kNone;  // so that no pixel's weight changes
+  const SmootherResult all = c.solve();
+  const MatrixXd covariance = all.frames.front().theta_covariance;
+  RigMatrix information = RigMatrix::Zero();
+  for (const auto& [cell, score] : all.theta_scores) information += score.information;
+  ASSERT_GE(all.theta_scores.size(), 8u);
+  double wrong = 0.0, moved = 0.0, first_order = 0.0;
+  for (const auto& [cell, score] : all.theta_scores) {
+    Case other = c;
+    other.recording = without_cell(c.recording, cell);
+    const RigParameters change = other.solve().frames.front().theta - all.frames.front().theta;
+    const RigParameters step = covariance * score.pull;
+    const RigParameters told =
+        -solve_symmetric(information - score.information, VectorXd(information * step));
+    wrong += nees(change - told, covariance);
+    first_order += nees(change + step, covariance);
+    moved += nees(change, covariance);
+  }
+  // The shares of the cells are those with the poses known, which they are not quite.
+  EXPECT_LT(wrong, 0.25 * moved);
+  EXPECT_LT(wrong, first_order);
+  EXPECT_GT(moved, 1.0);
 }
 
 TEST(Smoother, RefusesWhatDoesNotFitTogether) {

@@ -4,10 +4,12 @@
 #include <Eigen/Core>
 #include <bitset>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
 #include "limber/sensors/calibration.hpp"
+#include "limber/sensors/image_cell.hpp"
 
 /// @file
 /// One rig from what several parts of a recording say of it, each for itself.
@@ -21,15 +23,19 @@ struct RigPart {
   std::int64_t from_ns = 0, to_ns = 0;
   RigParameters theta = RigParameters::Zero();
   RigMatrix information = RigMatrix::Zero();  ///< inverse covariance by the noise of the sensors alone
+  std::map<int, CellScore> scores;            ///< by image_cell
 };
 
 /// A rig with its covariance.
 struct RigFit {
   RigParameters theta = RigParameters::Zero();
-  RigMatrix covariance = RigMatrix::Zero();  ///< zero for axes that were not seen
-  RigAxes seen;                              ///< the others keep what was given
-  /// How much larger the differences between windows are than the noise of the sensors says (variance, >= 1);
-  /// `covariance` has it in.
+  /// By the noise of the sensors and `spread`, and no less in any direction than by leaving out one image
+  /// cell after the other (the jackknife of clusters, MacKinnon, Nielsen and Webb 2023: what a cell's points
+  /// have in common in all windows, as errors of a lens model, does not average out). Zero for axes that were
+  /// not seen.
+  RigMatrix covariance = RigMatrix::Zero();
+  RigAxes seen;  ///< the others keep what was given
+  /// How much larger the differences between windows are than the noise of the sensors says (variance, >= 1).
   double spread = 1.0;
 };
 

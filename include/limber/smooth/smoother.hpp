@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "limber/sensors/image_cell.hpp"
 #include "limber/sensors/parameters.hpp"
 #include "limber/sensors/samples.hpp"
 #include "limber/smooth/motion_between.hpp"
@@ -94,6 +95,8 @@ struct SmootherResult {
   std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< p_world_landmark [m]
   ParameterVector error = ParameterVector::Zero();    ///< true minus given, beyond theta
   ParameterVector error_sigma = ParameterVector::Zero();
+  /// Of a constant rig, by image_cell of a point's first left pixel.
+  std::map<int, CellScore> theta_scores;
   std::vector<RefusedPixel> refused;
   double squared_residuals = 0.0;  ///< of all rows, whitened [-]
   std::ptrdiff_t dof = 0;          ///< rows less unknowns
