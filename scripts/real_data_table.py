@@ -11,6 +11,7 @@ import concurrent.futures
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -41,11 +42,28 @@ def variants(fixed_scale):
     yield "mono-left", []
 
 
+def without_points(recording, folder):
+    """A copy of a track log in which each frame has one point, seen once by the left camera, which says nothing: what the
+    odometry alone is worth."""
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(recording, folder)
+    tracks = folder / "mav0/tracks0/data.csv"
+    header, *rows = tracks.read_text().splitlines()
+    stamps = dict.fromkeys(row.split(",", 1)[0] for row in rows)
+    lone = [f"{stamp},{10**6 + n},100,100,," for n, stamp in enumerate(stamps)]
+    tracks.write_text("\n".join([header, *lone]) + "\n")
+    return folder
+
+
 def jobs(data, out):
     for name, (fixed_scale, more) in RECORDINGS.items():
         if not (data / name).exists():
             print(f"real_data_table: {data / name} is not there: left out", file=sys.stderr)
             continue
+        if (data / name / "mav0/odometry0").exists():
+            blind = without_points(data / name, out / f"{pathlib.Path(name).name}-no-points")
+            folder = out / f"{pathlib.Path(name).name}-odometry"
+            yield pathlib.Path(name).name, "–", "odometry alone", folder, [blind, "--out", folder, "--force"]
         for error in ["", DELTA, *more]:
             for method, options in variants(fixed_scale):
                 label = method + (f" ({options[1]})" if options else "")

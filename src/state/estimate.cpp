@@ -66,34 +66,6 @@ const Anchor* Estimate::anchor_of(const Landmark& landmark) const {
 void Estimate::retract(const Eigen::VectorXd& dx) {
   const Growth by = growth(dx);
   const VectorXd moved = displacements(dx, by);
-  if (getenv("DBG2") && layout_.has_map_scale && nav.t_ns > 30'700'000'000 && nav.t_ns < 31'000'000'000) {
-    MatrixXd D = P.dense();
-    const Index m = layout_.map_scale();
-    VectorXd g = D.col(m) / D(m, m);
-    fprintf(stderr,
-            "G %.2f p %.5f %.5f %.5f  of %.3f %.3f %.3f | v %.5f %.5f %.5f of %.3f %.3f %.3f | att %.6f %.6f "
-            "%.6f bg %.2g %.2g %.2g ba %.2g %.2g %.2g\n",
-            1e-9 * nav.t_ns, g(0), g(1), g(2), nav.T_world_body.p.x(), nav.T_world_body.p.y(),
-            nav.T_world_body.p.z(), g(6), g(7), g(8), nav.v_world_body.x(), nav.v_world_body.y(),
-            nav.v_world_body.z(), g(3), g(4), g(5), g(9), g(10), g(11), g(12), g(13), g(14));
-    for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
-      const Index at = layout_.map_begin() + 3 * (Index)k;
-      auto b = active_blocks_[k];
-      if (b.owner == Owner::kAnchorPosition)
-        fprintf(stderr, "  anchor %d g %.4f x %.4f frozen %d\n", (int)b.index, g(at),
-                (anchors_[b.index].T_world_body.p - displacement_in_epoch(at)).x(), (int)(at < frozen_end_));
-      if (b.owner == Owner::kLandmark) {
-        auto& l = landmarks_[b.index];
-        if (l.kind == LandmarkKind::kInverseDepth)
-          fprintf(stderr, "  rho g %.5f x %.5f ratio %.4f ab %.5f %.5f frozen %d\n", g(at + 2),
-                  -(l.value.z() - displacement_in_epoch(at).z()),
-                  g(at + 2) / -(l.value.z() - displacement_in_epoch(at).z()), g(at), g(at + 1),
-                  (int)(at < frozen_end_));
-        else
-          fprintf(stderr, "  cart\n");
-      }
-    }
-  }
   transport(moved);
   nav.T_world_body.p += moved.segment<3>(L::kPosition);
   retract_attitude(nav.T_world_body.R, dx.segment<3>(L::kAttitude));
