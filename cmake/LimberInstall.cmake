@@ -20,7 +20,7 @@ function(limber_package_of library out)
     set(package "")  # a file, not a package
   elseif(library STREQUAL "SQLiteCpp")
     set(package SQLiteCpp)
-  elseif(library MATCHES "^(BZip2|TIFF|ZLIB)::")
+  elseif(library MATCHES "^(BZip2|PNG|TIFF|ZLIB)::")
     set(package ${CMAKE_MATCH_1})
   elseif(library MATCHES "^(lz4|zstd|spng|turbojpeg|cpp-httplib)$")
     set(package "")  # plain libraries
