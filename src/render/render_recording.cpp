@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <future>
 #include <stdexcept>
 
@@ -73,12 +72,7 @@ class Studio {
 void write_png(const fs::path& file, const Camera& camera, const std::vector<std::uint8_t>& pixels) {
   const auto width = static_cast<std::size_t>(camera.width);
   const auto bytes = encode_png({camera.width, camera.height, 1, 8, width, pixels.data()});
-  std::ofstream stream(file, std::ios::binary);
-  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (!stream) {
-    throw DataError(file.string(), 0, "room to write the file", "a write that failed");
-  }
+  write_text(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 std::vector<FramePictures> draw_faults(std::size_t frames, const PictureOptions& options, std::uint64_t seed,

@@ -52,7 +52,7 @@ std::string box_poses_text(const Scene& scene, const std::vector<std::int64_t>& 
 
 }  // namespace
 
-void write_text(const fs::path& file, const std::string& text) {
+void write_text(const fs::path& file, std::string_view text) {
   fs::create_directories(file.parent_path());
   std::ofstream stream(file, std::ios::binary);
   stream << text;

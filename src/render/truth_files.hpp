@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "limber/render/scene.hpp"
@@ -19,7 +19,7 @@ struct FramePictures {
 };
 
 /// @throws DataError if the file cannot be written
-void write_text(const std::filesystem::path& file, const std::string& text);
+void write_text(const std::filesystem::path& file, std::string_view text);
 
 /// The world as tables (data.csv; moving_boxes.csv and moving_box_poses.csv if any box moves): with poses and
 /// theta they say where any pixel is seen by any other camera. Throws as write_text.

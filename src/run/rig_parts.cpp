@@ -93,7 +93,7 @@ Eigen::MatrixXd by_cells(std::span<const RigPart> windows, const std::vector<Ind
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(inverse.rows(), inverse.cols());
   if (cells.size() < 2) return sum;
   // With what is known beside the points: a length that is trusted.
-  const Eigen::MatrixXd all = widened(of_points(free, free), of_all(free, free));
+  const Eigen::MatrixXd all = widened(of_all(free, free), of_points(free, free));
   const auto count = static_cast<double>(cells.size());
   for (const auto& [cell, score] : cells) {
     // What the others would have to make up for: (1 − its share)⁻¹.

@@ -80,18 +80,18 @@ struct Accumulator {
     system.information = MatrixXd::Zero(kept_chain.rows(), kept_chain.rows());
     system.gradient = VectorXd::Zero(kept_chain.rows());
     system.begin = l.begin;
+    if (columns.rig == nullptr) return;  // nobody asks for cells
+    rig_begin = l.begin.at(columns.rig);
+    const CellPart none{VectorXd::Zero(kept_chain.rows())};
     for (const int cell : columns.cells) {
-      CellPart& part = system.of_cell[cell];
-      part.gradient.setZero(kept_chain.rows());
-      cell_parts.push_back(&part);
+      cell_parts.push_back(&system.of_cell.try_emplace(cell, none).first->second);
     }
-    if (columns.rig != nullptr) rig_begin = l.begin.at(columns.rig);
   }
 
   /// Adds to what the points of a cell have: kept column, and where both are of the rig their product.
   void add_to_cell(CellPart& cell, int a, int b, double product) const {
     const int row = a - rig_begin, col = b - rig_begin;
-    if (rig_begin >= 0 && row >= 0 && row < 6 && col >= 0 && col < 6) cell.rig(row, col) += product;
+    if (row >= 0 && row < 6 && col >= 0 && col < 6) cell.rig(row, col) += product;
   }
 
   void add_rows() {
@@ -122,7 +122,8 @@ struct Accumulator {
   [[nodiscard]] CellPart* cell_of_row(std::size_t first, std::size_t last) const {
     for (std::size_t i = first; i < last; ++i) {
       const int col = linearised.J.cols[i];
-      if (col < linearised.chain_begin) return cell_parts[static_cast<std::size_t>(col / 3)];
+      if (col < linearised.chain_begin && !cell_parts.empty())
+        return cell_parts[static_cast<std::size_t>(col / 3)];
     }
     return nullptr;
   }
@@ -174,8 +175,10 @@ struct Accumulator {
       for (std::size_t j = 0; j < whitened.size(); ++j) {
         const auto& [col, y] = whitened[j];
         system.gradient(col) -= y.dot(g);
-        cell_parts[n]->gradient(col) -= y.dot(g);
-        for (const auto& [other, x] : whitened) add_to_cell(*cell_parts[n], other, col, -x.dot(y));
+        if (!cell_parts.empty()) {
+          cell_parts[n]->gradient(col) -= y.dot(g);
+          for (const auto& [other, x] : whitened) add_to_cell(*cell_parts[n], other, col, -x.dot(y));
+        }
         for (std::size_t i = j; i < whitened.size(); ++i) {
           system.information(whitened[i].first, col) -= whitened[i].second.dot(y);
         }
