@@ -90,7 +90,7 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       ->check(sigmas);
   command
       .add_option("--sigma-px", arguments.sigma_px,
-                  "Pixel noise [px]; default: the recording's, else 0.5 for images and 1 for tracks")
+                  "Pixel noise [px], white; default: the recording's, else learned")
       ->check(positive());
   add_start_option(command, arguments.start);
   command

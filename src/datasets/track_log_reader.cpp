@@ -85,8 +85,7 @@ void read_pixel_noise(const fs::path& path, Recording& recording) {
       return;
     }
   }
-  recording.notes.emplace_back(
-      "tracks0/sensor.yaml does not give sigma_px: the default pixel noise is assumed");
+  recording.notes.emplace_back("tracks0/sensor.yaml does not give sigma_px");
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "diagnose/epipolar_error.hpp"
 #include "diagnose/rectification.hpp"
+#include "limber/measure/epipolar.hpp"
 #include "limber/measure/triangulate.hpp"
 
 namespace limber {

@@ -7,10 +7,10 @@
 #include <limits>
 #include <unordered_map>
 
-#include "diagnose/epipolar_error.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
+#include "limber/measure/epipolar.hpp"
 #include "limber/measure/triangulate.hpp"
 
 namespace limber::detail {

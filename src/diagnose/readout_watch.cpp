@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "diagnose/clustered_regression.hpp"
-#include "diagnose/epipolar_error.hpp"
 #include "diagnose/left_turn.hpp"
 #include "limber/core/time.hpp"
+#include "limber/measure/epipolar.hpp"
 #include "limber/measure/triangulate.hpp"
 
 namespace limber {

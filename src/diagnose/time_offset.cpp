@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "diagnose/clustered_regression.hpp"
-#include "diagnose/epipolar_error.hpp"
 #include "diagnose/gyro_attitude.hpp"
 #include "diagnose/left_turn.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
+#include "limber/measure/epipolar.hpp"
 
 namespace limber {
 namespace {

@@ -43,13 +43,16 @@ Vector6 whitened(const PoseCorrection& c) {
 
 }  // namespace
 
+double scatter_beside(const PoseCorrection& c) {
+  return std::max(c.nis - whitened(c).squaredNorm(), 0.0) / std::max(c.dof - 6.0, 1.0);
+}
+
 bool InputAlarm::judge(const PoseCorrection& c, InputContradiction& found) {
   if (!c.dx.allFinite() || !c.covariance.allFinite() || c.dof <= 0.0) {
     return false;
   }
   const Vector6 z = whitened(c);
-  // What the pose does not explain tells the noise.
-  const double rest = std::max(c.nis - z.squaredNorm(), 0.0) / std::max(c.dof - 6.0, 1.0);
+  const double rest = scatter_beside(c);
   noise_ += kNoiseShare * (rest - noise_);
   const double noise = std::max({noise_, rest, 1.0});
   mean_ = (1.0 - kShare) * mean_ + kShare * z;

@@ -9,6 +9,7 @@
 
 #include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
+#include "limber/measure/epipolar.hpp"
 #include "limber/sensors/image_cell.hpp"
 
 namespace limber {
@@ -34,12 +35,6 @@ constexpr Eigen::Index kVergence = NormalEquations::kVergence, kLens = NormalEqu
 constexpr std::size_t kBlocks = 5;  // of a window
 constexpr int kFewestOfAHalf = 8;   // rows
 constexpr int kHuberSteps = 6, kTukeySteps = 4;
-
-/// Unit normal (a, b, c), a² + b² = 1, of the epipolar line of a left bearing.
-Vector3d line_of(const Vector3d& d0, const Pose& rig) {
-  const Vector3d line = rig.p.cross(rig.R * d0);
-  return line / std::hypot(line.x(), line.y());
-}
 
 /// One camera's sight of a point.
 struct View {
@@ -182,7 +177,7 @@ void RigWindow::add_rows(std::size_t index, const Seen& seen, std::vector<Row>& 
     }
     return J;
   };
-  const auto across = [&](const Pose& rig) { return line_of(seen.d0, rig).dot(seen.d1); };
+  const auto across = [&](const Pose& rig) { return detail::epipolar_line(seen.d0, rig).dot(seen.d1); };
   Vector J_across = -derivative(across);
   std::swap(J_across(kVergence), J_across(kLens));
   rows.push_back(
@@ -203,7 +198,7 @@ void RigWindow::add_rows(std::size_t index, const Seen& seen, std::vector<Row>& 
     const Vector3d p = rig.R * seen.d0 + rig.p / z;
     return p / p.z();
   };
-  const Vector3d normal = line_of(seen.d0, assumed);
+  const Vector3d normal = detail::epipolar_line(seen.d0, assumed);
   const Vector3d along(normal.y(), -normal.x(), 0.0);
   rows.push_back({derivative([&](const Pose& rig) { return along.dot(predicted(rig)); }),
                   focal_px_ * along.dot(seen.d1 - predicted(assumed)), std::hypot(1.0, noise), 1.0,

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// StereoFilter's monitor: what an update tells it of the rig, and what theta and the witness make of its
-// answer.
+// What an update tells StereoFilter of the rig and of its pixels.
 #include <Eigen/LU>
 #include <optional>
 
@@ -17,6 +16,21 @@ namespace {
 /// A gap in the inputs [s] after which the state is open for what happened.
 constexpr double kLongGap = 0.1;
 
+struct Innovations {
+  double nis, dof;
+};
+
+/// Of a filter that trusts theta, NIS also counts what theta would explain: without that.
+Innovations without_rig(const ParameterErrorModel& model, const UpdateReport& update) {
+  Innovations out{update.nis, static_cast<double>(update.dof)};
+  if (!model.witness && !update.evidence.empty()) {
+    const EvidenceStatistic explained = statistic(update.evidence, 1.0 / (kWidestErrors * kWidestErrors));
+    out.nis -= explained.value;
+    out.dof -= static_cast<double>(explained.dof);
+  }
+  return out;
+}
+
 }  // namespace
 
 /// What the witness has gathered against the assumed rig; nothing without one.
@@ -32,17 +46,21 @@ std::optional<ParameterEvidence> StereoFilter::gathered(const ParameterErrorMode
   return out;
 }
 
+void StereoFilter::learn_pixel_noise(const ParameterErrorModel& model, const UpdateReport& update,
+                                     PoseCorrection correction) {
+  if (pixel_noise_) {
+    const Innovations rest = without_rig(model, update);
+    correction.nis = rest.nis;
+    correction.dof = rest.dof;
+    pixel_noise_->learn(scatter_beside(correction) * rest.dof, rest.dof);
+  }
+}
+
 void StereoFilter::learn_from(const ParameterErrorModel& model, const UpdateReport& update, double dt,
                               FrameReport& report) {
   const MatrixXd watched = model.watched.topRows<kBlockSize>();
-  HealthInput input{report.t_ns,     watched,    update.evidence,
-                    gathered(model), update.nis, static_cast<double>(update.dof)};
-  if (!model.witness && !update.evidence.empty()) {
-    // Of a filter that trusts theta, NIS also counts what theta would explain.
-    const EvidenceStatistic explained = statistic(update.evidence, 1.0 / (kWidestErrors * kWidestErrors));
-    input.nis -= explained.value;
-    input.dof -= static_cast<double>(explained.dof);
-  }
+  const Innovations rest = without_rig(model, update);
+  HealthInput input{report.t_ns, watched, update.evidence, gathered(model), rest.nis, rest.dof};
   if (input_alarm_.active(report.t_ns) || report.inputs.gap_s > kLongGap) {
     // An input that fails is not the rig's fault: what this frame says of the rig is not counted.
     if (model.witness) {

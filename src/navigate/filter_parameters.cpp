@@ -123,6 +123,7 @@ void StereoFilter::take_over(const StereoFilter& constrained, const CalibrationP
   checks_ = constrained.checks_;
   distrust_ = constrained.distrust_;
   omega_input_ = constrained.omega_input_;
+  pixel_noise_ = constrained.pixel_noise_;
   last_frame_ns_ = constrained.last_frame_ns_;
   use_estimated_calibration();
   distrust(prior);

@@ -62,6 +62,9 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
     place_first_map(estimate_, initial, mount(calibration)[0].T_cam_body.inverse());
     last_frame_ns_ = initial.landmarks.empty() ? last_frame_ns_ : initial.nav.t_ns;
   }
+  if (options_.learn_pixel_noise) {
+    pixel_noise_.emplace(options_.sigma_px, calibration);
+  }
   if (watches(options_)) {
     monitor_.emplace(*options_.health, calibration.baseline());
   }
@@ -99,7 +102,7 @@ StereoFilter::LinearizationPoint StereoFilter::choose_linearization_point(const 
   LinearizationPoint out{mounted(calibration_)};
   if (initializes_before_update()) {
     const Eigen::VectorXd off =
-        linearization_point(estimate_, frame, out.rig[1], options_.sigma_px, linearization_prior());
+        linearization_point(estimate_, frame, out.rig[1], sigma_px(), linearization_prior());
     out.shift.head(off.size()) = off;
     out.rig = mounted(corrected(calibration_, out.shift));
   }
@@ -126,7 +129,7 @@ StereoFilter::NewLandmarks StereoFilter::initialize_landmarks(const StereoFrame&
               : estimate_.add_anchor(rig[0].T_cam_body.inverse());
     }
     const std::optional<RemainingRows> remaining =
-        initialize_landmark(estimate_, observation, rig, options_.sigma_px, frame.t_ns, anchor, how);
+        initialize_landmark(estimate_, observation, rig, sigma_px(), frame.t_ns, anchor, how);
     if (remaining) {
       fresh[observation.track_id] = *remaining;
     }
@@ -137,7 +140,7 @@ StereoFilter::NewLandmarks StereoFilter::initialize_landmarks(const StereoFrame&
 
 StackedFrame StereoFilter::stack(const StereoFrame& frame, const LinearizationPoint& at,
                                  const NewLandmarks& fresh, FrameReport& report) const {
-  StackedFrame stacked = stack_frame(estimate_, frame, at.rig, options_.sigma_px, fresh, report.refused);
+  StackedFrame stacked = stack_frame(estimate_, frame, at.rig, sigma_px(), fresh, report.refused);
   if (!at.shift.isZero(0.0)) {
     // r = H dx + D (theta - assumed) + noise, wherever it is linearised. What is constrained does not notice;
     // what is trusted, or expected to be small (soft), is the assumed rig and not the linearisation point.
@@ -190,9 +193,10 @@ void StereoFilter::constrained_update(const StackedFrame& stacked, const std::ve
     report.rank = updated.rank;
     if (updated.status == UpdateStatus::kUpdated) {
       blind_turn_ = 0.0;
-      judge_inputs({report.t_ns, dt, updated.dx.head<6>(), corrected_by, updated.nis,
-                    static_cast<double>(updated.dof)},
-                   report);
+      const PoseCorrection correction{report.t_ns,  dt,          updated.dx.head<6>(),
+                                      corrected_by, updated.nis, static_cast<double>(updated.dof)};
+      judge_inputs(correction, report);
+      learn_pixel_noise(model, updated, correction);
     }
     if (monitor_) {
       learn_from(model, updated, dt, report);
@@ -234,6 +238,9 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   report.inputs = report_inputs(frame.t_ns);
 
   const bool was_blind = blind_turn_ > 0.0 || dt > kLongFrame;
+  if (pixel_noise_) {
+    pixel_noise_->see(raw);
+  }
   predict_to(frame.t_ns);                                             // Eqs. (4), (7)
   update_active_set(estimate_, frame, last_frame_ns_, options_.map);  // compressed filter
   report.removed = was_blind ? forget_after_blindness(frame) : 0;

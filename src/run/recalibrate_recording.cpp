@@ -13,10 +13,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "diagnose/epipolar_error.hpp"
 #include "limber/clean/frame_cleaner.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
+#include "limber/measure/epipolar.hpp"
 #include "limber/measure/triangulate.hpp"
 #include "run/smooth_setup.hpp"
 

@@ -132,12 +132,18 @@ std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method
     remarks.emplace_back(
         "the right camera saw no point in any frame: this is navigation with the left camera alone");
   }
+  if (record.pixel_noise) {
+    remarks.push_back(fmt::format(
+        "pixel noise learned: white noise of {:.2g} px is assumed at the end; a point's errors in two frames "
+        "that follow each other have a correlation of {:.2g}",
+        record.pixel_noise->sigma_px, record.pixel_noise->correlation));
+  }
   if (dof > 0.0 && nis > kSuspiciousNis * dof) {
     remarks.push_back(fmt::format(
         "NIS per degree of freedom is {:.3g}, 1 is expected: the measurements contradict the model; is the "
         "calibration wrong, or the noise larger than assumed (--sigma-px)?",
         nis / dof));
-  } else if (dof > 0.0 && nis < kModestNis * dof) {
+  } else if (dof > 0.0 && nis < kModestNis * dof && !record.pixel_noise) {
     const double assumed = std::sqrt(sigma_px.squaredNorm() / 4.0);
     remarks.push_back(fmt::format(
         "NIS per degree of freedom is {:.2g}, 1 is expected: pixels scatter from frame to frame by about "

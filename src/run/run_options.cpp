@@ -71,8 +71,9 @@ void choose_noise(const Recording& recording, const RunOptions& options, RunSetu
   } else {
     const double sigma = recording.images.empty() ? kTrackSigmaPx : kImageSigmaPx;
     navigator.sigma_px.setConstant(sigma);
-    take(recording.pixel_noise, navigator.sigma_px, fmt::format("pixel noise not given: {} px", sigma),
-         setup);
+    navigator.learn_pixel_noise = !recording.pixel_noise;
+    take(recording.pixel_noise, navigator.sigma_px,
+         fmt::format("pixel noise not given: learned, from {} px on", sigma), setup);
   }
   if (navigator.sigma_px.minCoeff() < kSmallestSigmaPx || navigator.sigma_px.maxCoeff() > kLargestSigmaPx) {
     throw std::invalid_argument(fmt::format("pixel noise: expected {} to {} px, found {} to {} px",

@@ -90,13 +90,16 @@ bool is_sane(const TrajectoryRow& row) {
          row.v_world_body->allFinite() && row.covariance->allFinite();
 }
 
-void take_map(const Navigator& navigator, RunRecord& record) {
+void take_end(const Navigator& navigator, RunRecord& record) {
   const Estimate& estimate = navigator.estimate();
   const std::vector<Eigen::Vector3d> positions = estimate.landmark_positions();
   for (std::size_t k = 0; k < positions.size(); ++k) {
     record.landmarks[estimate.landmarks()[k].track_id] = positions[k];
   }
   record.theta = navigator.estimate().theta;
+  if (const LearnedPixelNoise* learned = navigator.pixel_noise()) {
+    record.pixel_noise = learned->report();
+  }
 }
 
 [[noreturn]] void fail_diverged(Method method, std::size_t frame, std::int64_t t_ns, const std::string& what,
@@ -265,7 +268,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     done(record.frames.size() - 1, &frame);
   }
   record.elapsed_s = 1e-3 * milliseconds(begin_run, Clock::now());
-  take_map(navigator, record);
+  take_end(navigator, record);
   append(record.notes, remarks_on_inputs(summarize_inputs(record.frames)));
   record.cleaning = cleaner.report();
   append(record.notes, in_words(record.cleaning));

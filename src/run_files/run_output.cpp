@@ -95,6 +95,10 @@ Json to_json(const StartReport& report) {
           {"missing", report.missing}};
 }
 
+Json to_json(const PixelNoiseReport& report) {
+  return {{"sigma_px", report.sigma_px}, {"correlation", report.correlation}};
+}
+
 Json to_json(const FrameTime& time) { return {{"p50", time.p50}, {"p99", time.p99}, {"worst", time.worst}}; }
 
 Json to_json(const CleaningReport& report) {
@@ -155,6 +159,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["health"] = s.health ? Json::parse(to_json(*s.health, watch_options(options))) : Json(nullptr);
   json["seed"] = options.seed;
   json["options"] = to_json(options);
+  json["pixel_noise"] = record.pixel_noise ? to_json(*record.pixel_noise) : Json(nullptr);
   json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start) : Json(nullptr);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
   json["theta_assumed"] = std::vector<double>(record.theta_assumed.data(), record.theta_assumed.data() + 6);

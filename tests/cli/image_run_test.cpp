@@ -80,7 +80,7 @@ class ImageFolder : public ::testing::Test {
 TEST_F(ImageFolder, IsNavigated) {
   const auto result = run();
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("pixel noise not given: 0.5 px"));
+  EXPECT_THAT(result.err, HasSubstr("pixel noise not given: learned, from 0.5 px on"));
   const auto summary = nlohmann::json::parse(read_text(out() / "summary.json"));
   EXPECT_EQ(summary["frames"], kFrames);
   EXPECT_GT(summary["points_per_frame"], 60.0);

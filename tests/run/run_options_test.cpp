@@ -65,7 +65,8 @@ TEST(SetUpRun, TakesTheNoiseOfTheRecordingAndSaysWhereItGuesses) {
   recording.pixel_noise.reset();
   recording.imu_noise.reset();
   EXPECT_EQ(set_up_run(recording, {}).navigator.sigma_px, PixelNoise::Constant(1.0));
-  EXPECT_THAT(set_up_run(recording, {}).notes, Contains(HasSubstr("pixel noise not given: 1 px")));
+  EXPECT_THAT(set_up_run(recording, {}).notes,
+              Contains(HasSubstr("pixel noise not given: learned, from 1 px on")));
   EXPECT_THAT(set_up_run(recording, {}).notes, Contains(HasSubstr("IMU noise not given")));
 
   recording = without_imu(recording);

@@ -20,6 +20,9 @@ struct PoseCorrection {
   double dof = 0.0;    ///< of nis
 };
 
+/// NIS per degree of freedom of what the pose does not explain: it tells the noise.
+[[nodiscard]] double scatter_beside(const PoseCorrection& correction);
+
 /// What the images say that the inputs were off by.
 struct InputContradiction {
   double turn = 0.0;       ///< [rad], within a frame

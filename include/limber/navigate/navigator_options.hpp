@@ -36,6 +36,8 @@ struct NavigatorOptions {
   OdometryNoise odometry_noise;  ///< per sample
   ConstantVelocityNoise constant_velocity_noise;
   PixelNoise sigma_px = PixelNoise::Constant(0.5);
+  /// sigma_px is but where to begin: what has to be assumed is learned (LearnedPixelNoise).
+  bool learn_pixel_noise = false;
   double gravity = 9.81;  ///< [m/s^2]
 
   /// ekf-full, consider, soft: standard deviation of theta [rad, m]. Zero: one plausible error (0.1 deg, 5

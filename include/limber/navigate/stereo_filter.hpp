@@ -10,6 +10,7 @@
 
 #include "limber/health/health_monitor.hpp"
 #include "limber/health/input_alarm.hpp"
+#include "limber/health/learned_pixel_noise.hpp"
 #include "limber/health/white_size.hpp"
 #include "limber/navigate/frame_report.hpp"
 #include "limber/navigate/navigator_options.hpp"
@@ -92,6 +93,10 @@ class StereoFilter {
 
   [[nodiscard]] const Estimate& estimate() const { return estimate_; }
   [[nodiscard]] const NavigatorOptions& options() const { return options_; }
+  /// What is learned of the pixels; null unless it is asked for.
+  [[nodiscard]] const LearnedPixelNoise* pixel_noise() const {
+    return pixel_noise_ ? &*pixel_noise_ : nullptr;
+  }
 
  private:
   /// What the images said against the inputs, as noise that they have for a while beyond what is assumed:
@@ -136,6 +141,11 @@ class StereoFilter {
   void walk_parameters(double dt);
   void learn_from(const ParameterErrorModel& model, const UpdateReport& update, double dt,
                   FrameReport& report);
+  void learn_pixel_noise(const ParameterErrorModel& model, const UpdateReport& update,
+                         PoseCorrection correction);
+  [[nodiscard]] PixelNoise sigma_px() const {
+    return pixel_noise_ ? pixel_noise_->sigma_px() : options_.sigma_px;
+  }
   [[nodiscard]] std::optional<ParameterEvidence> gathered(const ParameterErrorModel& model) const;
 
   NavigatorOptions options_;
@@ -153,6 +163,7 @@ class StereoFilter {
   double blind_turn_ = 0.0;  // variance of attitude that predictions added since the last update [rad^2]
   InitialState sound_;       // body after the last sound frame, to begin anew from
   Eigen::Vector3d omega_input_ = Eigen::Vector3d::Zero();  // [rad/s], of the last step: gyro or odometry
+  std::optional<LearnedPixelNoise> pixel_noise_;           // where nobody stated it
   std::optional<HealthMonitor> monitor_;
   std::optional<HealthReport> last_health_;
   WhiteSize fresh_;  // adaptive: zero as long as theta is trusted

@@ -87,6 +87,8 @@ struct RunRecord {
   MotionModel motion = MotionModel::kImu;
   InitialState start;                       ///< what the filter was told of its first state
   std::optional<StartReport> sensor_start;  ///< StartMode::kAuto: what was known by then, and when that was
+  /// What was learned of the pixels by the last frame; nothing where their noise was stated.
+  std::optional<PixelNoiseReport> pixel_noise;
   CleaningReport cleaning;  ///< what was taken out of the frames before the navigator saw them
   std::size_t frames_of_recording = 0;
   bool stopped = false;  ///< before the last frame, because the caller asked to

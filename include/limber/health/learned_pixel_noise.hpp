@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/samples.hpp"
+
+namespace limber {
+
+/// What was learned of the pixels.
+struct PixelNoiseReport {
+  double sigma_px = 0.0;     ///< assumed, of white noise that would be as bad
+  double correlation = 0.0;  ///< of a point's errors in two frames that follow each other, 0 to 1
+};
+
+/// @brief The pixel noise that a filter has to assume where nobody stated it.
+///
+/// A filter takes errors for white. Those of real tracks are not: most of them stays while the track lives and
+/// does not average out. So two things are learned. How far pixels scatter: from NIS, the innovations beside
+/// what the filter expected of them. How alike errors are from frame to frame: from the stereo points'
+/// distances to their epipolar lines, without what a quadratic over the image explains (a wrong rig, a
+/// lens). White noise is as bad as what lasts if its variance is `persistence()` times that of a frame.
+/// @note docs/derivations/pixel-noise.md
+class LearnedPixelNoise {
+ public:
+  /// @param begin  assumed until frames have told better [px]
+  LearnedPixelNoise(const PixelNoise& begin, const StereoCalibration& calibration);
+
+  /// A frame's stereo points, before the update.
+  void see(const StereoFrame& frame);
+  /// An update that assumed `sigma_px()`. @param nis  without what a rig that is trusted would explain
+  void learn(double nis, double dof);
+
+  /// Of u0, v0, u1, v1 [px]: to be assumed.
+  [[nodiscard]] PixelNoise sigma_px() const { return begin_ * share_; }
+  [[nodiscard]] PixelNoiseReport report() const;
+  /// Variance that white noise needs, over that of a single frame: 1 for white errors.
+  [[nodiscard]] double persistence() const;
+
+ private:
+  [[nodiscard]] double correlation() const;
+
+  PixelNoise begin_;
+  StereoCalibration calibration_;
+  double share_ = 1.0;  // of begin_
+  double updates_ = 0.0;
+  double products_, squares_;
+  std::map<std::int64_t, double> before_;  // each track's error in the last frame, in its rms
+};
+
+}  // namespace limber

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "limber/health/learned_pixel_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "limber/core/factors.hpp"
+#include "limber/core/median.hpp"
+#include "limber/measure/epipolar.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kLeast_px = 0.05, kMost_px = 5.0;
+/// What lasts is as alike from frame to frame, and weighs as long, as docs/evidence/realistic-pixels.md has
+/// it: a correlation of 0.93, over some ten frames.
+constexpr double kLasting = 0.93;
+constexpr double kMemory = 0.9;
+constexpr double kLastingFactor = (1.0 + kLasting * kMemory) / (1.0 - kLasting * kMemory);
+/// Before frames have told: two thirds of the variance last.
+constexpr double kPriorCorrelation = 2.0 / 3.0 * kLasting;
+constexpr double kPriorPairs = 100.0, kEnoughPairs = 300.0;
+/// Share of a frame in what is learned; the first ones count like any, beside what it began with as some.
+constexpr double kLearningShare = 0.05, kBegin = 5.0;
+/// Of the assumed variance: what a filter that assumes much leaves of its own errors in its innovations.
+constexpr double kOwnShare = 0.02;
+constexpr double kLargestStep = 4.0;
+constexpr double kFewestRows = 20.0;
+constexpr Index kTerms = 6;  // of a quadratic in two variables
+constexpr std::size_t kFewestPoints = 4 * kTerms;
+constexpr double kFarOff = 3.0;           // of the errors' size: mismatched
+constexpr double kSizeOfMedian = 1.4826;  // standard deviation over median of the magnitude, of a Gaussian
+
+double root_mean_square(const PixelNoise& sigma) { return std::sqrt(sigma.squaredNorm() / 4.0); }
+
+/// What a quadratic over the image leaves.
+VectorXd without_quadratic(const std::vector<StereoBearings>& points, const VectorXd& errors) {
+  MatrixXd A(errors.size(), kTerms);
+  for (Index k = 0; k < errors.size(); ++k) {
+    const Eigen::Vector3d& d = points[static_cast<std::size_t>(k)].cam1;
+    A.row(k) << 1.0, d.x(), d.y(), d.x() * d.x(), d.x() * d.y(), d.y() * d.y();
+  }
+  return errors - A * pseudo_inverse(A, errors).x;
+}
+
+/// Each point's distance from its epipolar line, without what a quadratic over the image explains, in units of
+/// the frame's own size; without mismatches.
+std::map<std::int64_t, double> epipolar_errors(const StereoFrame& frame,
+                                                         const StereoCalibration& calibration) {
+  const Pose T_cam1_cam0 = pose_from_rig(calibration.theta);
+  std::vector<std::int64_t> ids;
+  std::vector<StereoBearings> points;
+  std::vector<double> errors;
+  for (const StereoObservation& o : frame.observations) {
+    if (const auto pair = detail::bearings(calibration, o)) {
+      ids.push_back(o.track_id);
+      points.push_back(*pair);
+      errors.push_back(detail::epipolar_error(*pair, T_cam1_cam0));
+    }
+  }
+  std::map<std::int64_t, double> out;
+  if (points.size() < kFewestPoints) {
+    return out;
+  }
+  const VectorXd rest =
+      without_quadratic(points, VectorXd::Map(errors.data(), static_cast<Index>(errors.size())));
+  const VectorXd magnitude = rest.cwiseAbs();
+  const double size =
+      kSizeOfMedian * upper_median(std::vector<double>(magnitude.data(), magnitude.data() + magnitude.size()));
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    const double error = rest(static_cast<Index>(k));
+    if (size > 0.0 && std::abs(error) <= kFarOff * size) {
+      out[ids[k]] = error / size;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+LearnedPixelNoise::LearnedPixelNoise(const PixelNoise& begin, const StereoCalibration& calibration)
+    : begin_(begin),
+      calibration_(calibration),
+      products_(kPriorPairs * kPriorCorrelation),
+      squares_(kPriorPairs) {}
+
+void LearnedPixelNoise::see(const StereoFrame& frame) {
+  std::map<std::int64_t, double> now = epipolar_errors(frame, calibration_);
+  for (const auto& [id, error] : now) {
+    if (const auto known = before_.find(id); known != before_.end()) {
+      products_ += error * known->second;
+      squares_ += 0.5 * (error * error + known->second * known->second);
+    }
+  }
+  before_ = std::move(now);
+}
+
+double LearnedPixelNoise::correlation() const { return std::clamp(products_ / squares_, 0.0, 1.0); }
+
+double LearnedPixelNoise::persistence() const {
+  const double lasting = std::min(correlation() / kLasting, 1.0);
+  return 1.0 - lasting + lasting * kLastingFactor;
+}
+
+PixelNoiseReport LearnedPixelNoise::report() const {
+  return {root_mean_square(sigma_px()), correlation()};
+}
+
+void LearnedPixelNoise::learn(double nis, double dof) {
+  if (dof < kFewestRows || !(nis >= 0.0)) {
+    return;
+  }
+  const double variance = share_ * share_;
+  const double weight = std::max(kLearningShare, 1.0 / (kBegin + updates_++));
+  const double seen =
+      std::clamp(persistence() * (nis / dof - kOwnShare), 1.0 / kLargestStep, kLargestStep) * variance;
+  const double rms = root_mean_square(begin_);
+  // Less than where it began only where it is known how alike errors are.
+  const double least = squares_ < kPriorPairs + kEnoughPairs ? 1.0 : std::min(kLeast_px / rms, 1.0);
+  const double most = std::max(kMost_px / rms, 1.0);
+  share_ = std::clamp(std::sqrt(variance + weight * (seen - variance)), least, most);
+}
+
+}  // namespace limber

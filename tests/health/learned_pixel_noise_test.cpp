@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "limber/health/learned_pixel_noise.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "stereo_world.hpp"
+
+namespace limber {
+namespace {
+
+using testing::fly_past;
+using testing::World;
+using testing::WorldOptions;
+
+LearnedPixelNoise after_seeing(const World& world, double begin_px = 1.0) {
+  LearnedPixelNoise out(PixelNoise::Constant(begin_px), world.assumed);
+  for (const StereoFrame& frame : world.frames) {
+    out.see(frame);
+  }
+  return out;
+}
+
+/// Updates of a filter whose innovations are as large as white noise of `true_px` makes them.
+void learn_white(LearnedPixelNoise& noise, double true_px, int frames) {
+  for (int k = 0; k < frames; ++k) {
+    const double assumed = noise.sigma_px()(0);
+    noise.learn(200.0 * true_px * true_px / (assumed * assumed), 200.0);
+  }
+}
+
+TEST(LearnedPixelNoise, BeginsWithWhatItIsTold) {
+  const PixelNoise begin(0.4, 0.5, 0.6, 0.7);
+  const LearnedPixelNoise noise(begin, testing::world_calibration());
+  EXPECT_EQ(noise.sigma_px(), begin);
+}
+
+TEST(LearnedPixelNoise, SeesThatErrorsAreWhite) {
+  const LearnedPixelNoise noise = after_seeing(fly_past({}));
+  EXPECT_NEAR(noise.report().correlation, 0.0, 0.05);
+  EXPECT_NEAR(noise.persistence(), 1.0, 0.5);
+}
+
+TEST(LearnedPixelNoise, SeesWhatStaysWithTracks) {
+  WorldOptions options;
+  options.white_px = 0.1;
+  options.per_track_px = 0.3;  // of the right pixel; the white part is that of both pixels
+  const double lasting = 0.09 / (0.09 + 2.0 * 0.01);
+  EXPECT_NEAR(after_seeing(fly_past(options)).report().correlation, lasting, 0.1);
+}
+
+TEST(LearnedPixelNoise, TakesAWrongRigForNoError) {
+  WorldOptions options;
+  options.error = [](double) { return RigParameters(0.01, 0.03, 0.01, 0.01, 0.0, 0.0); };
+  EXPECT_LT(after_seeing(fly_past(options)).report().correlation, 0.2);
+}
+
+TEST(LearnedPixelNoise, IsNotMisledByMismatches) {
+  WorldOptions options;
+  options.mismatches = 0.2;
+  EXPECT_LT(after_seeing(fly_past(options)).report().correlation, 0.1);
+}
+
+TEST(LearnedPixelNoise, FindsTheSizeOfWhiteNoise) {
+  for (const double true_px : {0.15, 0.5, 2.0}) {
+    LearnedPixelNoise noise = after_seeing(fly_past({}));
+    learn_white(noise, true_px, 300);
+    EXPECT_NEAR(noise.report().sigma_px / true_px, 1.0, 0.2) << true_px;
+  }
+}
+
+TEST(LearnedPixelNoise, AssumesMoreWhereErrorsLast) {
+  WorldOptions options;
+  options.white_px = 0.1;
+  options.per_track_px = 0.4;
+  LearnedPixelNoise lasting = after_seeing(fly_past(options));
+  learn_white(lasting, 0.3, 300);
+  EXPECT_GT(lasting.report().sigma_px, 0.7);
+  EXPECT_LT(lasting.report().sigma_px, 1.2);
+}
+
+TEST(LearnedPixelNoise, GoesBelowTheBeginningOnlyWhereItKnowsWhetherErrorsLast) {
+  LearnedPixelNoise blind(PixelNoise::Constant(1.0), testing::world_calibration());
+  learn_white(blind, 0.1, 300);
+  EXPECT_EQ(blind.sigma_px(), PixelNoise::Constant(1.0));
+  learn_white(blind, 2.0, 300);
+  EXPECT_GT(blind.report().sigma_px, 2.0);
+}
+
+TEST(LearnedPixelNoise, StaysWithinBoundsAndKeepsItsHeadAmongNonsense) {
+  LearnedPixelNoise noise = after_seeing(fly_past({}));
+  learn_white(noise, 1e3, 300);
+  EXPECT_LE(noise.report().sigma_px, 5.0);
+  const PixelNoise before = noise.sigma_px();
+  noise.learn(std::nan(""), 200.0);
+  noise.learn(1.0, 3.0);  // too few rows to tell
+  EXPECT_EQ(noise.sigma_px(), before);
+  LearnedPixelNoise wide(PixelNoise::Constant(8.0), testing::world_calibration());
+  learn_white(wide, 1e3, 300);
+  EXPECT_EQ(wide.sigma_px(), PixelNoise::Constant(8.0));
+}
+
+}  // namespace
+}  // namespace limber
