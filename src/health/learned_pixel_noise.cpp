@@ -51,10 +51,10 @@ VectorXd without_quadratic(const std::vector<StereoBearings>& points, const Vect
   return errors - A * pseudo_inverse(A, errors).x;
 }
 
-/// Each point's distance from its epipolar line, without what a quadratic over the image explains, in units of
-/// the frame's own size; without mismatches.
+/// Each point's distance from its epipolar line, without what a quadratic over the image explains, in units
+/// of the frame's own size; without mismatches.
 std::map<std::int64_t, double> epipolar_errors(const StereoFrame& frame,
-                                                         const StereoCalibration& calibration) {
+                                               const StereoCalibration& calibration) {
   const Pose T_cam1_cam0 = pose_from_rig(calibration.theta);
   std::vector<std::int64_t> ids;
   std::vector<StereoBearings> points;
@@ -73,8 +73,8 @@ std::map<std::int64_t, double> epipolar_errors(const StereoFrame& frame,
   const VectorXd rest =
       without_quadratic(points, VectorXd::Map(errors.data(), static_cast<Index>(errors.size())));
   const VectorXd magnitude = rest.cwiseAbs();
-  const double size =
-      kSizeOfMedian * upper_median(std::vector<double>(magnitude.data(), magnitude.data() + magnitude.size()));
+  const double size = kSizeOfMedian * upper_median(std::vector<double>(magnitude.data(),
+                                                                       magnitude.data() + magnitude.size()));
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const double error = rest(static_cast<Index>(k));
     if (size > 0.0 && std::abs(error) <= kFarOff * size) {
@@ -110,9 +110,7 @@ double LearnedPixelNoise::persistence() const {
   return 1.0 - lasting + lasting * kLastingFactor;
 }
 
-PixelNoiseReport LearnedPixelNoise::report() const {
-  return {root_mean_square(sigma_px()), correlation()};
-}
+PixelNoiseReport LearnedPixelNoise::report() const { return {root_mean_square(sigma_px()), correlation()}; }
 
 void LearnedPixelNoise::learn(double nis, double dof) {
   if (dof < kFewestRows || !(nis >= 0.0)) {
