@@ -19,7 +19,7 @@ class PairReader {
         readers_{ImageReader(recording.calibration.cam0), ImageReader(recording.calibration.cam1)} {}
 
   /// @throws DataError
-  std::array<OwnedImage, 2> read(std::size_t pair) {
+  std::array<GreyPixels, 2> read(std::size_t pair) {
     if (recording_.image_store != nullptr) {
       return {stored(0, pair), stored(1, pair)};
     }
@@ -28,10 +28,9 @@ class PairReader {
   }
 
  private:
-  [[nodiscard]] OwnedImage stored(std::size_t camera, std::size_t pair) const {
+  [[nodiscard]] GreyPixels stored(std::size_t camera, std::size_t pair) const {
     const ImageStore& store = *recording_.image_store;
-    GreyPixels pixels = decode_grey(store.load(camera, pair), store.place(camera, pair));
-    return {pixels.width, pixels.height, std::move(pixels.data)};
+    return decode_grey(store.load(camera, pair), store.place(camera, pair));
   }
 
   const Recording& recording_;

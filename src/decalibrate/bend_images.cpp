@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include <fstream>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "limber/core/errors.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/images/picture.hpp"
+#include "limber/io/atomic_file.hpp"
 
 namespace limber {
 namespace {
@@ -43,14 +43,6 @@ Layout layout_of(const Recording& recording) {
   }
   const char* const right = fs::exists(recording.path / "image_0") ? "image_1" : "image_3";
   return {recording.path, "", right, "calibration_truth.csv", {right, "calibration_truth.csv"}, ""};
-}
-
-void write_bytes(const fs::path& file, std::string_view bytes) {
-  fs::create_directories(file.parent_path());
-  std::ofstream stream(file, std::ios::binary);
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (!stream) throw DataError(file.string(), 0, "room to write the file", "a write that failed");
 }
 
 /// Everything but what is made anew; links are followed, so that the copy stands on its own.
@@ -82,7 +74,7 @@ void copy_poses(const Recording& recording, const fs::path& folder) {
 void write_png(const fs::path& file, const cv::Mat& image) {
   const int bits = image.depth() == CV_16U ? 16 : 8;
   const auto bytes = encode_png({image.cols, image.rows, image.channels(), bits, image.step, image.data});
-  write_bytes(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  write_staged_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace
@@ -112,8 +104,8 @@ ImageBending bend_images(const Recording& recording, const BentRig& rig, const f
     ++result.images;
     if (progress) progress(result.images);
   }
-  if (!layout.list.empty()) write_bytes(folder / layout.list, list);
-  write_bytes(folder / layout.truth, calibration_truth_text(rig.truth()));
+  if (!layout.list.empty()) write_staged_file(folder / layout.list, list);
+  write_staged_file(folder / layout.truth, calibration_truth_text(rig.truth()));
   return result;
 }
 

@@ -5,7 +5,7 @@
 
 namespace limber {
 
-OwnedImage ImageReader::read(const std::filesystem::path& file) {
+GreyPixels ImageReader::read(const std::filesystem::path& file) {
   Picture picture = frontend::read_picture(file, camera_, Colours::kToGrey);
   const unsigned largest = picture.bits == 16 ? frontend::largest_number(picture) : 0U;
   while (largest >= 1U << bits_) bits_ += 2;

@@ -135,7 +135,7 @@ StereoTracker& StereoTracker::operator=(StereoTracker&&) noexcept = default;
 StereoFrame StereoTracker::process(std::int64_t t_ns, const std::filesystem::path& image0,
                                    const std::filesystem::path& image1) {
   impl_->require_later(t_ns);
-  const OwnedImage left = impl_->reader0.read(image0), right = impl_->reader1.read(image1);
+  const GreyPixels left = impl_->reader0.read(image0), right = impl_->reader1.read(image1);
   return process(t_ns, left.view(), right.view());
 }
 

@@ -12,6 +12,7 @@
 #include "limber/core/random.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/images/picture.hpp"
+#include "limber/io/atomic_file.hpp"
 #include "render/truth_files.hpp"
 
 namespace limber {
@@ -19,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using detail::FramePictures;
-using detail::write_text;
 
 constexpr int kBlurSteps = 8;         ///< instants of an exposure
 constexpr double kSwingPeriod = 7.0;  ///< [s] of the exposure of both cameras
@@ -72,7 +72,7 @@ class Studio {
 void write_png(const fs::path& file, const Camera& camera, const std::vector<std::uint8_t>& pixels) {
   const auto width = static_cast<std::size_t>(camera.width);
   const auto bytes = encode_png({camera.width, camera.height, 1, 8, width, pixels.data()});
-  write_text(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  write_staged_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 std::vector<FramePictures> draw_faults(std::size_t frames, const PictureOptions& options, std::uint64_t seed,
@@ -102,7 +102,7 @@ class PictureWriter {
 
   void write_lists() const {
     for (std::size_t camera : {0, 1}) {
-      write_text(mav0_ / kNames[camera] / "data.csv", "#timestamp [ns],filename\n" + lists_[camera]);
+      write_staged_file(mav0_ / kNames[camera] / "data.csv", "#timestamp [ns],filename\n" + lists_[camera]);
     }
   }
 

@@ -4,9 +4,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <fstream>
 
-#include "limber/core/errors.hpp"
+#include "limber/io/atomic_file.hpp"
 
 namespace limber::detail {
 namespace {
@@ -52,19 +51,11 @@ std::string box_poses_text(const Scene& scene, const std::vector<std::int64_t>& 
 
 }  // namespace
 
-void write_text(const fs::path& file, std::string_view text) {
-  fs::create_directories(file.parent_path());
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) throw DataError(file.string(), 0, "room to write the file", "a write that failed");
-}
-
 void write_scene(const Scene& scene, const std::vector<std::int64_t>& times_ns, const fs::path& folder) {
-  write_text(folder / "data.csv", walls_text(scene));
+  write_staged_file(folder / "data.csv", walls_text(scene));
   if (scene.boxes().empty()) return;
-  write_text(folder / "moving_boxes.csv", boxes_text(scene));
-  write_text(folder / "moving_box_poses.csv", box_poses_text(scene, times_ns));
+  write_staged_file(folder / "moving_boxes.csv", boxes_text(scene));
+  write_staged_file(folder / "moving_box_poses.csv", box_poses_text(scene, times_ns));
 }
 
 void write_faulty_frames(const std::vector<std::int64_t>& times_ns, const std::vector<FramePictures>& frames,
@@ -78,7 +69,7 @@ void write_faulty_frames(const std::vector<std::int64_t>& times_ns, const std::v
     };
     text += fmt::format("{},{},{}\n", times_ns[n], shows(0), shows(1));
   }
-  write_text(file, text);
+  write_staged_file(file, text);
 }
 
 }  // namespace limber::detail

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <string_view>
 #include <vector>
 
 #include "limber/render/scene.hpp"
@@ -18,15 +17,14 @@ struct FramePictures {
   [[nodiscard]] bool sound() const { return has[0] && has[1] && !swapped; }
 };
 
-/// @throws DataError if the file cannot be written
-void write_text(const std::filesystem::path& file, std::string_view text);
-
 /// The world as tables (data.csv; moving_boxes.csv and moving_box_poses.csv if any box moves): with poses and
-/// theta they say where any pixel is seen by any other camera. Throws as write_text.
+/// theta they say where any pixel is seen by any other camera.
+/// @throws DataError if a file cannot be written
 void write_scene(const Scene& scene, const std::vector<std::int64_t>& times_ns,
                  const std::filesystem::path& folder);
 
-/// The frames that are not sound, one a row. Throws as write_text.
+/// The frames that are not sound, one a row.
+/// @throws DataError if the file cannot be written
 void write_faulty_frames(const std::vector<std::int64_t>& times_ns, const std::vector<FramePictures>& frames,
                          const std::filesystem::path& file);
 

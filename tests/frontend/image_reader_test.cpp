@@ -48,26 +48,26 @@ cv::Mat slope(int type, int scale) {
 
 TEST_F(ImageReaderOf, EveryFormatGivesTheSameGrey) {
   for (const char* name : {"a.png", "a.tif", "a.pgm", "a.jpg"}) {
-    const OwnedImage image = ImageReader(kCamera).read(write(name, slope(CV_8U, 1)));
-    EXPECT_NEAR(image.pixels[static_cast<std::size_t>(20 * 80 + 30)], 50, 1) << name;
+    const GreyPixels image = ImageReader(kCamera).read(write(name, slope(CV_8U, 1)));
+    EXPECT_NEAR(image.data[static_cast<std::size_t>(20 * 80 + 30)], 50, 1) << name;
   }
   for (const char* name : {"c.png", "c.ppm", "c.tif"}) {
-    const OwnedImage image = ImageReader(kCamera).read(write(name, slope(CV_8UC3, 1)));
-    EXPECT_NEAR(image.pixels[static_cast<std::size_t>(20 * 80 + 30)], 50, 1) << name;
+    const GreyPixels image = ImageReader(kCamera).read(write(name, slope(CV_8UC3, 1)));
+    EXPECT_NEAR(image.data[static_cast<std::size_t>(20 * 80 + 30)], 50, 1) << name;
   }
 }
 
 TEST_F(ImageReaderOf, SixteenBitsKeepTheHighestEightInUse) {
   for (const auto& [scale, shift] : {std::pair{1, 0}, {7, 2}, {29, 4}, {110, 6}, {470, 8}}) {
-    const OwnedImage image = ImageReader(kCamera).read(write("a.png", slope(CV_16U, scale)));
-    EXPECT_EQ(image.pixels[static_cast<std::size_t>(20 * 80 + 30)], (scale * 50) >> shift) << scale;
+    const GreyPixels image = ImageReader(kCamera).read(write("a.png", slope(CV_16U, scale)));
+    EXPECT_EQ(image.data[static_cast<std::size_t>(20 * 80 + 30)], (scale * 50) >> shift) << scale;
   }
 }
 
 TEST_F(ImageReaderOf, ADarkImageAfterABrightOneIsDark) {
   ImageReader reader(kCamera);
   (void)reader.read(write("bright.png", slope(CV_16U, 29)));  // 12 bits
-  EXPECT_EQ(reader.read(write("dark.png", slope(CV_16U, 1))).pixels[20 * 80 + 30], 50 >> 4);
+  EXPECT_EQ(reader.read(write("dark.png", slope(CV_16U, 1))).data[20 * 80 + 30], 50 >> 4);
 }
 
 TEST_F(ImageReaderOf, RefusesWhatIsNoImageOfThisCamera) {

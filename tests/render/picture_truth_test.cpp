@@ -31,7 +31,7 @@ TEST(RollingShutter, ExposesEveryRowWhenAPictureTakenAtOnceWould) {
   for (const std::size_t camera : {0u, 1u}) {
     const Camera& lens = camera == 0 ? scenario.rig.cam0 : scenario.rig.cam1;
     const auto width = static_cast<std::size_t>(lens.width);
-    const OwnedImage picture =
+    const GreyPixels picture =
         ImageReader(lens).read(camera == 0 ? recording.images[2].cam0 : recording.images[2].cam1);
     const PictureCamera at_once(lens);
     const auto difference = [&](std::size_t row, double middle) {
@@ -43,7 +43,7 @@ TEST(RollingShutter, ExposesEveryRowWhenAPictureTakenAtOnceWould) {
       }
       double largest = 0.0;
       for (std::size_t u = 0; u < width; ++u) {
-        largest = std::max(largest, std::abs(grey[u] - picture.pixels[row * width + u]));
+        largest = std::max(largest, std::abs(grey[u] - picture.data[row * width + u]));
       }
       return largest;
     };

@@ -27,10 +27,10 @@ double mean_scale_nees(Method method) {
   return sum / 3.0;
 }
 
-/// Landmarks that are corrected by several per cent each tell of the scale by chance what nobody has seen. Where
-/// the covariance was not carried along, lcekf and adaptive had 7.9 and 8.0 here (ekf-full 7.9, mono-left 3.8).
-/// A mean of three runs, whose scale errors hardly change within a run, is below 3.1 in 97.5 % (chi-square of
-/// 3, over 3).
+/// Landmarks that are corrected by several per cent each tell of the scale by chance what nobody has seen.
+/// Where the covariance was not carried along, lcekf and adaptive had 7.9 and 8.0 here (ekf-full 7.9,
+/// mono-left 3.8). A mean of three runs, whose scale errors hardly change within a run, is below 3.1 in 97.5
+/// % (chi-square of 3, over 3).
 TEST(ScaleAfterAStart, IsKnownAsWellAsItIsSaidToBe) {
   for (const Method method : {Method::kLcekf, Method::kAdaptive}) {
     EXPECT_LT(mean_scale_nees(method), 3.1) << to_string(method);

@@ -11,14 +11,6 @@
 
 namespace limber {
 
-/// Grey pixels, 8 bit, row by row without gaps.
-struct GreyPixels {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> data;
-
-  [[nodiscard]] GreyImage view() const { return {width, height, width, data.data()}; }
-};
-
 /// @brief Grey of an image as it was recorded: mono8, mono16, 8UC1, 16UC1, rgb8, bgr8, rgba8, bgra8, 8UC3,
 /// 8UC4, Bayer of 8 and 16 bits, YUV 4:2:2 (its Y), and PNG or JPEG files. Of 16 bits the highest eight of
 /// EncodedImage::bits are kept.

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace limber {
 
@@ -12,6 +13,14 @@ struct GreyImage {
   int width = 0, height = 0;  ///< [px]
   std::ptrdiff_t stride = 0;  ///< bytes from one row to the next, at least width
   const std::uint8_t* data = nullptr;
+};
+
+/// One that owns its pixels, row by row without gaps.
+struct GreyPixels {
+  int width = 0, height = 0;  ///< [px]
+  std::vector<std::uint8_t> data;
+
+  [[nodiscard]] GreyImage view() const { return {width, height, width, data.data()}; }
 };
 
 }  // namespace limber

@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <vector>
 
 #include "limber/frontend/grey_image.hpp"
 #include "limber/sensors/camera.hpp"
 
 namespace limber {
-
-/// An 8 bit grey image that owns its pixels, row by row.
-struct OwnedImage {
-  int width = 0, height = 0;  ///< [px]
-  std::vector<std::uint8_t> pixels;
-
-  [[nodiscard]] GreyImage view() const { return {width, height, width, pixels.data()}; }
-};
 
 /// @brief Reads the images of one camera as 8 bit grey: PNG, JPEG, TIFF, PGM and PPM, 8 or 16 bit, grey or
 /// colour.
@@ -27,7 +17,7 @@ class ImageReader {
   explicit ImageReader(Camera camera) : camera_(std::move(camera)) {}
 
   /// @throws DataError if the file cannot be read as an image, or has not the camera's resolution
-  [[nodiscard]] OwnedImage read(const std::filesystem::path& file);
+  [[nodiscard]] GreyPixels read(const std::filesystem::path& file);
 
  private:
   Camera camera_;

@@ -62,6 +62,11 @@ class AtomicFile {
 /// Writes `content` to `path` in one go, see AtomicFile. The folder must exist.
 void write_file_atomically(const std::filesystem::path& path, std::string_view content);
 
+/// Writes `content` to a file of a folder that is staged itself, and makes its parents where they are
+/// missing.
+/// @throws DataError if it cannot be written; the message names the path
+void write_staged_file(const std::filesystem::path& path, std::string_view content);
+
 /// A folder, made with its parents where they are missing. At the end, what was made and is still empty goes
 /// away again: nothing is left of work that failed.
 /// @throws std::filesystem::filesystem_error if it cannot be made
