@@ -4,8 +4,8 @@
 
     scripts/fault_table.py build/release/limber scenarios/drone_none.yaml --seeds 1 2 3 --methods ekf,lcekf,adaptive
 
-Every fault begins in the middle of the log (or at --at seconds). Figures are the medians over the seeds of position RMSE
-[m], of the last frame's error included, and ANEES; then what the run said of its inputs.
+Every fault begins in the middle of the log (or at --at seconds). Figures are the medians over the seeds of the SE(3) ATE
+[m] (with --init groundtruth position RMSE) and ANEES, and the verdicts; with --said what the runs said of their inputs.
 """
 import argparse
 import json
@@ -228,7 +228,8 @@ def main():
     parser.add_argument("scenario")
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--methods", default="ekf,lcekf,adaptive")
-    parser.add_argument("--init", default="groundtruth")
+    parser.add_argument("--init", choices=["auto", "groundtruth"], default="auto")
+    parser.add_argument("--pixels", choices=["white", "realistic"], default="realistic")
     parser.add_argument("--at", type=float, default=12.0, help="when the fault begins [s]")
     parser.add_argument("--only", default="", help="faults whose name contains this")
     parser.add_argument("--said", action="store_true", help="print what the runs said, too")
@@ -239,7 +240,7 @@ def main():
         for seed in a.seeds:
             clean[seed] = Path(folder) / f"seed{seed}"
             subprocess.run(
-                [a.program, "simulate", a.scenario, "--seed", str(seed), "--out", clean[seed]],
+                [a.program, "simulate", a.scenario, "--pixels", a.pixels, "--seed", str(seed), "--out", clean[seed]],
                 check=True,
                 capture_output=True,
             )

@@ -36,6 +36,7 @@ constexpr InitialSigma kNothingKnown{
     .position = 1e-3, .attitude = 0.5, .velocity = 5.0, .bias_accel = 0.5, .bias_gyro = 0.1, .rate = 1.0};
 constexpr double kGrowth = 1.4;  // of the window, from one solution to the next
 constexpr int kStartIterations = 25;
+constexpr int kCleanings = 10;
 constexpr int kMoreIterations = 75;  // of a solution that fits and has not settled
 constexpr double kSettled = 0.02;    // of the cost, still to come: no unknown is off by more than 0.2 sigma
 constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
@@ -72,6 +73,18 @@ Matrix3d assumed_attitude(const NavigatorOptions& options, const StereoCalibrati
   return R_world_cam0 * body_from_cam0(calibration).R.transpose();
 }
 
+/// Which way is ahead is a convention, and has to be the same in each solution: all is turned about the
+/// vertical until the first attitude is as near to R as can be.
+void turn_to(const Matrix3d& R, WindowState& state) {
+  const Matrix3d M = R * state.frames.front().nav.T_world_body.R.transpose();
+  const Matrix3d turn = so3_exp(Vector3d(0.0, 0.0, std::atan2(M(1, 0) - M(0, 1), M(0, 0) + M(1, 1))));
+  for (WindowFrame& frame : state.frames) {
+    NavigationState& nav = frame.nav;
+    nav.T_world_body = {turn * nav.T_world_body.R, turn * nav.T_world_body.p};
+    nav.v_world_body = turn * nav.v_world_body;
+  }
+}
+
 }  // namespace
 
 struct SensorStart::Window {
@@ -81,6 +94,7 @@ struct SensorStart::Window {
   std::vector<StereoFrame> raw;
   std::vector<WindowFrame> frames;  // with inputs, without states
   std::optional<WindowState> solution;
+  std::optional<Matrix3d> R_first;  // of the last solution
   WindowNormal normal;
   MatrixXd covariance;
   double solved_s = 0.0;
@@ -223,7 +237,16 @@ void SensorStart::Window::solve() {
       break;
     }
   }
-  model.R_first = solution->frames.front().nav.T_world_body.R;
+  if (R_first) {
+    turn_to(*R_first, *solution);
+  }
+  R_first = model.R_first = solution->frames.front().nav.T_world_body.R;
+  const double left = normal.left;
+  normal = linearise(model, *solution);
+  normal.left = left;
+  for (int round = 0; round < kCleanings && drop_mismatches(model, *solution) > 0; ++round) {
+    normal = solve_window(model, *solution, kStartIterations);
+  }
   covariance = frame_covariance(normal);
   if (covariance.size() == 0) {
     solution.reset();

@@ -136,10 +136,7 @@ void add_rows(const PixelRows& rows, std::size_t point, WindowNormal& out) {
 void add_pixel(const WindowModel& model, const WindowState& state, const MountedRig& rig, std::size_t cam,
                std::size_t point, const WindowSighting& sighting, WindowNormal& out) {
   const WindowPoint& p = state.points[point];
-  const Anchor anchor{state.frames[p.anchor()].nav.T_world_body, rig[0].T_cam_body.inverse()};
-  const NavigationState& nav = state.frames[sighting.frame].nav;
-  const std::optional<PointProjection> projection =
-      project_point(rig[cam], body_point_at_exposure(rig[cam], nav.T_world_body, p.landmark, &anchor));
+  const std::optional<PointProjection> projection = project_sighting(state, rig, cam, p, sighting.frame);
   const StereoObservation& o = sighting.observation;
   if (!projection) {
     out.cost += kLost;
@@ -224,6 +221,14 @@ Transition predict_over(const NavigatorOptions& options, const std::vector<Input
     nav.t_ns = step.t_end_ns;
   }
   return whole;
+}
+
+std::optional<PointProjection> project_sighting(const WindowState& state, const MountedRig& rig,
+                                                std::size_t cam, const WindowPoint& point,
+                                                std::size_t frame) {
+  const Anchor anchor{state.frames[point.anchor()].nav.T_world_body, rig[0].T_cam_body.inverse()};
+  return project_point(rig[cam], body_point_at_exposure(rig[cam], state.frames[frame].nav.T_world_body,
+                                                        point.landmark, &anchor));
 }
 
 MountedRig rig_at(const WindowModel& model, const WindowFrame& frame) {

@@ -3,10 +3,12 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "frames_factor.hpp"
 #include "limber/measure/rig.hpp"
+#include "limber/measure/stereo_model.hpp"
 #include "limber/navigate/navigator_options.hpp"
 #include "limber/predict/input_buffer.hpp"
 #include "limber/predict/motion.hpp"
@@ -84,6 +86,16 @@ struct WindowNormal {
 };
 
 [[nodiscard]] WindowNormal linearise(const WindowModel& model, const WindowState& state);
+
+/// Where a camera of the rig sees a point in a frame; nothing where it cannot.
+[[nodiscard]] std::optional<PointProjection> project_sighting(const WindowState& state, const MountedRig& rig,
+                                                              std::size_t cam, const WindowPoint& point,
+                                                              std::size_t frame);
+
+/// @brief Takes out of a solution the pixels that are mismatched: the robust loss bounds what each pulls, but
+/// they still pull, and count as information. Points of which nothing is left go.
+/// @return how many pixels
+std::size_t drop_mismatches(const WindowModel& model, WindowState& state);
 
 /// State plus a correction, in the layout of WindowNormal.
 [[nodiscard]] WindowState moved(const WindowModel& model, WindowState state, const Eigen::VectorXd& dx,

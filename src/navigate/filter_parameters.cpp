@@ -116,17 +116,32 @@ void StereoFilter::distrust(const CalibrationPrior& prior) {
   fresh_.begin(prior.fresh);
 }
 
-void StereoFilter::take_over(const StereoFilter& constrained, const CalibrationPrior& prior) {
+void StereoFilter::copy_state(const StereoFilter& constrained) {
   estimate_ = constrained.estimate_;
-  estimate_.promote_witness(constrained.error_model().watched.topRows<kBlockSize>());
   inputs_ = constrained.inputs_;
   checks_ = constrained.checks_;
   distrust_ = constrained.distrust_;
+  trusted_again_ns_ = constrained.trusted_again_ns_;
   omega_input_ = constrained.omega_input_;
   pixel_noise_ = constrained.pixel_noise_;
   last_frame_ns_ = constrained.last_frame_ns_;
+}
+
+void StereoFilter::take_over(const StereoFilter& constrained, const CalibrationPrior& prior) {
+  copy_state(constrained);
+  estimate_.promote_witness(constrained.error_model().watched.topRows<kBlockSize>());
   use_estimated_calibration();
   distrust(prior);
+}
+
+void StereoFilter::follow(const StereoFilter& constrained) {
+  copy_state(constrained);
+  estimate_.restart_witness(kTrustedSigma);
+  estimate_.promote_witness(constrained.error_model().watched.topRows<kBlockSize>());
+  const RigParameters trusted = kTrustedSigma * kTrustedSigma * scale_.cwiseAbs2();
+  estimate_.P.set_diagonal_block(estimate_.layout().theta(),
+                                 Eigen::Matrix<double, 6, 6>(trusted.asDiagonal()));
+  use_estimated_calibration();
 }
 
 ParameterErrorModel StereoFilter::error_model() const {

@@ -147,14 +147,24 @@ void Navigator::replay() {
   }
   if (s.replay->empty()) {
     s.replay.reset();
-    s.own_alarm = HealthMonitor(handover_alarm(), baseline_);
-    begin_checkpoints(filter_.estimate().nav.t_ns);
+    watch_anew(filter_.estimate().nav.t_ns);
   }
 }
 
-void Navigator::begin_checkpoints(std::int64_t t_ns) {
+/// The filter has another state than a frame before: nothing earlier counts, and it goes no further back.
+void Navigator::watch_anew(std::int64_t t_ns) {
+  supervision_->own_alarm = HealthMonitor(handover_alarm(), baseline_);
   supervision_->recent = {filter_, t_ns, {}};
   supervision_->older = supervision_->recent;
+}
+
+/// In doubt from now on, with what the constrained filter beside knows.
+void Navigator::take_over_from_parallel(std::int64_t t_ns) {
+  Supervision& s = *supervision_;
+  s.replay.reset();
+  filter_.take_over(s.parallel,
+                    {Eigen::Matrix<double, 6, 6>::Zero(), WhiteSize::Vector6::Constant(kLeastDoubt)});
+  watch_anew(t_ns);
 }
 
 /// The calibration, judged from where the filter that it cannot lead astray (if there is one) says it was.
@@ -190,6 +200,11 @@ FrameReport Navigator::process(const StereoFrame& frame) {
   watch(frame, s.parallel, parallel);
   parallel.calibration = calibration_report();
   log(frame);
+  if (s.replay && parallel.inputs.contradiction) {
+    // What is replayed has an input in it that fails, which the filter beside saw and this one would follow.
+    take_over_from_parallel(parallel.t_ns);
+    return parallel;
+  }
   if (s.replay) {
     replay();
     return parallel;
@@ -214,6 +229,12 @@ void Navigator::supervise(const FrameReport& report, const FrameReport& parallel
   const auto judged = [](HealthMonitor& alarm, const std::optional<HealthInput>& evidence) {
     return evidence ? alarm.judge(*evidence) : HealthReport{};
   };
+  if (parallel.inputs.contradiction && s.trusts) {
+    // A filter that trusts the rig sees it later, and may be off by metres by then.
+    filter_.follow(s.parallel);
+    watch_anew(report.t_ns);
+    return;
+  }
   if (parallel.inputs.contradiction) {
     filter_.distrust_inputs(*parallel.inputs.contradiction);
   }
@@ -238,18 +259,13 @@ void Navigator::supervise(const FrameReport& report, const FrameReport& parallel
     s.older.events = s.recent.events = {};
     return;
   }
-  if (own.alarm) {
-    go_back(own);
-  } else {
-    filter_.take_over(s.parallel,
-                      {Eigen::Matrix<double, 6, 6>::Zero(), WhiteSize::Vector6::Constant(kLeastDoubt)});
-  }
   ++s.doubts;
   s.doubted_ns = report.t_ns;
   s.trusts = false;
-  s.own_alarm = HealthMonitor(handover_alarm(), baseline_);
-  if (!s.replay) {
-    begin_checkpoints(report.t_ns);
+  if (own.alarm) {
+    go_back(own);
+  } else {
+    take_over_from_parallel(report.t_ns);
   }
 }
 

@@ -89,7 +89,8 @@ class Navigator {
   void log(const Event& event);
   void go_back(const HealthReport& why);
   void replay();
-  void begin_checkpoints(std::int64_t t_ns);
+  void watch_anew(std::int64_t t_ns);
+  void take_over_from_parallel(std::int64_t t_ns);
   /// The filter whose state counts.
   [[nodiscard]] const StereoFilter& answering() const {
     return supervision_ && supervision_->replay ? supervision_->parallel : filter_;

@@ -84,6 +84,10 @@ class StereoFilter {
   /// fewer), which was led astray by nothing; what its witness has learned becomes theta.
   void take_over(const StereoFilter& constrained, const CalibrationPrior& prior);
 
+  /// adaptive, as long as it trusts: takes over the state of such a filter where an input that fails has led
+  /// it astray. Theta stays what it was.
+  void follow(const StereoFilter& constrained);
+
   /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
   void assume_theta(const RigParameters& theta);
 
@@ -134,6 +138,7 @@ class StereoFilter {
   void record(const StackedFrame& stacked, const std::vector<bool>& accepted, const NewLandmarks& fresh,
               FrameReport& report);
 
+  void copy_state(const StereoFilter& constrained);
   [[nodiscard]] Eigen::MatrixXd linearization_prior() const;
   [[nodiscard]] MountedRig mounted(const StereoCalibration& calibration) const;
   void use_estimated_calibration();

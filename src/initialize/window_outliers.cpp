@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <vector>
+
+#include "limber/core/median.hpp"
+#include "window_problem.hpp"
+
+namespace limber::detail {
+
+using Eigen::Vector2d;
+
+namespace {
+
+/// Standard deviations, of the pixels as they scatter here: beyond, a mismatch.
+constexpr double kGross = 6.0;
+constexpr double kMedianOfNorm = 1.1774;  // of a two-dimensional Gaussian of unit variance
+constexpr double kNotProjected = 1e9;
+
+/// One pixel that may be dropped.
+struct View {
+  bool* used;
+  double norm;  // of its residual, whitened
+};
+
+std::vector<View> views(const WindowModel& model, WindowState& state) {
+  std::vector<MountedRig> rigs;
+  for (const WindowFrame& frame : state.frames) {
+    rigs.push_back(rig_at(model, frame));
+  }
+  std::vector<View> out;
+  for (WindowPoint& point : state.points) {
+    for (WindowSighting& sighting : point.seen) {
+      StereoObservation& o = sighting.observation;
+      const auto add = [&](std::size_t cam, bool& used) {
+        if (!used || (cam == 1 && !model.right)) {
+          return;
+        }
+        const auto projection = project_sighting(state, rigs[sighting.frame], cam, point, sighting.frame);
+        const Vector2d sigma = model.options.sigma_px.segment<2>(2 * static_cast<Eigen::Index>(cam));
+        const Vector2d& uv = cam == 0 ? o.uv_cam0 : o.uv_cam1;
+        out.push_back({&used, projection ? (uv - projection->uv).cwiseQuotient(sigma).norm() : kNotProjected});
+      };
+      add(0, o.in_cam0);
+      add(1, o.in_cam1);
+    }
+  }
+  return out;
+}
+
+bool is_seen(const WindowModel& model, const WindowPoint& point) {
+  return std::any_of(point.seen.begin(), point.seen.end(), [&](const WindowSighting& s) {
+    return s.observation.in_cam0 || (s.observation.in_cam1 && model.right);
+  });
+}
+
+}  // namespace
+
+std::size_t drop_mismatches(const WindowModel& model, WindowState& state) {
+  const std::vector<View> all = views(model, state);
+  if (all.empty()) {
+    return 0;
+  }
+  std::vector<double> norms;
+  for (const View& view : all) {
+    norms.push_back(view.norm);
+  }
+  const double limit = kGross * std::max(upper_median(norms) / kMedianOfNorm, 1.0);
+  std::size_t dropped = 0;
+  for (const View& view : all) {
+    if (view.norm > limit) {
+      *view.used = false;
+      ++dropped;
+    }
+  }
+  std::erase_if(state.points, [&](const WindowPoint& point) { return !is_seen(model, point); });
+  return dropped;
+}
+
+}  // namespace limber::detail
