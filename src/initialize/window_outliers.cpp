@@ -38,7 +38,8 @@ std::vector<View> views(const WindowModel& model, WindowState& state) {
         const auto projection = project_sighting(state, rigs[sighting.frame], cam, point, sighting.frame);
         const Vector2d sigma = model.options.sigma_px.segment<2>(2 * static_cast<Eigen::Index>(cam));
         const Vector2d& uv = cam == 0 ? o.uv_cam0 : o.uv_cam1;
-        out.push_back({&used, projection ? (uv - projection->uv).cwiseQuotient(sigma).norm() : kNotProjected});
+        out.push_back(
+            {&used, projection ? (uv - projection->uv).cwiseQuotient(sigma).norm() : kNotProjected});
       };
       add(0, o.in_cam0);
       add(1, o.in_cam1);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// adaptive where an accelerometer's bias steps: the filter that trusts the rig is led astray before anybody sees it.
+// adaptive where an accelerometer's bias steps: the filter that trusts the rig is led astray before anybody
+// sees it.
 #include <gtest/gtest.h>
 
 #include "limber/diagnose/run_summary.hpp"
