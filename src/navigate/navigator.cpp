@@ -24,6 +24,8 @@ constexpr double kOldestCheckpoint = 5.0;
 /// Frames that are replayed while one comes in: a call costs about twice an ordinary one, and five seconds
 /// are caught up in two and a half.
 constexpr int kReplayedFrames = 3;
+/// Frames in a row in which most points contradict the filter but not the constrained one beside it.
+constexpr int kMostOverruled = 5;
 
 NavigatorOptions constrained(NavigatorOptions options) {
   options.method = Method::kLcekf;
@@ -162,6 +164,7 @@ void Navigator::watch_anew(std::int64_t t_ns) {
 void Navigator::take_over_from_parallel(std::int64_t t_ns) {
   Supervision& s = *supervision_;
   s.replay.reset();
+  s.overruled = 0;
   filter_.take_over(s.parallel,
                     {Eigen::Matrix<double, 6, 6>::Zero(), WhiteSize::Vector6::Constant(kLeastDoubt)});
   watch_anew(t_ns);
@@ -226,6 +229,7 @@ void Navigator::supervise(const FrameReport& report, const FrameReport& parallel
   if (s.began_ns == 0) {
     s.began_ns = s.doubted_ns = report.t_ns;
   }
+  s.overruled = report.gate_overruled && !parallel.gate_overruled ? s.overruled + 1 : 0;
   const auto judged = [](HealthMonitor& alarm, const std::optional<HealthInput>& evidence) {
     return evidence ? alarm.judge(*evidence) : HealthReport{};
   };
@@ -243,7 +247,7 @@ void Navigator::supervise(const FrameReport& report, const FrameReport& parallel
   }
   const HealthReport own = judged(s.own_alarm, report.evidence);
   const HealthReport aside = judged(s.parallel_alarm, parallel.evidence);
-  const bool parallel_rejects = aside.alarm && s.trusts;
+  const bool parallel_rejects = (aside.alarm && s.trusts) || s.overruled >= kMostOverruled;
   if (seconds_between(s.doubted_ns, report.t_ns) > kMapKnowsScale) {
     s.doubts = 0;
   }

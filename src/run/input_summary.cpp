@@ -4,12 +4,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace limber {
 namespace {
 
 constexpr std::int64_t kSameEventNs = 1'000'000'000;
 constexpr std::size_t kMostRemarks = 8;
+/// Innovations that many times as large as expected, most points refused by a gate that was overruled, for
+/// that long [s]: no calibration is so wrong, the state is.
+constexpr double kLostNis = 300.0, kLostAfter = 1.0;
+constexpr const char* kContradictedState = "state contradicted";
 constexpr double kWorthARemark = 0.05;  // [s], a shorter gap is a dropped sample or two
 
 double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
@@ -53,6 +58,10 @@ void count(const FrameReport& frame, InputSummary& out) {
   }
 }
 
+bool contradicts_the_state(const FrameReport& frame) {
+  return frame.gate_overruled && frame.nis > kLostNis * static_cast<double>(frame.dof);
+}
+
 std::string in_words(const RunEvent& e) {
   const std::string when =
       e.to_ns - e.from_ns > 100'000'000
@@ -76,6 +85,9 @@ std::string in_words(const RunEvent& e) {
   if (e.what == "no points") {
     return fmt::format("{} no point could be used in {} frames: dead reckoning", when, e.frames);
   }
+  if (e.what == kContradictedState) {
+    return fmt::format("{} most points contradict the state by far", when);
+  }
   if (e.what == "reset") {
     return fmt::format("{} the filter had broken down and began anew, {} times", when, e.frames);
   }
@@ -90,6 +102,7 @@ std::string in_words(const RunEvent& e) {
 InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
   InputSummary out;
   std::int64_t before_ns = frames.empty() ? 0 : frames.front().t_ns;
+  std::optional<std::int64_t> contradicted_since_ns;
   std::int64_t silent_since_ns = before_ns;  // no sample between this frame and those after it
   for (const FrameReport& frame : frames) {
     count(frame, out);
@@ -114,6 +127,14 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
     }
     if (frame.status == UpdateStatus::kEmpty && frame.t_ns > before_ns) {
       add("no points");
+    }
+    if (!contradicts_the_state(frame)) {
+      contradicted_since_ns.reset();
+    } else if (!contradicted_since_ns) {
+      contradicted_since_ns = frame.t_ns;
+    } else if (seconds(frame.t_ns - *contradicted_since_ns) >= kLostAfter) {
+      add(kContradictedState);
+      out.lost_since_ns = out.lost_since_ns.value_or(*contradicted_since_ns);
     }
     if (frame.reset) {
       add("reset");

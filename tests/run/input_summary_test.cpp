@@ -83,6 +83,24 @@ TEST(InputSummary, SaysSinceWhenARunIsLost) {
   EXPECT_THAT(remarks_on_inputs(summary), Contains(HasSubstr("the run is lost since 3.000 s")));
 }
 
+TEST(InputSummary, ARunIsLostWhereMostPointsContradictTheStateByFarForASecond) {
+  std::vector<FrameReport> frames = sound_frames(100);
+  const auto contradict = [&](std::size_t from, std::size_t to, double nis) {
+    for (std::size_t k = from; k < to; ++k) {
+      frames[k].gate_overruled = true;
+      frames[k].dof = 100;
+      frames[k].nis = nis * 100.0;
+    }
+  };
+  contradict(5, 20, 1000.0);  // for less than a second
+  contradict(25, 55, 30.0);   // as a wrong rig has it
+  EXPECT_FALSE(summarize_inputs(frames).lost_since_ns);
+  contradict(60, 90, 1000.0);
+  const InputSummary summary = summarize_inputs(frames);
+  EXPECT_EQ(summary.lost_since_ns, frames[60].t_ns);
+  EXPECT_THAT(remarks_on_inputs(summary), Contains(HasSubstr("most points contradict the state by far")));
+}
+
 TEST(InputSummary, OfARunWithAGapNamesItAndCountsItsFrames) {
   Recording recording = testing::short_recording();
   std::erase_if(recording.imu,

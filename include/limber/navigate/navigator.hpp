@@ -81,6 +81,7 @@ class Navigator {
     std::int64_t began_ns = 0;
     std::int64_t doubted_ns = 0;  // last
     int doubts = 0;               // in a row
+    int overruled = 0;            // frames in a row in which the filter's own gate was, and not that beside
     bool trusts = true;
     bool resigned = false;  // nobody can know how long a metre is: what is assumed stays as good as any
     std::optional<std::deque<Event>> replay{};  // what filter_, come back from a checkpoint, has not seen yet
