@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/navigate/navigator.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "limber/core/time.hpp"
@@ -215,6 +216,10 @@ FrameReport Navigator::process(const StereoFrame& frame) {
   FrameReport report = filter_.process(frame);
   if (!s.resigned) {
     supervise(report, parallel);
+  }
+  if (parallel.inputs.contradiction) {  // which a filter that trusts the rig may not see
+    report.inputs.status = std::max(report.inputs.status, parallel.inputs.status);
+    report.inputs.contradiction = parallel.inputs.contradiction;
   }
   if (s.replay) {
     return parallel;
