@@ -41,18 +41,21 @@ Vector6 whitened(const PoseCorrection& c) {
   return eigen.vectors * z;
 }
 
+/// NIS per degree of freedom of the rest; z: the correction, whitened.
+double scatter_of_rest(const PoseCorrection& c, const Vector6& z) {
+  return std::max(c.nis - z.squaredNorm(), 0.0) / std::max(c.dof - 6.0, 1.0);
+}
+
 }  // namespace
 
-double scatter_beside(const PoseCorrection& c) {
-  return std::max(c.nis - whitened(c).squaredNorm(), 0.0) / std::max(c.dof - 6.0, 1.0);
-}
+double scatter_beside(const PoseCorrection& c) { return scatter_of_rest(c, whitened(c)); }
 
 bool InputAlarm::judge(const PoseCorrection& c, InputContradiction& found) {
   if (!c.dx.allFinite() || !c.covariance.allFinite() || c.dof <= 0.0) {
     return false;
   }
   const Vector6 z = whitened(c);
-  const double rest = scatter_beside(c);
+  const double rest = scatter_of_rest(c, z);
   noise_ += kNoiseShare * (rest - noise_);
   const double noise = std::max({noise_, rest, 1.0});
   mean_ = (1.0 - kShare) * mean_ + kShare * z;

@@ -156,6 +156,7 @@ void Navigator::replay() {
 
 /// The filter has another state than a frame before: nothing earlier counts, and it goes no further back.
 void Navigator::watch_anew(std::int64_t t_ns) {
+  supervision_->overruled = 0;
   supervision_->own_alarm = HealthMonitor(handover_alarm(), baseline_);
   supervision_->recent = {filter_, t_ns, {}};
   supervision_->older = supervision_->recent;
@@ -165,7 +166,6 @@ void Navigator::watch_anew(std::int64_t t_ns) {
 void Navigator::take_over_from_parallel(std::int64_t t_ns) {
   Supervision& s = *supervision_;
   s.replay.reset();
-  s.overruled = 0;
   filter_.take_over(s.parallel,
                     {Eigen::Matrix<double, 6, 6>::Zero(), WhiteSize::Vector6::Constant(kLeastDoubt)});
   watch_anew(t_ns);

@@ -19,11 +19,11 @@ struct PixelNoiseReport {
 /// @brief The pixel noise that a filter has to assume where nobody stated it.
 ///
 /// A filter takes errors for white. Those of real tracks are not: most of them stays while the track lives
-/// and does not average out. So two things are learned. How far pixels scatter: from NIS, the innovations
-/// beside what the filter expected of them. How alike errors are from frame to frame: from the stereo points'
-/// distances to their epipolar lines, without what a quadratic over the image explains (a wrong rig, a
-/// lens). White noise is as bad as what lasts if its variance is `persistence()` times that of a frame.
-/// @note docs/derivations/pixel-noise.md
+/// and does not average out. So two things are learned. How alike a point's errors are from frame to frame:
+/// from its distance to the epipolar line, without what a quadratic over the image explains (a wrong rig, a
+/// lens). And how large innovations are beside what the filter expected of them: NIS per degree of freedom
+/// has to be 1 for white errors, and 1 / `persistence()` for lasting ones.
+/// @note docs/evidence/realistic-pixels.md
 class LearnedPixelNoise {
  public:
   /// @param begin  assumed until frames have told better [px]
