@@ -73,7 +73,8 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
                               const std::variant<double, PixelNoise>& sigma_px, const ImuNoise& imu_noise,
                               const OdometryNoise& odometry_noise, double gravity,
                               const RigParameters& theta_sigma, bool gate, std::size_t max_landmarks,
-                              bool learn_pixel_noise, std::optional<double> false_alarms_per_hour) {
+                              bool learn_pixel_noise, bool learn_odometry_noise,
+                              std::optional<double> false_alarms_per_hour) {
   NavigatorOptions options;
   options.method = method_from_string(method);
   options.constraints = constraint_set_from_string(constraints);
@@ -86,6 +87,7 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
     options.sigma_px = std::get<PixelNoise>(sigma_px);
   }
   options.learn_pixel_noise = learn_pixel_noise;
+  options.learn_odometry_noise = learn_odometry_noise;
   options.imu_noise = imu_noise;
   options.odometry_noise = odometry_noise;
   options.gravity = gravity;
@@ -111,6 +113,7 @@ void bind_options(py::module_& module) {
            py::arg("gravity") = defaults.gravity, py::arg("theta_sigma") = defaults.theta_sigma,
            py::arg("gate") = defaults.gate, py::arg("max_landmarks") = defaults.map.max_landmarks,
            py::arg("learn_pixel_noise") = defaults.learn_pixel_noise,
+           py::arg("learn_odometry_noise") = defaults.learn_odometry_noise,
            py::arg("false_alarms_per_hour") = defaults.health->false_alarms_per_hour,
            "method: ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left or oracle\n"
            "constraints: lcekf: full, rotation, rotation+direction, or a list such as 'ax,ay,dt1'\n"
@@ -119,6 +122,7 @@ void bind_options(py::module_& module) {
            "sigma_px: pixel noise, one number or (u0, v0, u1, v1)\n"
            "learn_pixel_noise: sigma_px is but where to begin, as in limber.run where a recording states "
            "none\n"
+           "learn_odometry_noise: the same of odometry_noise\n"
            "false_alarms_per_hour: of the calibration monitor; None switches it off")
       .def_property_readonly("method",
                              [](const NavigatorOptions& options) { return to_string(options.method); })

@@ -35,7 +35,7 @@ constexpr double kOwnShare = 0.02;
 constexpr double kLargestStep = 4.0;
 constexpr double kFewestRows = 20.0;
 constexpr Index kTerms = 6;  // of a quadratic in two variables
-constexpr std::size_t kFewestPoints = 4 * kTerms;
+constexpr std::size_t kFewestForAFit = 4 * kTerms;
 constexpr double kFarOff = 3.0;           // of the errors' size: mismatched
 constexpr double kSizeOfMedian = 1.4826;  // standard deviation over median of the magnitude, of a Gaussian
 
@@ -67,7 +67,7 @@ std::map<std::int64_t, double> epipolar_errors(const StereoFrame& frame,
     }
   }
   std::map<std::int64_t, double> out;
-  if (points.size() < kFewestPoints) {
+  if (points.size() < kFewestForAFit) {
     return out;
   }
   const VectorXd rest =

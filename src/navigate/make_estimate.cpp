@@ -43,8 +43,8 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
   for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
     layout.has_more[k] = (estimated(options) & parameters_of(kMoreBlocks[k])).any();
   }
-  layout.has_map_scale = options.motion != MotionModel::kOdometry &&
-                         leaves_scale_unseen(options, calibration) && !initial.landmarks.empty();
+  layout.has_map_scale = leaves_scale_unseen(options, calibration) &&
+                         (options.motion == MotionModel::kOdometry || !initial.landmarks.empty());
   Estimate out(layout, initial.nav, initial.body_covariance, calibration.theta,
                theta_prior(options, calibration).cwiseAbs2().asDiagonal());
   const ParameterVector prior =

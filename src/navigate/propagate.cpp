@@ -21,7 +21,8 @@ double with(double density, double gap, double variance) {
 }
 
 Transition predict_step(NavigationState& nav, const InputStep& step, const NavigatorOptions& options,
-                        double usual_interval_s, double more_first, double more_second) {
+                        const OdometryNoise& odometry_noise, double usual_interval_s, double more_first,
+                        double more_second) {
   const double first = step.first_unknown.density + more_first;
   const double second = step.second_unknown.density + more_second;
   switch (options.motion) {
@@ -43,7 +44,7 @@ Transition predict_step(NavigationState& nav, const InputStep& step, const Navig
       // over dt.
       const double share = std::min(step.gap, kLongestInterpolation) *
                            (usual_interval_s > 0.0 ? usual_interval_s / step.dt : 1.0);
-      OdometryNoise noise = options.odometry_noise;
+      OdometryNoise noise = odometry_noise;
       noise.sigma_v = (share * noise.sigma_v.cwiseAbs2().array() + first / step.dt).sqrt();
       noise.sigma_omega = (share * noise.sigma_omega.cwiseAbs2().array() + second / step.dt).sqrt();
       return predict_odometry(nav, step.first, step.second, step.dt, noise);
@@ -57,14 +58,14 @@ Transition predict_step(NavigationState& nav, const InputStep& step, const Navig
 }  // namespace
 
 Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& steps,
-                      const NavigatorOptions& options, double usual_interval_s, double more_first_density,
-                      double more_second_density) {
+                      const NavigatorOptions& options, const OdometryNoise& odometry_noise,
+                      double usual_interval_s, double more_first_density, double more_second_density) {
   const Eigen::Index k = StateLayout{options.motion}.body_size();
   Propagation out{nav, {MatrixXd::Identity(k, k), MatrixXd::Zero(k, k)}, Vector3d::Zero()};
   for (const InputStep& step : steps) {
     out.omega_input = options.motion == MotionModel::kOdometry ? step.second : step.first;
-    const Transition part =
-        predict_step(out.nav, step, options, usual_interval_s, more_first_density, more_second_density);
+    const Transition part = predict_step(out.nav, step, options, odometry_noise, usual_interval_s,
+                                         more_first_density, more_second_density);
     out.whole.Phi = multiply(part.Phi, out.whole.Phi);
     out.whole.Q = congruence(part.Phi, out.whole.Q) + part.Q;
     out.nav.t_ns = step.t_end_ns;

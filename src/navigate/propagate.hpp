@@ -24,7 +24,8 @@ struct Propagation {
 /// @param usual_interval_s   between samples; odometry only
 /// @param more_first_density, more_second_density  noise of the inputs beyond all that [unit^2 s]
 [[nodiscard]] Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& steps,
-                                    const NavigatorOptions& options, double usual_interval_s,
-                                    double more_first_density, double more_second_density);
+                                    const NavigatorOptions& options, const OdometryNoise& odometry_noise,
+                                    double usual_interval_s, double more_first_density,
+                                    double more_second_density);
 
 }  // namespace limber::detail

@@ -31,7 +31,8 @@ NavigatorOptions completed(NavigatorOptions options) {
   return options;
 }
 
-constexpr double kLongFrame = 0.2;  // [s] without an image: the state was blind meanwhile
+constexpr double kLongFrame = 0.2;        // [s] without an image: the state was blind meanwhile
+constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degrees of freedom
 
 /// The frame as a method sees it: mono-left does not look through the right camera.
 StereoFrame visible(const StereoFrame& frame, Method method) {
@@ -62,6 +63,9 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
     place_first_map(estimate_, initial, mount(calibration)[0].T_cam_body.inverse());
     last_frame_ns_ = initial.landmarks.empty() ? last_frame_ns_ : initial.nav.t_ns;
   }
+  if (options_.learn_odometry_noise && options_.motion == MotionModel::kOdometry) {
+    odometry_noise_.emplace(options_.odometry_noise);
+  }
   if (options_.learn_pixel_noise) {
     pixel_noise_.emplace(options_.sigma_px, calibration);
   }
@@ -82,6 +86,9 @@ void StereoFilter::add_odometry(const OdometrySample& sample) {
     throw std::invalid_argument("navigator: odometry sample given, but the motion model is not kOdometry");
   }
   add({sample.t_ns, sample.v_body, sample.omega_body});
+  if (odometry_noise_) {
+    odometry_noise_->add(sample);
+  }
 }
 
 void StereoFilter::assume_theta(const RigParameters& theta) {
@@ -237,21 +244,28 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   report.observed = frame.observations.size();
   report.inputs = report_inputs(frame.t_ns);
 
+  // A motion that only images tell takes several frames to become clear, and so do depths: no landmark is
+  // given up meanwhile.
+  const bool images_alone =
+      report.inputs.status == InputStatus::kGap && dt <= kLongFrame && report.observed >= kEnoughAlone;
   const bool was_blind = blind_turn_ > 0.0 || dt > kLongFrame;
   if (pixel_noise_) {
     pixel_noise_->see(raw);
   }
   predict_to(frame.t_ns);                                             // Eqs. (4), (7)
   update_active_set(estimate_, frame, last_frame_ns_, options_.map);  // compressed filter
-  report.removed = was_blind ? forget_after_blindness(frame) : 0;
+  report.removed = images_alone ? 0 : forget_after_blindness(frame, was_blind);
   const LinearizationPoint at = choose_linearization_point(frame);  // for Eq. (16)
-  report.removed += forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);
+  if (!images_alone) {
+    report.removed += forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);
+  }
   NewLandmarks fresh;
   if (initializes_before_update()) {
     fresh = initialize_landmarks(frame, at.rig);  // Eqs. (29)-(32)
   }
-  const StackedFrame stacked = stack(frame, at, fresh, report);  // Eqs. (23)-(28)
   const ParameterErrorModel model = error_model();
+  const StackedFrame stacked = images_alone ? stack_where_seen(frame, at, fresh, model, report)
+                                            : stack(frame, at, fresh, report);  // Eqs. (23)-(28)
   const std::vector<bool> accepted = gate_points(stacked, model, report);
   constrained_update(stacked, accepted, model, dt, report);  // Eqs. (16)-(19)
   record(stacked, accepted, fresh, report);

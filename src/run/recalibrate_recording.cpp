@@ -251,7 +251,7 @@ Recalibration recalibrate_recording(const Recording& recording, const Recalibrat
   Recalibration out;
   out.notes = setup.notes;
   out.given = out.fitted = setup.calibration;
-  SmootherOptions how = detail::smoother_options(smooth_options, setup, out.notes);
+  SmootherOptions how = detail::smoother_options(recording, smooth_options, setup, out.notes);
   how.rig_sigma = prior_sigma(out.given.baseline());
   out.length_seen = !how.trust_length;
 

@@ -138,6 +138,13 @@ std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method
         "that follow each other have a correlation of {:.2g}",
         record.pixel_noise->sigma_px, record.pixel_noise->correlation));
   }
+  if (record.odometry_noise) {
+    const auto& [v, omega] = *record.odometry_noise;
+    remarks.push_back(fmt::format(
+        "odometry noise learned: {:.2g}, {:.2g}, {:.2g} m/s and {:.2g}, {:.2g}, {:.2g} rad/s per "
+        "sample; beside it {:.0f} % of the speed are assumed",
+        v.x(), v.y(), v.z(), omega.x(), omega.y(), omega.z(), 100.0 * LearnedOdometryNoise::kLasting));
+  }
   if (dof > 0.0 && nis > kSuspiciousNis * dof) {
     remarks.push_back(fmt::format(
         "NIS per degree of freedom is {:.3g}, 1 is expected: the measurements contradict the model; is the "

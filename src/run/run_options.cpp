@@ -61,8 +61,9 @@ void choose_noise(const Recording& recording, const RunOptions& options, RunSetu
          "IMU noise not given: that of a small MEMS IMU (ADIS16448)", setup);
   }
   if (navigator.motion == MotionModel::kOdometry) {
+    navigator.learn_odometry_noise = !recording.odometry_noise;
     take(recording.odometry_noise, navigator.odometry_noise,
-         fmt::format("odometry noise not given: {} m/s and {} rad/s per sample",
+         fmt::format("odometry noise not given: learned, from {} m/s and {} rad/s per sample on",
                      navigator.odometry_noise.sigma_v.x(), navigator.odometry_noise.sigma_omega.x()),
          setup);
   }

@@ -100,6 +100,9 @@ void take_end(const Navigator& navigator, RunRecord& record) {
   if (const LearnedPixelNoise* learned = navigator.pixel_noise()) {
     record.pixel_noise = learned->report();
   }
+  if (const LearnedOdometryNoise* learned = navigator.odometry_noise(); learned && learned->knows()) {
+    record.odometry_noise = learned->white();
+  }
 }
 
 [[noreturn]] void fail_diverged(Method method, std::size_t frame, std::int64_t t_ns, const std::string& what,

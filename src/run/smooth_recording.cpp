@@ -154,7 +154,7 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
   const RunSetup setup = set_up_run(recording, options.run);
   std::vector<std::string> notes = setup.notes;
   std::erase_if(notes, [](const std::string& note) { return note.starts_with("constraints "); });
-  const SmootherOptions how = detail::smoother_options(options, setup, notes);
+  const SmootherOptions how = detail::smoother_options(recording, options, setup, notes);
   FrameCleaner cleaner(setup.calibration, options.run.cleaning);
   const FrameSource cleaned = [&](std::size_t n) { return cleaner.clean(source(n)); };
   KeptFrames kept(cleaned);

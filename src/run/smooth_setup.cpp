@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "limber/predict/learned_odometry_noise.hpp"
+
 namespace limber::detail {
 namespace {
 
@@ -32,6 +34,20 @@ std::vector<NavigationState> states_before(const std::vector<TrajectoryRow>& row
     out.push_back(state);
   }
   return out;
+}
+
+/// Learned from all samples, where nobody stated it; at the speed that the body has on average.
+OdometryNoise odometry_noise(const NavigatorOptions& navigator, const Recording& recording) {
+  if (!navigator.learn_odometry_noise || recording.odometry.empty()) {
+    return navigator.odometry_noise;
+  }
+  LearnedOdometryNoise learned(navigator.odometry_noise);
+  double speeds = 0.0;
+  for (const OdometrySample& sample : recording.odometry) {
+    learned.add(sample);
+    speeds += sample.v_body.norm();
+  }
+  return learned.assumed(speeds / static_cast<double>(recording.odometry.size()));
 }
 
 }  // namespace
@@ -89,12 +105,12 @@ InitialState without_data(const NavigationState& first, MotionModel motion) {
   return start;
 }
 
-SmootherOptions smoother_options(const SmoothOptions& options, const RunSetup& setup,
-                                 std::vector<std::string>& notes) {
+SmootherOptions smoother_options(const Recording& recording, const SmoothOptions& options,
+                                 const RunSetup& setup, std::vector<std::string>& notes) {
   const NavigatorOptions& navigator = setup.navigator;
   SmootherOptions out;
   out.motion = navigator.motion;
-  out.noise = {navigator.imu_noise, navigator.odometry_noise, navigator.constant_velocity_noise};
+  out.noise = {navigator.imu_noise, odometry_noise(navigator, recording), navigator.constant_velocity_noise};
   out.sigma_px = navigator.sigma_px;
   out.gravity = navigator.gravity;
   out.rig = options.rig;

@@ -99,6 +99,13 @@ Json to_json(const PixelNoiseReport& report) {
   return {{"sigma_px", report.sigma_px}, {"correlation", report.correlation}};
 }
 
+Json to_json(const OdometryNoise& noise) {
+  const auto list = [](const Eigen::Vector3d& sigma) {
+    return std::vector<double>(sigma.begin(), sigma.end());
+  };
+  return {{"sigma_v", list(noise.sigma_v)}, {"sigma_w", list(noise.sigma_omega)}};
+}
+
 Json to_json(const FrameTime& time) { return {{"p50", time.p50}, {"p99", time.p99}, {"worst", time.worst}}; }
 
 Json to_json(const CleaningReport& report) {
@@ -160,6 +167,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["seed"] = options.seed;
   json["options"] = to_json(options);
   json["pixel_noise"] = record.pixel_noise ? to_json(*record.pixel_noise) : Json(nullptr);
+  json["odometry_noise"] = record.odometry_noise ? to_json(*record.odometry_noise) : Json(nullptr);
   json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start) : Json(nullptr);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
   json["theta_assumed"] = std::vector<double>(record.theta_assumed.data(), record.theta_assumed.data() + 6);

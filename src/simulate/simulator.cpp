@@ -111,7 +111,7 @@ void fill_odometry(const Run& run, const OdometryScenario& odometry, Recording& 
          truth.omega_body + odometry.angular_rate * noise.normal3(k, 1)});
   }
   if (!run.scenario.noise.stated) {
-    recording.notes.emplace_back("the noise of odometry is not stated: estimators use their defaults");
+    recording.notes.emplace_back("the noise of odometry is not stated: estimators learn it");
   } else if (odometry.velocity > 0.0 && odometry.angular_rate > 0.0) {
     recording.odometry_noise =
         OdometryNoise{Vector3d::Constant(odometry.velocity), Vector3d::Constant(odometry.angular_rate)};

@@ -34,12 +34,14 @@ double factor(double s) {
 
 }  // namespace
 
+/// With odometry the map may be long or short, but the body is where odometry took it, however far from the
+/// origin: a factor of its position would be wrong. Corrections of the scale are small there.
 Estimate::Growth Estimate::growth(const VectorXd& dx) const {
   if (!layout_.has_map_scale) {
     return {};
   }
   const double log = dx(layout_.map_scale());
-  return {log, factor(log)};
+  return {log, factor(log), layout_.motion == MotionModel::kOdometry};
 }
 
 /// What a correction moves the triplets by: itself and, where all lengths grow, what a factor does to second
@@ -50,7 +52,9 @@ VectorXd Estimate::displacements(const VectorXd& dx, const Growth& by) const {
     return out;
   }
   out.segment<3>(L::kPosition) += by.beyond_linear() * nav.T_world_body.p;
-  out.segment<3>(L::kVelocity) += by.beyond_linear() * nav.v_world_body;
+  if (layout_.motion != MotionModel::kOdometry) {
+    out.segment<3>(L::kVelocity) += by.beyond_linear() * nav.v_world_body;
+  }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     const Index at = layout_.map_begin() + kTriplet * static_cast<Index>(k);
     out.segment<3>(at) = displacement(active_blocks_[k], dx.segment<3>(at), by) +

@@ -58,6 +58,8 @@ class Navigator {
   [[nodiscard]] const NavigatorOptions& options() const { return filter_.options(); }
   /// What is learned of the pixels; null unless it is asked for. Invalidated by the next call.
   [[nodiscard]] const LearnedPixelNoise* pixel_noise() const { return answering().pixel_noise(); }
+  /// The same of odometry.
+  [[nodiscard]] const LearnedOdometryNoise* odometry_noise() const { return answering().odometry_noise(); }
   /// Samples and frames that are kept to go back in time: some seconds of them, for `adaptive` alone.
   [[nodiscard]] std::size_t events_kept() const;
   /// What the alarm made of the last frame; nothing before it, or if the calibration is not watched.

@@ -34,6 +34,8 @@ struct NavigatorOptions {
 
   ImuNoise imu_noise;
   OdometryNoise odometry_noise;  ///< per sample
+  /// odometry_noise is but where to begin: it is learned from the samples (LearnedOdometryNoise).
+  bool learn_odometry_noise = false;
   ConstantVelocityNoise constant_velocity_noise;
   PixelNoise sigma_px = PixelNoise::Constant(0.5);
   /// sigma_px is but where to begin: what has to be assumed is learned (LearnedPixelNoise).

@@ -16,6 +16,7 @@
 #include "limber/navigate/navigator_options.hpp"
 #include "limber/predict/input_buffer.hpp"
 #include "limber/predict/input_checks.hpp"
+#include "limber/predict/learned_odometry_noise.hpp"
 #include "limber/stack/stack_frame.hpp"
 #include "limber/state/estimate.hpp"
 #include "limber/state/initial_state.hpp"
@@ -101,6 +102,10 @@ class StereoFilter {
   [[nodiscard]] const LearnedPixelNoise* pixel_noise() const {
     return pixel_noise_ ? &*pixel_noise_ : nullptr;
   }
+  /// What is learned of odometry; null unless it is asked for.
+  [[nodiscard]] const LearnedOdometryNoise* odometry_noise() const {
+    return odometry_noise_ ? &*odometry_noise_ : nullptr;
+  }
 
  private:
   /// What the images said against the inputs, as noise that they have for a while beyond what is assumed:
@@ -124,12 +129,15 @@ class StereoFilter {
   void judge_inputs(const PoseCorrection& correction, FrameReport& report);
   [[nodiscard]] bool is_broken() const;
   void begin_anew();
-  [[nodiscard]] std::size_t forget_after_blindness(const StereoFrame& frame);
+  [[nodiscard]] std::size_t forget_after_blindness(const StereoFrame& frame, bool was_blind);
   [[nodiscard]] bool initializes_before_update() const;
   [[nodiscard]] LinearizationPoint choose_linearization_point(const StereoFrame& frame) const;
   [[nodiscard]] NewLandmarks initialize_landmarks(const StereoFrame& frame, const MountedRig& rig);
   [[nodiscard]] StackedFrame stack(const StereoFrame& frame, const LinearizationPoint& at,
                                    const NewLandmarks& fresh, FrameReport& report) const;
+  [[nodiscard]] StackedFrame stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
+                                              NewLandmarks fresh, const ParameterErrorModel& model,
+                                              FrameReport& report);
   /// @return one flag per stacked point
   [[nodiscard]] std::vector<bool> gate_points(const StackedFrame& stacked, const ParameterErrorModel& model,
                                               FrameReport& report) const;
@@ -169,6 +177,7 @@ class StereoFilter {
   InitialState sound_;       // body after the last sound frame, to begin anew from
   Eigen::Vector3d omega_input_ = Eigen::Vector3d::Zero();  // [rad/s], of the last step: gyro or odometry
   std::optional<LearnedPixelNoise> pixel_noise_;           // where nobody stated it
+  std::optional<LearnedOdometryNoise> odometry_noise_;     // where nobody stated it
   std::optional<HealthMonitor> monitor_;
   std::optional<HealthReport> last_health_;
   WhiteSize fresh_;  // adaptive: zero as long as theta is trusted

@@ -89,6 +89,7 @@ struct RunRecord {
   std::optional<StartReport> sensor_start;  ///< StartMode::kAuto: what was known by then, and when that was
   /// What was learned of the pixels by the last frame; nothing where their noise was stated.
   std::optional<PixelNoiseReport> pixel_noise;
+  std::optional<OdometryNoise> odometry_noise;  ///< the same of odometry: white, per sample
   CleaningReport cleaning;  ///< what was taken out of the frames before the navigator saw them
   std::size_t frames_of_recording = 0;
   bool stopped = false;  ///< before the last frame, because the caller asked to

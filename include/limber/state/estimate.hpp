@@ -110,6 +110,10 @@ class Estimate {
   [[nodiscard]] Eigen::Vector3d landmark_position(const Landmark& landmark,
                                                   Eigen::Matrix3d* covariance = nullptr) const;
 
+  /// Variance of the turn between the body and an active landmark [rad²], the largest of three axes: how far
+  /// off the direction in which it is seen may be.
+  [[nodiscard]] double turn_variance(const Landmark& landmark) const;
+
   /// Positions of all landmarks [m], in the order of landmarks(); cheaper than one by one.
   [[nodiscard]] std::vector<Eigen::Vector3d> landmark_positions() const;
 
@@ -136,11 +140,12 @@ class Estimate {
   /// A correction of the scale: of its logarithm, and the factor of all lengths that it stands for.
   struct Growth {
     double log = 0.0, factor = 1.0;
+    bool linear = false;  ///< applied as it stands: see growth()
     /// Of a length: what the factor moves it by beyond the linear correction.
-    [[nodiscard]] double beyond_linear() const { return factor - 1.0 - log; }
+    [[nodiscard]] double beyond_linear() const { return linear ? 0.0 : factor - 1.0 - log; }
     /// The same of an inverse depth.
-    [[nodiscard]] double beyond_linear_inverse() const { return 1.0 / factor - 1.0 + log; }
-    void operator+=(const Growth& next) { *this = {log + next.log, factor * next.factor}; }
+    [[nodiscard]] double beyond_linear_inverse() const { return linear ? 0.0 : 1.0 / factor - 1.0 + log; }
+    void operator+=(const Growth& next) { *this = {log + next.log, factor * next.factor, next.linear}; }
   };
   struct LogDepth {
     Eigen::Index at;

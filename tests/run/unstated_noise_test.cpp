@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "limber/run/run_recording.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
@@ -45,6 +47,30 @@ TEST_P(UnstatedPixelNoise, IsSeveralTimesTheErrorsWhereTheyLast) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, UnstatedPixelNoise, ::testing::Values(Method::kEkf, Method::kLcekf),
                          [](const auto& info) { return info.param == Method::kEkf ? "ekf" : "lcekf"; });
+
+/// What a run has learned of the odometry of a drone that is not alike in all directions.
+OdometryNoise learned_odometry(double velocity, double angular_rate, bool stated = false) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 10.0;
+  scenario.use_imu = false;
+  scenario.odometry = OdometryScenario{20.0, velocity, angular_rate};
+  scenario.noise.stated = stated;
+  const Recording recording = simulate(scenario, 3);
+  const RunRecord record = run_recording(recording, {}, matched_frames(recording));
+  EXPECT_NE(record.odometry_noise.has_value(), stated);
+  return record.odometry_noise.value_or(OdometryNoise{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
+}
+
+TEST(UnstatedOdometryNoise, IsFoundWithinAFifth) {
+  for (const auto& [velocity, rate] : {std::pair(0.03, 0.01), std::pair(0.2, 0.05)}) {
+    const OdometryNoise found = learned_odometry(velocity, rate);
+    EXPECT_LT((found.sigma_v.array() / velocity - 1.0).abs().maxCoeff(), 0.2) << found.sigma_v.transpose();
+    EXPECT_LT((found.sigma_omega.array() / rate - 1.0).abs().maxCoeff(), 0.2)
+        << found.sigma_omega.transpose();
+  }
+}
+
+TEST(StatedOdometryNoise, IsTakenForWhatItIs) { (void)learned_odometry(0.03, 0.01, true); }
 
 TEST(StatedPixelNoise, IsTakenForWhatItIs) {
   Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// StereoFilter's frames without inputs: linearised where the images put the body.
+#include "limber/core/so3.hpp"
+#include "limber/navigate/stereo_filter.hpp"
+
+namespace limber {
+
+using Eigen::Matrix3d;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using L = StateLayout;
+
+namespace {
+
+constexpr int kRounds = 6;
+constexpr double kSettled = 1e-3;      // [m], [rad]: further rounds would change nothing
+constexpr double kFarthestTurn = 1.0;  // [rad]: images that say more than that are not understood
+
+Pose shifted(const Pose& pose, const Vector6& shift) {
+  return {so3_normalized(pose.R * so3_exp(shift.tail<3>())), pose.p + shift.head<3>()};
+}
+
+/// Rows that are linear at the pose `shift` away from the prediction, as rows of the prediction's error.
+void refer_to_prediction(LinearMeasurement& rows, const Vector6& shift) {
+  const Matrix3d turn = so3_right_jacobian(shift.tail<3>());
+  for (SparseJacobian::Block& block : rows.H.blocks) {
+    if (block.col == L::kPosition) {
+      rows.residual.segment(block.row, block.value.rows()) += block.value * shift.head<3>();
+    } else if (block.col == L::kAttitude) {
+      block.value = (block.value * turn).eval();
+      rows.residual.segment(block.row, block.value.rows()) += block.value * shift.tail<3>();
+    }
+  }
+}
+
+}  // namespace
+
+/// @brief Iterated EKF [Bell1993] for frames before which inputs were missing: their prediction may be far
+/// off, and depths that are corrected along a wrong motion are lost. New landmarks wait for the next frame.
+/// Where the rounds do not settle, the frame is linearised at the prediction.
+StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
+                                            NewLandmarks fresh, const ParameterErrorModel& model,
+                                            FrameReport& report) {
+  for (auto& [id, rows] : fresh) {
+    rows = RemainingRows::kNone;
+  }
+  const Pose predicted = estimate_.nav.T_world_body;
+  const auto stacked_at = [&](const Vector6& shift, FrameReport& said) {
+    estimate_.nav.T_world_body = shifted(predicted, shift);
+    StackedFrame out = stack(frame, at, fresh, said);
+    estimate_.nav.T_world_body = predicted;
+    refer_to_prediction(out.measurement, shift);
+    return out;
+  };
+  Vector6 shift = Vector6::Zero();
+  for (int round = 0; round < kRounds; ++round) {
+    FrameReport said = report;
+    StackedFrame stacked = stacked_at(shift, said);
+    FrameReport gated = said;
+    Covariance P = estimate_.P;
+    const UpdateReport updated =
+        update(P, stacked.measurement.subset(gate_points(stacked, model, gated)), model);
+    if (updated.status != UpdateStatus::kUpdated || updated.dx.segment<3>(3).norm() > kFarthestTurn) {
+      break;
+    }
+    if ((updated.dx.head<6>() - shift).cwiseAbs().maxCoeff() < kSettled) {
+      report.refused = said.refused;
+      return stacked;
+    }
+    shift = updated.dx.head<6>();
+  }
+  return stacked_at(Vector6::Zero(), report);
+}
+
+}  // namespace limber
