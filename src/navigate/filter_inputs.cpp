@@ -171,7 +171,11 @@ std::size_t StereoFilter::forget_after_blindness(const StereoFrame& frame, bool 
   std::size_t removed = 0;
   for (const StereoObservation& o : frame.observations) {
     const Landmark* landmark = estimate_.find(o.track_id);
-    if (landmark != nullptr && (all || estimate_.turn_variance(*landmark) > kTooMuch)) {
+    if (landmark == nullptr) {
+      continue;
+    }
+    const bool is_back = landmark->last_seen_ns < last_frame_ns_;
+    if (all || (is_back && estimate_.turn_variance(*landmark) > kTooMuch)) {
       estimate_.remove_landmark(o.track_id);
       ++removed;
     }
