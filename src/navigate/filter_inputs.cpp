@@ -160,27 +160,18 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
 }
 
 /// Where nobody knows how the body turned, no landmark of before can be found in the image by a linear
-/// update: those of the frame are taken for new ones. So are others from beyond such a time, when they are
-/// seen again.
-std::size_t StereoFilter::forget_after_blindness(const StereoFrame& frame, bool was_blind) {
-  constexpr double kTooMuch = kTooBlind * kTooBlind;
-  const bool all = was_blind && blind_turn_ > kTooMuch;
-  if (!all && estimate_.P.diagonal_block<3>(StateLayout::kAttitude).diagonal().maxCoeff() <= kTooMuch) {
-    return 0;
-  }
+/// update: those of the frame are taken for new ones.
+std::size_t StereoFilter::forget_after_blindness(const StereoFrame& frame) {
   std::size_t removed = 0;
-  for (const StereoObservation& o : frame.observations) {
-    const Landmark* landmark = estimate_.find(o.track_id);
-    if (landmark == nullptr) {
-      continue;
+  if (blind_turn_ > kTooBlind * kTooBlind) {
+    for (const StereoObservation& o : frame.observations) {
+      if (estimate_.find(o.track_id) != nullptr) {
+        estimate_.remove_landmark(o.track_id);
+        ++removed;
+      }
     }
-    const bool is_back = landmark->last_seen_ns < last_frame_ns_;
-    if (all || (is_back && estimate_.turn_variance(*landmark) > kTooMuch)) {
-      estimate_.remove_landmark(o.track_id);
-      ++removed;
-    }
+    blind_turn_ = frame.observations.empty() ? blind_turn_ : 0.0;
   }
-  blind_turn_ = all && !frame.observations.empty() ? 0.0 : blind_turn_;
   return removed;
 }
 

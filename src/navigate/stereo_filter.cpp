@@ -254,7 +254,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   }
   predict_to(frame.t_ns);                                             // Eqs. (4), (7)
   update_active_set(estimate_, frame, last_frame_ns_, options_.map);  // compressed filter
-  report.removed = images_alone ? 0 : forget_after_blindness(frame, was_blind);
+  report.removed = was_blind && !images_alone ? forget_after_blindness(frame) : 0;
   const LinearizationPoint at = choose_linearization_point(frame);  // for Eq. (16)
   if (!images_alone) {
     report.removed += forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);

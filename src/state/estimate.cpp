@@ -130,26 +130,6 @@ bool Estimate::is_world_vector(StateBlock block) const {
          (block.owner == Owner::kLandmark && landmarks_[block.index].kind == LandmarkKind::kCartesian);
 }
 
-double Estimate::turn_variance(const Landmark& landmark) const {
-  std::vector<std::pair<Index, Matrix3d>> blocks;  // the turn's derivatives
-  if (const Anchor* anchor = anchor_of(landmark)) {
-    const Matrix3d to_body = nav.T_world_body.R.transpose() * anchor->T_world_body.R;
-    blocks = {{L::kAttitude, Matrix3d::Identity()}, {anchor->attitude_at, -to_body}};
-  } else {
-    const Vector3d ray = nav.T_world_body.R.transpose() * (landmark.value - nav.T_world_body.p);
-    const Matrix3d across = skew(ray) / ray.norm();
-    const Matrix3d of_shift = across * nav.T_world_body.R.transpose() / ray.norm();
-    blocks = {{L::kAttitude, -across * across}, {L::kPosition, of_shift}, {landmark.at, -of_shift}};
-  }
-  Matrix3d variance = Matrix3d::Zero();
-  for (const auto& [row, of_row] : blocks) {
-    for (const auto& [col, of_col] : blocks) {
-      variance += of_row * P.triplet_block(row, col) * of_col.transpose();
-    }
-  }
-  return variance.diagonal().maxCoeff();
-}
-
 void Estimate::restart_witness(double sigma) {
   witness.setZero();
   const std::array<Index, 2> block = {layout_.witness(), layout_.witness() + kTriplet};

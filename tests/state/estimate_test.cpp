@@ -324,31 +324,6 @@ TEST(Estimate, RetractionKeepsUnknownAScaleThatNobodyCanSee) {
   }
 }
 
-TEST(Estimate, KnowsHowFarTheBodyMayBeTurnedAgainstALandmark) {
-  Generator generator(21);
-  Estimate estimate = random_map(generator, 8);
-  const Index n = estimate.size();
-  MatrixXd turned = MatrixXd::Identity(n, n) * 1e-12;
-  turned.diagonal().segment<3>(StateLayout::kAttitude).setConstant(0.04);
-  estimate.P.set_diagonal_block(0, turned);
-  for (const Landmark& landmark : estimate.landmarks()) {
-    EXPECT_NEAR(estimate.turn_variance(landmark), 0.04, 0.02);  // a turn about the ray to a point is none
-    EXPECT_LT(estimate.turn_variance(landmark), 0.04 + 1e-6);
-  }
-}
-
-/// The whole world turned and shifted: nothing is turned against anything.
-TEST(Estimate, TurnsNothingAgainstALandmarkWhereTheWorldIsTurned) {
-  Generator generator(22);
-  Estimate estimate = random_map(generator, 8);
-  const MatrixXd turned = 0.3 * gauge(estimate);
-  const Index n = estimate.size();
-  estimate.P.set_diagonal_block(0, 1e-14 * MatrixXd::Identity(n, n) + turned * turned.transpose());
-  for (const Landmark& landmark : estimate.landmarks()) {
-    EXPECT_LT(estimate.turn_variance(landmark), 1e-9);
-  }
-}
-
 TEST(Estimate, CorrectsTheScaleByAFactor) {
   Generator generator(19);
   for (const double s : {-0.7, -0.1, 0.02, 0.3, 0.49}) {

@@ -129,7 +129,7 @@ class StereoFilter {
   void judge_inputs(const PoseCorrection& correction, FrameReport& report);
   [[nodiscard]] bool is_broken() const;
   void begin_anew();
-  [[nodiscard]] std::size_t forget_after_blindness(const StereoFrame& frame, bool was_blind);
+  [[nodiscard]] std::size_t forget_after_blindness(const StereoFrame& frame);
   [[nodiscard]] bool initializes_before_update() const;
   [[nodiscard]] LinearizationPoint choose_linearization_point(const StereoFrame& frame) const;
   [[nodiscard]] NewLandmarks initialize_landmarks(const StereoFrame& frame, const MountedRig& rig);

@@ -110,10 +110,6 @@ class Estimate {
   [[nodiscard]] Eigen::Vector3d landmark_position(const Landmark& landmark,
                                                   Eigen::Matrix3d* covariance = nullptr) const;
 
-  /// Variance of the turn between the body and an active landmark [rad²], the largest of three axes: how far
-  /// off the direction in which it is seen may be.
-  [[nodiscard]] double turn_variance(const Landmark& landmark) const;
-
   /// Positions of all landmarks [m], in the order of landmarks(); cheaper than one by one.
   [[nodiscard]] std::vector<Eigen::Vector3d> landmark_positions() const;
 
