@@ -12,21 +12,27 @@
 namespace limber {
 namespace {
 
+/// A drone with realistic pixels, on a rig that is sound.
+Recording drone_with(const char* fault, std::uint64_t seed) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  set_pixels(scenario, PixelPreset::kRealistic);
+  scenario.faults.push_back(fault_from_string(fault));
+  scenario.duration = 16.0;
+  return simulate(scenario, seed);
+}
+
+RunSummary run(const Recording& recording, Method method) {
+  RunOptions options;
+  options.method = method;
+  return summarize(recording, options, run_recording(recording, options, matched_frames(recording)));
+}
+
 /// It ended 12 m off with seed 45, exit 0: the alarm of the trusting filter went back in time, and what the
 /// constrained filter beside it saw meanwhile was lost.
 TEST(AdaptiveAndFailingInputs, ABiasThatStepsCostsNoMoreThanItCostsLcekf) {
   for (const std::uint64_t seed : {43, 45}) {
-    Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-    set_pixels(scenario, PixelPreset::kRealistic);
-    scenario.faults.push_back(fault_from_string("accel-bias-step=8:0.5"));
-    scenario.duration = 16.0;
-    const Recording recording = simulate(scenario, seed);
-    const auto ate = [&](Method method) {
-      RunOptions options;
-      options.method = method;
-      const RunRecord record = run_recording(recording, options, matched_frames(recording));
-      return summarize(recording, options, record).ate_se3_m.value();
-    };
+    const Recording recording = drone_with("accel-bias-step=8:0.5", seed);
+    const auto ate = [&](Method method) { return run(recording, method).ate_se3_m.value(); };
     EXPECT_LT(ate(Method::kAdaptive), 2.0 * ate(Method::kLcekf)) << seed;
   }
 }
@@ -35,16 +41,9 @@ TEST(AdaptiveAndFailingInputs, ABiasThatStepsCostsNoMoreThanItCostsLcekf) {
 /// landmarks were linearised along a motion that was only guessed, found misplaced and given up, every frame.
 TEST(FailingInputs, ImagesAloneCarryTheStateThroughAGapOfTheImu) {
   for (const std::uint64_t seed : {43, 46}) {
-    Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-    set_pixels(scenario, PixelPreset::kRealistic);
-    scenario.faults.push_back(fault_from_string("imu-gap=8:5"));
-    scenario.duration = 16.0;
-    const Recording recording = simulate(scenario, seed);
+    const Recording recording = drone_with("imu-gap=8:5", seed);
     for (const Method method : {Method::kLcekf, Method::kAdaptive}) {
-      RunOptions options;
-      options.method = method;
-      const RunRecord record = run_recording(recording, options, matched_frames(recording));
-      const RunSummary found = summarize(recording, options, record);
+      const RunSummary found = run(recording, method);
       EXPECT_LT(found.ate_se3_m.value(), 0.1) << to_string(method) << ", seed " << seed;
       EXPECT_LT(found.anees.value(), 4.0) << to_string(method) << ", seed " << seed;
     }
