@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Verdicts of limber health on simulated rigs whose error is known, and the coverage of its 95 % intervals.
 
-  scripts/verdict_table.py [--runs N] [--seed N] [--scenarios NAME,...] [--shapes NAME,...] [--limber PROGRAM]
+  scripts/verdict_table.py [--runs N] [--seed N] [--scenarios NAME,...] [--shapes NAME,...] [--limber PROGRAM] [--jobs N] [--details FILE]
 
 Each run simulates a sound rig and assumes it wrong by shares of the tolerance, each on one axis in turn: 0 (sound), half of
 what is ok (inside), between ok and wrong (between), twice what is wrong (outside). Automatic start, default options.
@@ -14,6 +14,7 @@ present state, `to_s` (of a vibration the mean).
 """
 import argparse
 import collections
+import concurrent.futures
 import json
 import pathlib
 import subprocess
@@ -77,7 +78,8 @@ class Tally:
         return [*(str(self.verdicts[v]) for v in VERDICTS), share, named, str(self.mistakes)]
 
 
-def judge_shapes(limber, recording, folder, shapes, name, sound, tallies):
+def judge_shapes(limber, recording, folder, shapes, name, sound):
+    """A (rig, what health said, true error per axis, axis to be named) for each shape, inside and outside."""
     axis = sound["health"]["present"]["axes"][name]
     for shape in shapes:
         for level in ("inside", "outside"):
@@ -91,25 +93,27 @@ def judge_shapes(limber, recording, folder, shapes, name, sound, tallies):
             found = health(limber, bent, "")
             share = found["health"]["present"]["to_s"] / sound["duration_s"] if found["health"] else 0.0
             at_end = size * {"step": 1.0, "ramp": share}.get(shape, 0.0)
-            tallies[f"{shape}, {level}"].add(found, {name: at_end}, name if level == "outside" and shape != "pulse" else "")
+            yield f"{shape}, {level}", found, {name: at_end}, name if level == "outside" and shape != "pulse" else ""
 
 
-def judge(limber, scenario, pixels, seed, shapes, tallies):
+def judge(limber, scenario, pixels, seed, shapes):
+    """All judgements of one simulated rig, as judge_shapes gives them."""
     with tempfile.TemporaryDirectory() as folder:
         recording = pathlib.Path(folder) / "recording"
         run(limber, "simulate", ROOT / f"scenarios/{scenario}.yaml", "--seed", seed, "--pixels", pixels, "--out", recording)
         sound = health(limber, recording, "")
-        tallies["sound"].add(sound, {}, "")
+        judged = [("sound", sound, {}, "")]
         axes = sound["health"]["present"]["axes"]
         name = AXES[seed % 6]
         axis = axes[name]
-        judge_shapes(limber, recording, pathlib.Path(folder), [s for s in shapes if s != "constant"], name, sound, tallies)
+        judged += judge_shapes(limber, recording, pathlib.Path(folder), [s for s in shapes if s != "constant"], name, sound)
         if "constant" not in shapes:
-            return
+            return judged
         for level in ("inside", "between", "outside"):
             size = SIZES[level](axis["ok"], axis["wrong"])
             found = health(limber, recording, error_of(name, size, axis["unit"]))
-            tallies[level].add(found, {name: size}, name if level == "outside" else "")
+            judged.append((level, found, {name: size}, name if level == "outside" else ""))
+        return judged
 
 
 def main():
@@ -119,14 +123,23 @@ def main():
     parser.add_argument("--scenarios", default="paper_i,drone_none")
     parser.add_argument("--shapes", default="constant", help="constant, step, ramp, vibration, pulse")
     parser.add_argument("--limber", type=pathlib.Path, default=ROOT / "build/release/limber")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--details", type=argparse.FileType("w"), help="one JSON object a line: every judgement")
     arguments = parser.parse_args()
     print("| scenario, pixels | rig | " + " | ".join(VERDICTS) + " | 95 % covers | axis named | mistakes claimed |")
     print("| --- " * 9 + "|")
     for scenario in arguments.scenarios.split(","):
         for pixels in ("white", "realistic"):
             tallies = collections.defaultdict(Tally)
-            for seed in range(arguments.seed, arguments.seed + arguments.runs):
-                judge(arguments.limber, scenario, pixels, seed, arguments.shapes.split(","), tallies)
+            seeds = range(arguments.seed, arguments.seed + arguments.runs)
+            with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+                runs = pool.map(lambda seed: judge(arguments.limber, scenario, pixels, seed, arguments.shapes.split(",")), seeds)
+                for seed, judged in zip(seeds, runs):
+                    for level, found, truth, changed in judged:
+                        tallies[level].add(found, truth, changed)
+                        if arguments.details:
+                            print(json.dumps({"scenario": scenario, "pixels": pixels, "seed": seed, "rig": level, "truth": truth, "found": found}),
+                                  file=arguments.details, flush=True)
             for level, tally in tallies.items():
                 print(f"| {scenario}, {pixels} | {level} | " + " | ".join(tally.row()) + " |", flush=True)
 
