@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "limber/health/rig_window.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "left_track.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
 #include "limber/measure/epipolar.hpp"
@@ -14,7 +14,6 @@
 
 namespace limber {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Matrix = NormalEquations::Matrix;
 using Vector = NormalEquations::Vector;
@@ -26,68 +25,14 @@ constexpr std::size_t kFewestPoints = 100;
 constexpr std::size_t kMostPoints = 12000;  // of a window
 constexpr double kStep = 1e-6;              // of numerical derivatives [rad, m]
 constexpr double kMostDepthNoise = 2;       // px that the depth from motion adds, for 1 px of the left pixels
-constexpr double kMoving_px = 3.0;  // rms of a track's left pixels about one point: it moved, or is none
-constexpr std::size_t kShortestTrack = 4;  // frames
-constexpr int kPixelSteps = 4;             // of Gauss-Newton on a point
 constexpr double kHuberLimit = 1.345, kTukeyLimit = 4.685;
 constexpr double kLeastNoise_px = 0.02;
 constexpr Eigen::Index kVergence = NormalEquations::kVergence, kLens = NormalEquations::kLens;
 constexpr std::size_t kBlocks = 5;  // of a window
 constexpr int kFewestOfAHalf = 8;   // rows
 constexpr int kHuberSteps = 6, kTukeySteps = 4;
-
-/// One camera's sight of a point.
-struct View {
-  Pose T_world_cam0;
-  Vector3d d0;  // z = 1
-};
-
-/// The point nearest to all rays, by distance over range. Noise of the bearings draws it nearer.
-Vector3d midpoint(const std::vector<View>& views) {
-  const Vector3d& origin = views.front().T_world_cam0.p;
-  Vector3d point = origin;
-  for (int step = 0; step < 3; ++step) {
-    Matrix3d N = Matrix3d::Zero();
-    Vector3d n = Vector3d::Zero();
-    for (const View& view : views) {
-      const Vector3d bearing = (view.T_world_cam0.R * view.d0).normalized();
-      const double range2 = step == 0 ? 1.0 : std::max((point - view.T_world_cam0.p).squaredNorm(), 1e-6);
-      const Matrix3d across = (Matrix3d::Identity() - bearing * bearing.transpose()) / range2;
-      N += across;
-      n += across * (view.T_world_cam0.p - origin);
-    }
-    point = origin + N.ldlt().solve(n);
-  }
-  return point;
-}
-
-/// Normal equations of the point's pixels (z = 1), which noise does not draw nearer.
-struct PixelEquations {
-  Matrix3d information = Matrix3d::Zero();
-  Vector3d vector = Vector3d::Zero();
-  double squares = 0.0;
-  bool in_front = true;
-};
-
-PixelEquations pixel_equations(const std::vector<View>& views, const Vector3d& point) {
-  PixelEquations out;
-  for (const View& view : views) {
-    const Matrix3d& R = view.T_world_cam0.R;
-    const Vector3d p = R.transpose() * (point - view.T_world_cam0.p);
-    if (!(p.z() > 0.0)) {
-      out.in_front = false;
-      return out;
-    }
-    const Eigen::Vector2d r = view.d0.head<2>() - p.head<2>() / p.z();
-    Eigen::Matrix<double, 2, 3> J;
-    J << 1.0, 0.0, -p.x() / p.z(), 0.0, 1.0, -p.y() / p.z();
-    J = (J / p.z() * R.transpose()).eval();
-    out.information.noalias() += J.transpose() * J;
-    out.vector.noalias() += J.transpose() * r;
-    out.squares += r.squaredNorm();
-  }
-  return out;
-}
+constexpr int kMostLinearisations = 4;
+constexpr double kAsGood = 1.0;  // plausible errors from where the rows were made: linear enough
 
 Matrix solve(const NormalEquations& normal, Vector& beta) {
   const Matrix inverse = Cholesky(normal.information).inverse();
@@ -134,75 +79,95 @@ void RigWindow::add(const StereoFrame& frame, const Pose& T_world_cam0, bool fol
 }
 
 /// Where the left camera alone, as it moved, sees each track; only where it moved enough.
-void RigWindow::triangulate() {
-  points_.clear();
-  std::map<TrackKey, std::vector<View>> tracks;
+std::map<RigWindow::TrackKey, detail::LeftPoint> RigWindow::points() const {
+  std::map<TrackKey, std::vector<detail::LeftView>> tracks;
   for (const Frame& frame : frames_) {
     for (const Seen& seen : frame.points) {
       tracks[seen.track].push_back({frame.T_world_cam0, seen.d0});
     }
   }
+  std::map<TrackKey, detail::LeftPoint> out;
   for (const auto& [key, views] : tracks) {
-    if (views.size() < kShortestTrack) {
-      continue;
-    }
-    Vector3d point = midpoint(views);
-    PixelEquations pixels;
-    for (int step = 0; step < kPixelSteps && pixels.in_front; ++step) {
-      pixels = pixel_equations(views, point);
-      point += pixels.information.ldlt().solve(pixels.vector);
-    }
-    pixels = pixel_equations(views, point);
-    const double rms = std::sqrt(pixels.squares / static_cast<double>(views.size()));
-    if (pixels.in_front && rms * focal_px_ <= kMoving_px) {
-      points_[key] = {point, pixels.information.ldlt().solve(Matrix3d::Identity())};
+    if (const auto point = detail::triangulate(views, focal_px_)) {
+      out.emplace(key, *point);
     }
   }
+  return out;
 }
 
-void RigWindow::add_rows(std::size_t index, const Seen& seen, std::vector<Row>& rows) const {
-  const Frame& frame = frames_[index];
-  const Pose assumed = pose_from_rig(calibration_.theta);
+/// Where rows are linear, and the rigs beside it for their derivatives.
+struct RigWindow::Linearisation {
+  Vector beta;  // in plausible errors; of the lens what vergence does
+  Pose rig;
   std::array<std::pair<Pose, Pose>, 6> moved;
-  for (Eigen::Index k = 0; k < 6; ++k) {
-    const RigParameters step = kStep * RigParameters::Unit(k);
-    moved[static_cast<std::size_t>(k)] = {pose_from_rig(calibration_.theta + step),
-                                          pose_from_rig(calibration_.theta - step)};
+
+  Linearisation(const Vector& at, const RigParameters& assumed, const RigParameters& scale) : beta(at) {
+    beta(kLens) = beta(kVergence);
+    const RigParameters theta = assumed + at.head<6>().cwiseProduct(scale);
+    rig = pose_from_rig(theta);
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      const RigParameters step = kStep * RigParameters::Unit(k);
+      moved[static_cast<std::size_t>(k)] = {pose_from_rig(theta + step), pose_from_rig(theta - step)};
+    }
   }
-  const auto derivative = [&](const auto& f) {
+
+  /// Of f(rig) by beta.
+  template <class F>
+  Vector derivative(const F& f, const RigParameters& scale) const {
     Vector J = Vector::Zero();
     for (Eigen::Index k = 0; k < 6; ++k) {
       const auto& [above, below] = moved[static_cast<std::size_t>(k)];
-      J(k) = focal_px_ * scale_(k) * (f(above) - f(below)) / (2.0 * kStep);
+      J(k) = scale(k) * (f(above) - f(below)) / (2.0 * kStep);
     }
     return J;
-  };
-  const auto across = [&](const Pose& rig) { return detail::epipolar_line(seen.d0, rig).dot(seen.d1); };
-  Vector J_across = -derivative(across);
-  std::swap(J_across(kVergence), J_across(kLens));
-  rows.push_back(
-      {J_across, focal_px_ * across(assumed), 1.0, 1.0, seen.track.first, seen.cell, false, index});
-  const auto point = points_.find(seen.track);
-  if (point == points_.end()) {
-    return;
   }
-  const Vector3d in_cam0 = frame.T_world_cam0.R.transpose() * (point->second.in_world - frame.T_world_cam0.p);
-  const Vector3d axis = frame.T_world_cam0.R.col(2);
-  const double z = in_cam0.z();
-  const double rho_sigma = std::sqrt(std::max(axis.dot(point->second.covariance * axis), 0.0)) / (z * z);
-  const double noise = assumed.p.norm() * rho_sigma;  // of the disparity, in those of the left pixel
+};
+
+void RigWindow::add_across(const Linearisation& at, const Seen& seen, std::size_t frame,
+                           std::vector<Row>& rows) const {
+  const auto across = [&](const Pose& rig) {
+    return focal_px_ * detail::epipolar_line(seen.d0, rig).dot(seen.d1);
+  };
+  Vector J = -at.derivative(across, scale_);
+  std::swap(J(kVergence), J(kLens));
+  rows.push_back({J, across(at.rig) + J.dot(at.beta), 1.0, 1.0, seen.track.first, seen.cell, false, frame});
+}
+
+void RigWindow::add_along(const Linearisation& at, const Seen& seen, std::size_t frame,
+                          const detail::LeftPoint& point, std::vector<Row>& rows) const {
+  const Pose& T_world_cam0 = frames_[frame].T_world_cam0;
+  const Vector3d axis = T_world_cam0.R.col(2);
+  const double z = axis.dot(point.in_world - T_world_cam0.p);
+  const double rho_sigma = std::sqrt(std::max(axis.dot(point.covariance * axis), 0.0)) / (z * z);
+  const double noise = at.rig.p.norm() * rho_sigma;  // of the disparity, in those of the left pixel
   if (!(z > 0.0) || !(noise < kMostDepthNoise)) {
     return;
   }
-  const auto predicted = [&](const Pose& rig) -> Vector3d {
-    const Vector3d p = rig.R * seen.d0 + rig.p / z;
-    return p / p.z();
-  };
-  const Vector3d normal = detail::epipolar_line(seen.d0, assumed);
+  const Vector3d normal = detail::epipolar_line(seen.d0, at.rig);
   const Vector3d along(normal.y(), -normal.x(), 0.0);
-  rows.push_back({derivative([&](const Pose& rig) { return along.dot(predicted(rig)); }),
-                  focal_px_ * along.dot(seen.d1 - predicted(assumed)), std::hypot(1.0, noise), 1.0,
-                  seen.track.first, seen.cell, true, index});
+  const auto predicted = [&](const Pose& rig) {
+    const Vector3d p = rig.R * seen.d0 + rig.p / z;
+    return focal_px_ * along.dot(p) / p.z();
+  };
+  const Vector J = at.derivative(predicted, scale_);
+  rows.push_back({J, focal_px_ * along.dot(seen.d1) - predicted(at.rig) + J.head<6>().dot(at.beta.head<6>()),
+                  std::hypot(1.0, noise), 1.0, seen.track.first, seen.cell, true, frame});
+}
+
+std::vector<RigWindow::Row> RigWindow::rows_at(const Vector& beta,
+                                               const std::map<TrackKey, detail::LeftPoint>& points) const {
+  const Linearisation at(beta, calibration_.theta, scale_);
+  std::vector<Row> rows;
+  rows.reserve(2 * seen_);
+  for (std::size_t n = 0; n < frames_.size(); ++n) {
+    for (const Seen& seen : frames_[n].points) {
+      add_across(at, seen, n, rows);
+      if (const auto point = points.find(seen.track); point != points.end()) {
+        add_along(at, seen, n, point->second, rows);
+      }
+    }
+  }
+  return rows;
 }
 
 std::optional<RigEvidence> RigWindow::close() {
@@ -211,32 +176,23 @@ std::optional<RigEvidence> RigWindow::close() {
   return out;
 }
 
-std::optional<RigEvidence> RigWindow::evidence() {
-  if (seen_ < kFewestPoints) {
-    return std::nullopt;
+NormalEquations RigWindow::normal_equations(const std::vector<Row>& rows) {
+  NormalEquations out;
+  out.information.diagonal().setConstant(kPrior);
+  for (const Row& row : rows) {
+    out.information.noalias() += row.weight * row.J * row.J.transpose();
+    out.vector += row.weight * row.y * row.J;
   }
-  triangulate();
-  std::vector<Row> rows;
-  rows.reserve(2 * seen_);
-  for (std::size_t n = 0; n < frames_.size(); ++n) {
-    for (const Seen& seen : frames_[n].points) {
-      add_rows(n, seen, rows);
-    }
-  }
-  Vector delta = Vector::Zero();
-  const auto normal_of = [&] {
-    NormalEquations out;
-    out.information.diagonal().setConstant(kPrior);
-    for (const Row& row : rows) {
-      out.information.noalias() += row.weight * row.J * row.J.transpose();
-      out.vector += row.weight * row.y * row.J;
-    }
-    return out;
-  };
+  return out;
+}
+
+/// Huber's weights, then Tukey's; scales from the median absolute residual of either kind.
+Vector RigWindow::weigh(std::vector<Row>& rows) {
+  Vector beta = Vector::Zero();
   for (int step = 0; step < kHuberSteps + kTukeySteps; ++step) {
     std::array<std::vector<double>, 2> off;
     for (const Row& row : rows) {
-      off[row.along].push_back(std::abs(row.y - row.J.dot(delta)) / row.noise);
+      off[row.along].push_back(std::abs(row.y - row.J.dot(beta)) / row.noise);
     }
     std::array<double, 2> noise{};
     for (std::size_t k = 0; k < 2; ++k) {
@@ -244,15 +200,40 @@ std::optional<RigEvidence> RigWindow::evidence() {
     }
     for (Row& row : rows) {
       const double sigma = noise[row.along] * row.noise;
-      const double u = std::abs(row.y - row.J.dot(delta)) / sigma;
+      const double u = std::abs(row.y - row.J.dot(beta)) / sigma;
       const double share = u / kTukeyLimit;
       const double weight = step < kHuberSteps ? (u > kHuberLimit ? kHuberLimit / u : 1.0)
                             : share < 1.0      ? (1.0 - share * share) * (1.0 - share * share)
                                                : 0.0;
       row.weight = weight / (sigma * sigma);
     }
-    solve(normal_of(), delta);
+    solve(normal_equations(rows), beta);
   }
+  return beta;
+}
+
+/// The robust fit, linear about a rig that is near the one it finds. What is hardly seen stays as assumed.
+std::vector<RigWindow::Row> RigWindow::fit(Vector& beta) const {
+  const std::map<TrackKey, detail::LeftPoint> seen_from_the_left = points();
+  Vector at = Vector::Zero();
+  for (int turn = 1;; ++turn) {
+    std::vector<Row> rows = rows_at(at, seen_from_the_left);
+    beta = weigh(rows);
+    const Matrix information = normal_equations(rows).information;
+    const Vector next = Cholesky(information + Matrix::Identity()).solve(information * beta);
+    if (turn == kMostLinearisations || (next - at).head<6>().cwiseAbs().maxCoeff() < kAsGood) {
+      return rows;
+    }
+    at = next;
+  }
+}
+
+std::optional<RigEvidence> RigWindow::evidence() const {
+  if (seen_ < kFewestPoints) {
+    return std::nullopt;
+  }
+  Vector delta;
+  const std::vector<Row> rows = fit(delta);
   RigEvidence out;
   out.from_ns = from_ns_;
   out.to_ns = last_ns_;

@@ -54,6 +54,23 @@ TEST(RigWindow, FindsAConstantErrorOfEveryAxis) {
   EXPECT_LT(off.tail<3>().cwiseAbs().maxCoeff(), 2e-3);
 }
 
+TEST(RigWindow, FindsAnErrorThatIsFarFromLinear) {
+  // A baseline turned by 20 to 45 degrees, and by what is left of it: linear about the assumed rig 4 % off.
+  for (const Eigen::Vector3d& error : {Eigen::Vector3d{0.0, -0.04, 0.0}, {0.0, 0.0, 0.11}, {0.03, 0.0, 0.0}}) {
+    WorldOptions options;
+    options.seconds = 5.0;
+    options.error = [&](double) {
+      RigParameters out = RigParameters::Zero();
+      out.tail<3>() = error;
+      return out;
+    };
+    const RigEstimate found = estimate_of(fly_past(options));
+    const Eigen::Vector3d off = found.delta.tail<3>() - error;
+    EXPECT_LT(off.cwiseQuotient(found.sigma().tail<3>()).cwiseAbs().maxCoeff(), 3.5) << off.transpose();
+    EXPECT_LT(off.norm(), 0.02 * error.norm()) << off.transpose();
+  }
+}
+
 TEST(RigWindow, MismatchesDoNotMoveIt) {
   WorldOptions options;
   options.seconds = 5.0;

@@ -18,6 +18,10 @@
 /// What the right pixels of a stretch of frames say of the rig, with errors that are not white.
 namespace limber {
 
+namespace detail {
+struct LeftPoint;
+}
+
 /// A stretch of frames, summed up.
 struct RigEvidence {
   using Matrix = NormalEquations::Matrix;
@@ -36,8 +40,10 @@ struct RigEvidence {
 /// @brief Frames of one window, and their robust regression on the rig's error.
 ///
 /// Two rows a stereo point: its distance from the epipolar line, which needs nothing else; and along the line
-/// its distance from where the depth puts it that the left camera alone has found from the motion. Tukey's
-/// weights. Errors are alike along a track and at one place of the image: scores are kept by track and cell.
+/// its distance from where the depth puts it that the left camera alone has found from the motion. Linear
+/// about the rig that is found, not the assumed one: a baseline that is turned by 15 deg is no small error.
+/// Tukey's weights. Errors are alike along a track and at one place of the image: scores are kept by track
+/// and cell.
 /// @note docs/derivations/health.md
 class RigWindow {
  public:
@@ -50,7 +56,7 @@ class RigWindow {
   [[nodiscard]] std::int64_t from_ns() const { return from_ns_; }
 
   /// Of the frames so far; nothing with fewer than 100 points.
-  [[nodiscard]] std::optional<RigEvidence> evidence();
+  [[nodiscard]] std::optional<RigEvidence> evidence() const;
   /// The same, and begins the next window.
   [[nodiscard]] std::optional<RigEvidence> close();
 
@@ -75,15 +81,19 @@ class RigWindow {
     std::size_t frame;
   };
 
-  void add_rows(std::size_t frame, const Seen& seen, std::vector<Row>& rows) const;
+  struct Linearisation;
+
+  [[nodiscard]] std::map<TrackKey, detail::LeftPoint> points() const;
+  void add_across(const Linearisation& at, const Seen& seen, std::size_t frame, std::vector<Row>& rows) const;
+  void add_along(const Linearisation& at, const Seen& seen, std::size_t frame, const detail::LeftPoint& point,
+                 std::vector<Row>& rows) const;
+  [[nodiscard]] std::vector<Row> rows_at(const NormalEquations::Vector& beta,
+                                         const std::map<TrackKey, detail::LeftPoint>& points) const;
+  [[nodiscard]] static NormalEquations normal_equations(const std::vector<Row>& rows);
+  [[nodiscard]] static NormalEquations::Vector weigh(std::vector<Row>& rows);
+  [[nodiscard]] std::vector<Row> fit(NormalEquations::Vector& beta) const;
   /// What the frames alone say, without the outliers of the whole window.
   [[nodiscard]] std::vector<FrameHalves> blocks(const std::vector<Row>& rows) const;
-  void triangulate();
-
-  struct Point {
-    Eigen::Vector3d in_world;
-    Eigen::Matrix3d covariance;  // [m^2] per rad^2 of the bearings' noise
-  };
 
   StereoCalibration calibration_;
   RigParameters scale_;  // one plausible error
@@ -92,7 +102,6 @@ class RigWindow {
   int stretch_ = 0;  // of poses that follow each other
   std::size_t seen_ = 0;
   std::vector<Frame> frames_;
-  std::map<TrackKey, Point> points_;
 };
 
 }  // namespace limber
