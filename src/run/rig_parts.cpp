@@ -75,6 +75,20 @@ Eigen::MatrixXd widened(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return root * root.transpose();
 }
 
+/// Variance of Student's t for so many cells as count, over that of a normal distribution. Cells with few
+/// points count less (Carter, Schnepel and Steigerwald 2017: the effective number of clusters).
+/// @param shares  of the information, by cell
+double few_cells(const std::vector<double>& shares) {
+  constexpr double kFewest = 3.0;  // degrees of freedom
+  double sum = 0.0, squares = 0.0;
+  for (const double share : shares) {
+    sum += share;
+    squares += share * share;
+  }
+  const double dof = std::max(squares > 0.0 ? sum * sum / squares - 1.0 : 0.0, kFewest);
+  return dof / (dof - 2.0);
+}
+
 /// The covariance of theta if the points of one image cell err together in all windows and those of different
 /// cells do not: the cells are left out one after the other. Zero without two cells.
 /// @param inverse  of the information of the windows
@@ -95,14 +109,16 @@ Eigen::MatrixXd by_cells(std::span<const RigPart> windows, const std::vector<Ind
   // With what is known beside the points: a length that is trusted.
   const Eigen::MatrixXd all = widened(of_all(free, free), of_points(free, free));
   const auto count = static_cast<double>(cells.size());
+  std::vector<double> shares;
   for (const auto& [cell, score] : cells) {
+    shares.push_back((inverse * score.information(free, free)).trace());
     // What the others would have to make up for: (1 − its share)⁻¹.
     const Eigen::VectorXd step = inverse * Eigen::VectorXd(score.pull(free));
     const Eigen::VectorXd without =
         solve_symmetric(Eigen::MatrixXd(all - score.information(free, free)), Eigen::VectorXd(all * step));
     sum += (count - 1.0) / count * without * without.transpose();
   }
-  return sum;
+  return few_cells(shares) * sum;
 }
 
 /// The seen axis whose standard deviation is furthest above its bound; nothing if none is.
