@@ -43,6 +43,9 @@ constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its 
 constexpr double kFits =
     1.0;  // cost per degree of freedom (expected: 1/2) up to which no other guess is tried
 
+/// Misfit over the least of all solutions: of one that can be gone back to, of one that contradicts it.
+constexpr double kAgrees = 1.4, kDisagrees = 3.0;
+
 /// What of theta a method leaves free: nothing if it trusts the rig.
 MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibration& calibration) {
   switch (options.method) {
@@ -85,12 +88,21 @@ void turn_to(const Matrix3d& R, WindowState& state) {
   }
 }
 
+/// A solution that images and inputs agreed upon, and how many frames had been there.
+struct Agreed {
+  std::size_t frames = 0;
+  WindowState solution;
+  WindowNormal normal;
+  MatrixXd covariance;
+};
+
 }  // namespace
 
 struct SensorStart::Window {
   WindowModel model;
   StartOptions options;
   InputBuffer inputs;
+  InputChecks checks{kImuLimits};
   std::vector<StereoFrame> raw;
   std::vector<WindowFrame> frames;  // with inputs, without states
   std::optional<WindowState> solution;
@@ -99,6 +111,10 @@ struct SensorStart::Window {
   MatrixXd covariance;
   double solved_s = 0.0;
   StartReport report;
+  double least_misfit = kUnknown;  // of all solutions, squared residuals over rows
+  std::optional<Agreed> agreed;
+  std::optional<std::int64_t> stepped_before_ns;  // the biases, in the interval that holds this
+  std::vector<StereoFrame> unused;                // after images and inputs agreed last
 
   [[nodiscard]] bool is_due(double waited_s) const;
   [[nodiscard]] double length() const {
@@ -120,6 +136,12 @@ struct SensorStart::Window {
            !(model.directions.bottomRows<3>().transpose() * model.calibration.theta.tail<3>()).isZero();
   }
   [[nodiscard]] StartReport judged() const;
+  [[nodiscard]] StartReport waiting() const;
+  StartReport solve_and_judge();
+  bool explain_by_step();
+  [[nodiscard]] bool disagrees();
+  void go_back();
+  [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);
   [[nodiscard]] double tilt_sigma() const;
   [[nodiscard]] InitialState handed_over() const;
   [[nodiscard]] double scale_sigma() const;
@@ -160,7 +182,12 @@ SensorStart::Window::Frames SensorStart::Window::kept() const {
     steps.insert(steps.end(), frames[k].steps.begin(), frames[k].steps.end());
     if (k == 0 || (frames.size() - 1 - k) % stride == 0) {
       out.frames.push_back(frames[k]);
-      out.frames.back().steps = std::exchange(steps, {});
+      WindowFrame& frame = out.frames.back();
+      frame.steps = std::exchange(steps, {});
+      if (stepped_before_ns && !out.raw.empty() && out.raw.back().t_ns < *stepped_before_ns &&
+          *stepped_before_ns <= frame.nav.t_ns) {
+        open_biases(frame);
+      }
       out.raw.push_back(raw[k]);
     }
   }
@@ -185,7 +212,7 @@ std::optional<WindowState> SensorStart::Window::continued(const Frames& now) con
     } else if (k > 0) {
       frame.nav = out.frames[k - 1].nav;
       frame.theta = out.frames[k - 1].theta;
-      (void)predict_over(model.options, frame.steps, frame.nav);
+      (void)predict_over(model.options, frame, frame.nav);
     }
   }
   for (WindowPoint& point : out.points) {
@@ -219,13 +246,7 @@ void SensorStart::Window::solve() {
       model.R_first = start.frames.front().nav.T_world_body.R;
     }
     WindowNormal there = solve_window(model, start, kStartIterations);
-    double rows = 0.0;
-    for (const WindowPoint& point : start.points) {
-      for (const WindowSighting& s : point.seen) {
-        rows += (s.observation.in_cam0 ? 2.0 : 0.0) + (s.observation.in_cam1 && model.right ? 2.0 : 0.0);
-      }
-    }
-    const double fits = kFits * 0.5 * rows + 10.0;
+    const double fits = kFits * expected_cost(model, start) + 10.0;
     if (there.cost < fits && there.left > kSettled) {
       there = solve_window(model, start, kMoreIterations);
     }
@@ -300,6 +321,87 @@ StartReport SensorStart::Window::judged() const {
   return out;
 }
 
+StartReport SensorStart::Window::waiting() const {
+  StartReport out;
+  out.waited_s = length();
+  out.tilt_sigma = out.scale_sigma = kUnknown;
+  out.missing = "more frames";
+  return out;
+}
+
+StartReport SensorStart::Window::solve_and_judge() {
+  solve();
+  StartReport out = judged();
+  bool failed = disagrees();
+  if ((failed || out.status != StartStatus::kWaiting) && explain_by_step()) {
+    out = judged();
+    failed = disagrees();
+  }
+  if (failed) {
+    go_back();
+    out = judged();
+  }
+  if (failed) {
+    out.status = StartStatus::kTimedOut;
+    out.missing +=
+        std::string(out.missing.empty() ? "" : "; ") + "what happened then: images and inputs agree no more";
+  }
+  return out;
+}
+
+/// Once in a window the biases may step.
+bool SensorStart::Window::explain_by_step() {
+  if (!solution || stepped_before_ns) {
+    return false;
+  }
+  std::optional<BiasStep> step = find_bias_step(model, *solution, normal);
+  if (!step) {
+    return false;
+  }
+  const MatrixXd of_step = frame_covariance(step->normal);
+  if (of_step.size() == 0) {
+    return false;
+  }
+  stepped_before_ns = step->before_ns;
+  solution = std::move(step->state);
+  normal = std::move(step->normal);
+  covariance = of_step;
+  return true;
+}
+
+/// Whatever pixels are worth, they are worth the same later on: a fault of the inputs makes the misfit grow.
+bool SensorStart::Window::disagrees() {
+  if (!solution) {
+    return false;
+  }
+  const double misfit = normal.cost / expected_cost(model, *solution);
+  least_misfit = std::min(least_misfit, misfit);
+  if (misfit <= kAgrees * least_misfit) {
+    agreed = Agreed{frames.size(), *solution, normal, covariance};
+  }
+  return agreed && misfit > kDisagrees * least_misfit;
+}
+
+/// To where images and inputs agreed last.
+void SensorStart::Window::go_back() {
+  solution = std::move(agreed->solution);
+  normal = std::move(agreed->normal);
+  covariance = std::move(agreed->covariance);
+  const auto end = static_cast<std::ptrdiff_t>(agreed->frames);
+  unused.assign(raw.begin() + end, raw.end());
+  raw.erase(raw.begin() + end, raw.end());
+  frames.erase(frames.begin() + end, frames.end());
+  solved_s = length();
+}
+
+/// Of the samples since the last frame.
+InputReport SensorStart::Window::report_inputs(std::int64_t t_ns) {
+  if (model.options.motion == MotionModel::kConstantVelocity) {
+    return {};
+  }
+  return report_on(inputs, checks.take_counts(), raw.empty() ? t_ns : raw.back().t_ns, t_ns);
+}
+
 /// The last frame and the map; of their scale no more than the motion can tell.
 InitialState SensorStart::Window::handed_over() const {
   InitialState out = hand_over(model, *solution, normal, covariance);
@@ -335,7 +437,7 @@ std::vector<SmoothedState> SensorStart::Window::trajectory() const {
       nav = solution->frames[next++].nav;
       P = covariance.block(at, at, n, n);
     } else {
-      const Transition step = predict_over(model.options, frame.steps, nav);
+      const Transition step = predict_over(model.options, frame, nav);
       P = step.Phi * P * step.Phi.transpose() + step.Q;
     }
     const Eigen::Matrix<double, 6, 6> pose = P.topLeftCorner<6, 6>();
@@ -367,6 +469,9 @@ SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibratio
   window_->model.options = options;
   window_->model.calibration = calibration;
   window_->model.directions = free_directions(options, calibration);
+  if (options.motion == MotionModel::kOdometry) {
+    window_->checks = InputChecks(kOdometryLimits);
+  }
   window_->model.right = options.method != Method::kMonoLeft;
   window_->options = start;
 }
@@ -376,34 +481,29 @@ SensorStart& SensorStart::operator=(SensorStart&&) noexcept = default;
 SensorStart::~SensorStart() = default;
 
 void SensorStart::add_imu(const ImuSample& sample) {
-  window_->inputs.add({sample.t_ns, sample.omega_imu, sample.accel_imu});
+  window_->checks.add({sample.t_ns, sample.omega_imu, sample.accel_imu}, window_->inputs);
 }
 
 void SensorStart::add_odometry(const OdometrySample& sample) {
-  window_->inputs.add({sample.t_ns, sample.v_body, sample.omega_body});
+  window_->checks.add({sample.t_ns, sample.v_body, sample.omega_body}, window_->inputs);
 }
 
 StartReport SensorStart::add_frame(const StereoFrame& frame) {
   Window& w = *window_;
-  StartReport out;
-  if (w.model.options.motion == MotionModel::kOdometry) {
-    w.push(frame);
-    out.status = StartStatus::kReady;
-    return out;
-  }
-  w.push(frame);
-  if (w.report.status != StartStatus::kWaiting) {
+  const InputReport inputs = w.report_inputs(frame.t_ns);
+  if (!w.unused.empty()) {
+    w.unused.push_back(frame);
     return w.report;
   }
-  out.waited_s = w.length();
-  out.tilt_sigma = out.scale_sigma = kUnknown;
-  if (!w.is_due(out.waited_s)) {
-    out.missing = "more frames";
-    return out;
+  w.push(frame);
+  StartReport out = w.report;
+  if (w.model.options.motion == MotionModel::kOdometry) {
+    out.status = StartStatus::kReady;
+  } else if (w.report.status == StartStatus::kWaiting) {
+    out = w.is_due(w.length()) ? (w.report = w.solve_and_judge()) : w.waiting();
   }
-  w.solve();
-  w.report = w.judged();
-  return w.report;
+  out.inputs = inputs;
+  return out;
 }
 
 SensorStartResult SensorStart::result() {
@@ -420,16 +520,19 @@ SensorStartResult SensorStart::result() {
     out.report.status = StartStatus::kReady;
     return out;
   }
-  if (!w.solution || w.solved_s < w.length()) {
-    w.solve();
-  }
+  out.report = !w.solution || w.solved_s < w.length() ? w.solve_and_judge()
+               : w.unused.empty()                     ? w.judged()
+                                                      : w.report;
   if (w.solution) {
     out.initial = w.handed_over();
     out.trajectory = w.trajectory();
   } else {
+    const StartReport report = out.report;
     out = w.unsolved();
+    out.report = report;
   }
-  out.report = w.judged();
+  out.bias_step_ns = w.stepped_before_ns;
+  out.unused = w.unused;
   return out;
 }
 

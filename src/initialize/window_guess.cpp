@@ -39,7 +39,7 @@ constexpr int kReweightings = 3;
 void integrate(const WindowModel& model, std::vector<WindowFrame>& frames) {
   for (std::size_t k = 1; k < frames.size(); ++k) {
     frames[k].nav = frames[k - 1].nav;
-    (void)predict_over(model.options, frames[k].steps, frames[k].nav);
+    (void)predict_over(model.options, frames[k], frames[k].nav);
   }
 }
 
@@ -230,7 +230,7 @@ std::vector<WindowState> visual_guesses(const WindowModel& model, const std::vec
       nav.omega_body = before.omega_body;
     } else {
       nav = before;
-      (void)predict_over(model.options, moving.frames[k].steps, nav);
+      (void)predict_over(model.options, moving.frames[k], nav);
     }
   }
   return {moving, still};

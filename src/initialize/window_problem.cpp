@@ -26,7 +26,6 @@ constexpr double kHuberSigmas = 3.0;     // standard deviations of a pixel, both
 constexpr double kFreeTheta = 1e3;       // plausible errors: as good as nothing is known
 constexpr double kFreeBaselines = 10.0;  // sigma of an inverse depth, over the baseline: the same
 constexpr double kLost = 30.0;           // cost of a point that does not project
-constexpr double kJitter = 1e-7;         // [m, rad, m/s]: keeps the process noise regular
 
 double squared(double x) { return x * x; }
 
@@ -83,7 +82,7 @@ void add_motion(const WindowModel& model, const WindowState& state, WindowNormal
   const Index size = model.frame_size();
   for (std::size_t k = 1; k < state.frames.size(); ++k) {
     NavigationState predicted = state.frames[k - 1].nav;
-    Transition step = predict_over(model.options, state.frames[k].steps, predicted);
+    Transition step = predict_over(model.options, state.frames[k], predicted);
     step.Q.diagonal().array() += kJitter * kJitter;
     const VectorXd e = difference(state.frames[k].nav, predicted, model.options.motion);
     const MatrixXd information = Cholesky(step.Q).inverse();
@@ -205,17 +204,36 @@ void add_free_theta(const WindowModel& model, const WindowState& state, WindowNo
   }
 }
 
+Transition predict_step(const NavigatorOptions& options, const ImuNoise& noise, const InputStep& step,
+                        NavigationState& nav) {
+  if (options.motion != MotionModel::kImu) {
+    return predict_constant_velocity(nav, step.dt, options.constant_velocity_noise);
+  }
+  const ImuStep imu = imu_step(step, nav, noise, options.gravity);
+  return predict_imu(nav, imu.omega, imu.accel, step.dt, imu.noise, options.gravity);
+}
+
 }  // namespace
 
-Transition predict_over(const NavigatorOptions& options, const std::vector<InputStep>& steps,
-                        NavigationState& nav) {
+double WindowFrame::duration() const {
+  double dt = 0.0;
+  for (const InputStep& step : steps) {
+    dt += step.dt;
+  }
+  return dt;
+}
+
+Transition predict_over(const NavigatorOptions& options, const WindowFrame& frame, NavigationState& nav) {
   const Index n = StateLayout{options.motion}.body_size();
   Transition whole{MatrixXd::Identity(n, n), MatrixXd::Zero(n, n)};
-  for (const InputStep& step : steps) {
-    const Transition part = options.motion == MotionModel::kImu
-                                ? predict_imu(nav, step.first, step.second, step.dt,
-                                              inflated(options.imu_noise, step.gap), options.gravity)
-                                : predict_constant_velocity(nav, step.dt, options.constant_velocity_noise);
+  ImuNoise noise = options.imu_noise;
+  const double root = std::sqrt(frame.duration());
+  if (root > 0.0) {
+    noise.gyro_walk = std::hypot(noise.gyro_walk, frame.gyro_step / root);
+    noise.accel_walk = std::hypot(noise.accel_walk, frame.accel_step / root);
+  }
+  for (const InputStep& step : frame.steps) {
+    const Transition part = predict_step(options, noise, step, nav);
     whole.Phi = multiply(part.Phi, whole.Phi);
     whole.Q = congruence(part.Phi, whole.Q) + part.Q;
     nav.t_ns = step.t_end_ns;

@@ -18,6 +18,8 @@
 /// The first moments of a recording as one least-squares problem: docs/derivations/start.md.
 namespace limber::detail {
 
+constexpr double kJitter = 1e-7;  ///< [m, rad, m/s, ...]: keeps the process noise regular
+
 /// What is known before the first frame: standard deviations of a state of mean zero.
 struct WindowPrior {
   double position = 1e-3;   ///< [m], by convention the origin
@@ -52,6 +54,11 @@ struct WindowFrame {
   Eigen::VectorXd theta;  ///< b
   std::vector<InputStep> steps;
   Eigen::Vector3d omega = Eigen::Vector3d::Zero();  ///< [rad/s], of the body at the frame
+  /// How far the biases may have stepped since the frame before, beside their walk (standard deviation)
+  /// [rad/s], [m/s^2].
+  double gyro_step = 0.0, accel_step = 0.0;
+
+  [[nodiscard]] double duration() const;  ///< of the steps [s]
 };
 
 /// One sighting of a point.
@@ -97,12 +104,30 @@ struct WindowNormal {
 /// @return how many pixels
 std::size_t drop_mismatches(const WindowModel& model, WindowState& state);
 
+/// A solution in which the biases step once.
+struct BiasStep {
+  std::int64_t before_ns = 0;  ///< the frame after it
+  WindowState state;
+  WindowNormal normal;
+};
+
+/// @brief Where biases that may step anywhere explain the window much better, and one step of theirs explains
+/// most of that: the solution with it. Nothing else.
+[[nodiscard]] std::optional<BiasStep> find_bias_step(const WindowModel& model, const WindowState& state,
+                                                     const WindowNormal& normal);
+
+/// Half of what the pixels' rows are worth if they are as noisy as assumed.
+[[nodiscard]] double expected_cost(const WindowModel& model, const WindowState& state);
+
+/// Lets the biases step in the interval that ends with this frame.
+void open_biases(WindowFrame& frame);
+
 /// State plus a correction, in the layout of WindowNormal.
 [[nodiscard]] WindowState moved(const WindowModel& model, WindowState state, const Eigen::VectorXd& dx,
                                 const Eigen::VectorXd& dx_points);
 
-/// Prediction over steps: mean and linearised transition.
-[[nodiscard]] Transition predict_over(const NavigatorOptions& options, const std::vector<InputStep>& steps,
+/// Prediction over the steps to a frame: mean and linearised transition.
+[[nodiscard]] Transition predict_over(const NavigatorOptions& options, const WindowFrame& frame,
                                       NavigationState& nav);
 
 /// The rig as a frame of the window sees it.

@@ -72,7 +72,7 @@ Propagation StereoFilter::propagated(std::int64_t t_ns) const {
   const bool distrusts = estimate_.nav.t_ns < trusted_again_ns_;
   const OdometryNoise odometry = odometry_noise_ ? odometry_noise_->assumed() : options_.odometry_noise;
   return propagate(estimate_.nav, steps_to(t_ns), options_, odometry, inputs_.usual_interval_s(),
-                   distrusts ? distrust_.first : 0.0, distrusts ? distrust_.second : 0.0);
+                   distrusts ? distrust_ : MoreNoise{});
 }
 
 void StereoFilter::predict_to(std::int64_t t_ns) {
@@ -101,18 +101,12 @@ PredictedState StereoFilter::predict(std::int64_t t_ns) const {
 
 /// What the prediction from the state to t_ns will rest on.
 InputReport StereoFilter::report_inputs(std::int64_t t_ns) {
-  InputReport out;
   if (options_.motion == MotionModel::kConstantVelocity) {
-    return out;
+    return {};
   }
-  out.faults = checks_.take_counts();
-  out.faults[InputFault::kLate] = std::exchange(late_, 0);
-  out.gap_s = inputs_.longest_gap_s(estimate_.nav.t_ns, t_ns);
-  out.status = inputs_.empty()    ? InputStatus::kNone
-               : out.gap_s > 0.0  ? InputStatus::kGap
-               : out.faults.any() ? InputStatus::kFaulty
-                                  : InputStatus::kSound;
-  return out;
+  InputFaultCounts faults = checks_.take_counts();
+  faults[InputFault::kLate] = std::exchange(late_, 0);
+  return report_on(inputs_, faults, estimate_.nav.t_ns, t_ns);
 }
 
 /// chi^2 of the inputs against the images: what the frame corrected, beside what it could have had to

@@ -49,4 +49,16 @@ std::string to_string(InputFault fault) {
   return "late";
 }
 
+InputReport report_on(const InputBuffer& inputs, const InputFaultCounts& faults, std::int64_t begin_ns,
+                      std::int64_t end_ns) {
+  InputReport out;
+  out.faults = faults;
+  out.gap_s = inputs.longest_gap_s(begin_ns, end_ns);
+  out.status = inputs.empty()     ? InputStatus::kNone
+               : out.gap_s > 0.0  ? InputStatus::kGap
+               : out.faults.any() ? InputStatus::kFaulty
+                                  : InputStatus::kSound;
+  return out;
+}
+
 }  // namespace limber

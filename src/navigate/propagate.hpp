@@ -5,6 +5,7 @@
 
 #include "limber/navigate/navigator_options.hpp"
 #include "limber/predict/input_buffer.hpp"
+#include "limber/predict/input_noise.hpp"
 #include "limber/predict/motion.hpp"
 
 namespace limber::detail {
@@ -22,10 +23,9 @@ struct Propagation {
 /// none: no rotation and no acceleration, biases kept; odometry's stays what it was. What may have happened
 /// instead is noise.
 /// @param usual_interval_s   between samples; odometry only
-/// @param more_first_density, more_second_density  noise of the inputs beyond all that [unit^2 s]
+/// @param more              noise of the inputs beyond all that
 [[nodiscard]] Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& steps,
                                     const NavigatorOptions& options, const OdometryNoise& odometry_noise,
-                                    double usual_interval_s, double more_first_density,
-                                    double more_second_density);
+                                    double usual_interval_s, const MoreNoise& more);
 
 }  // namespace limber::detail

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace limber::detail {
 namespace {
@@ -24,8 +25,35 @@ void smooth(const Recording& recording, const FrameSource& source, std::size_t n
     (void)start.add_frame(window.ahead.back().frame);
   }
   const std::size_t frames = window.result.trajectory.size();
-  window.result.trajectory = start.result().trajectory;
-  window.result.trajectory.resize(frames);
+  std::vector<SmoothedState> smoothed = start.result().trajectory;
+  if (smoothed.size() >= frames) {  // else what came then contradicts
+    smoothed.resize(frames);
+    window.result.trajectory = std::move(smoothed);
+  }
+}
+
+/// The first frames are the window's; the others are the filter's first.
+void keep_used(std::size_t used, std::vector<ReadFrame> seen, SensorWindow& window) {
+  window.frames.resize(used);
+  window.frame_ms.resize(used);
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    if (k < used) {
+      window.source_ms.push_back(seen[k].ms);
+      window.points.add(seen[k].frame);
+    } else {
+      window.ahead.push_back(std::move(seen[k]));
+    }
+  }
+}
+
+void note_bias_step(SensorWindow& window) {
+  const auto at = std::find_if(window.frames.begin(), window.frames.end(), [&](const FrameReport& frame) {
+    return frame.t_ns == window.result.bias_step_ns;
+  });
+  if (at != window.frames.end()) {
+    at->inputs.status = InputStatus::kContradicted;
+    at->inputs.contradiction = InputContradiction{};
+  }
 }
 
 }  // namespace
@@ -43,36 +71,33 @@ SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setu
   SensorStart start(setup.navigator, setup.calibration, options);
   InputFeed feed(recording);
   SensorWindow out;
+  std::vector<ReadFrame> seen;
   std::size_t n = first;
   while (n < frame_count(recording) && out.report.status == StartStatus::kWaiting) {
     if (callbacks.stop && callbacks.stop()) {
       out.stopped = true;
       break;
     }
-    ReadFrame read = read_frame(source, n++);
+    seen.push_back(read_frame(source, n++));
+    const StereoFrame& frame = seen.back().frame;
     const auto begin = Clock::now();
-    feed.feed(start, motion, read.frame.t_ns);
-    out.report = start.add_frame(read.frame);
+    feed.feed(start, motion, frame.t_ns);
+    out.report = start.add_frame(frame);
     FrameReport report;
-    report.t_ns = read.frame.t_ns;
-    report.observed = read.frame.observations.size();
+    report.t_ns = frame.t_ns;
+    report.observed = frame.observations.size();
+    report.inputs = out.report.inputs;
     out.frames.push_back(report);
     out.frame_ms.push_back(milliseconds(begin, Clock::now()));
-    out.source_ms.push_back(read.ms);
     if (callbacks.wait && out.report.status == StartStatus::kWaiting)
-      callbacks.wait({read.frame, out.report, out.frames.size()});
-    if (motion == MotionModel::kOdometry) {
-      out.ahead.push_back(std::move(read));
-    } else {
-      out.points.add(read.frame);
-    }
+      callbacks.wait({frame, out.report, out.frames.size()});
   }
   if (out.frames.empty()) return out;  // stopped
   out.result = start.result();
   if (out.report.status == StartStatus::kWaiting) out.report = out.result.report;
-  if (motion == MotionModel::kOdometry) {
-    out.frames.clear();
-  } else if (!out.stopped) {
+  keep_used(motion == MotionModel::kOdometry ? 0 : out.result.trajectory.size(), std::move(seen), out);
+  note_bias_step(out);
+  if (motion != MotionModel::kOdometry && !out.stopped && out.ahead.empty()) {
     smooth(recording, source, n, motion, feed, start, out);
   }
   return out;

@@ -108,29 +108,34 @@ MotionError constant_velocity_error(const MotionBetween& b, const NavigationStat
 }
 
 /// One step of delta, without gravity.
-Transition advance(NavigationState& delta, MotionModel motion, const InputStep& step,
-                   const MotionNoise& noise, double sample_interval_s) {
-  return motion == MotionModel::kImu
-             ? predict_imu(delta, step.first, step.second, step.dt, inflated(noise.imu, step.gap), 0.0)
-             : predict_odometry(delta, step.first, step.second, step.dt,
-                                per_step(noise.odometry, sample_interval_s, step.dt, step.gap));
+Transition advance(NavigationState& delta, const NavigationState& from, MotionModel motion,
+                   const InputStep& step, const MotionNoise& noise, double sample_interval_s,
+                   double gravity) {
+  if (motion == MotionModel::kOdometry) {
+    return predict_odometry(delta, step.first, step.second, step.dt,
+                            odometry_step_noise(step, noise.odometry, sample_interval_s));
+  }
+  NavigationState body = delta;
+  body.T_world_body.R = from.T_world_body.R * delta.T_world_body.R;
+  const ImuStep imu = imu_step(step, body, noise.imu, gravity);
+  return predict_imu(delta, imu.omega, imu.accel, step.dt, imu.noise, 0.0);
 }
 
 }  // namespace
 
 MotionBetween motion_between(MotionModel motion, double dt, std::span<const InputStep> inputs,
-                             const NavigationState& biases, const MotionNoise& noise,
-                             double sample_interval_s) {
+                             const NavigationState& from, const MotionNoise& noise, double sample_interval_s,
+                             double gravity) {
   const Index n = StateLayout{motion}.body_size();
   MotionBetween out{motion, dt, {}, MatrixXd::Identity(n, n), MatrixXd::Zero(n, n)};
-  out.delta.bias_gyro = biases.bias_gyro;
-  out.delta.bias_accel = biases.bias_accel;
+  out.delta.bias_gyro = from.bias_gyro;
+  out.delta.bias_accel = from.bias_accel;
   if (motion == MotionModel::kConstantVelocity) {
     out.Q = predict_constant_velocity(out.delta, dt, noise.constant_velocity).Q;
     return out;
   }
   for (const InputStep& step : inputs) {
-    const Transition part = advance(out.delta, motion, step, noise, sample_interval_s);
+    const Transition part = advance(out.delta, from, motion, step, noise, sample_interval_s, gravity);
     out.Phi = part.Phi * out.Phi;
     out.Q = part.Phi * out.Q * part.Phi.transpose() + part.Q;
   }

@@ -12,6 +12,7 @@
 #include "limber/core/chi_square.hpp"
 #include "limber/core/time.hpp"
 #include "limber/measure/stereo_model.hpp"
+#include "limber/predict/input_checks.hpp"
 #include "limber/smooth/motion_between.hpp"
 #include "reduced_system.hpp"
 
@@ -60,13 +61,14 @@ void check(const SmootherInput& input, const SmootherOptions& options) {
 
 InputBuffer buffer_of(const SmootherInput& input, MotionModel motion) {
   InputBuffer out;
+  InputChecks checks(motion == MotionModel::kOdometry ? kOdometryLimits : kImuLimits);
   if (motion == MotionModel::kImu) {
     for (const ImuSample& s : input.imu) {
-      out.add({s.t_ns, s.omega_imu, s.accel_imu});
+      checks.add({s.t_ns, s.omega_imu, s.accel_imu}, out);
     }
   } else if (motion == MotionModel::kOdometry) {
     for (const OdometrySample& s : input.odometry) {
-      out.add({s.t_ns, s.v_body, s.omega_body});
+      checks.add({s.t_ns, s.v_body, s.omega_body}, out);
     }
   }
   return out;
@@ -163,7 +165,7 @@ class Smoothing {
       between_.push_back(motion_between(
           options_.motion, seconds_between(input_.frames[k].t_ns, input_.frames[k + 1].t_ns), steps_[k],
           state_of(options_.motion, unknowns_.pose[k].data(), unknowns_.motion[k].data()), options_.noise,
-          sample_interval_s_));
+          sample_interval_s_, options_.gravity));
     }
   }
 

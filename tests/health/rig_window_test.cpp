@@ -56,7 +56,8 @@ TEST(RigWindow, FindsAConstantErrorOfEveryAxis) {
 
 TEST(RigWindow, FindsAnErrorThatIsFarFromLinear) {
   // A baseline turned by 20 to 45 degrees, and by what is left of it: linear about the assumed rig 4 % off.
-  for (const Eigen::Vector3d& error : {Eigen::Vector3d{0.0, -0.04, 0.0}, {0.0, 0.0, 0.11}, {0.03, 0.0, 0.0}}) {
+  for (const Eigen::Vector3d& error :
+       {Eigen::Vector3d{0.0, -0.04, 0.0}, {0.0, 0.0, 0.11}, {0.03, 0.0, 0.0}}) {
     WorldOptions options;
     options.seconds = 5.0;
     options.error = [&](double) {

@@ -88,7 +88,7 @@ MotionBetween some_motion(MotionModel motion, Generator& generator) {
     steps.push_back({0, 0.01, limber::testing::random_vector(generator, 1.0),
                      limber::testing::random_vector(generator, 5.0), 1.0});
   }
-  return motion_between(motion, 0.05, steps, {}, {}, 0.01);
+  return motion_between(motion, 0.05, steps, {}, {}, 0.01, 9.81);
 }
 
 TEST(MotionFactor, DerivativesMeetCentralDifferences) {

@@ -37,7 +37,7 @@ std::vector<InputStep> random_steps(Generator& generator, int count) {
 
 MotionBetween between(MotionModel motion, const std::vector<InputStep>& steps, const NavigationState& from,
                       const MotionNoise& noise = {}) {
-  return motion_between(motion, kDt * static_cast<double>(steps.size()), steps, from, noise, kDt);
+  return motion_between(motion, kDt * static_cast<double>(steps.size()), steps, from, noise, kDt, 9.81);
 }
 
 /// The filter's own prediction over the same steps.

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "limber/navigate/frame_report.hpp"
 #include "limber/navigate/navigator_options.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/sensors/samples.hpp"
@@ -41,6 +43,7 @@ struct StartReport {
   double tilt_sigma = 0.0;   ///< [rad], the worse axis; infinite before the first solution, 0 without gravity
   double scale_sigma = 0.0;  ///< [-]; infinite before the first solution
   std::string missing;       ///< in plain words; empty once ready
+  InputReport inputs;        ///< since the frame before
 };
 
 /// A state of the window with the covariance of its pose (position, attitude).
@@ -52,16 +55,23 @@ struct SmoothedState {
 /// Where the filter goes on, and where the body was until then.
 struct SensorStartResult {
   StartReport report;                     ///< what is known by the last frame
-  InitialState initial;                   ///< at the last frame, with a first map
-  std::vector<SmoothedState> trajectory;  ///< at every frame, the last one among them; origin: the first
+  InitialState initial;                   ///< at the last frame that was used, with a first map
+  std::vector<SmoothedState> trajectory;  ///< at every frame that was used; origin: the first
+  /// Where images and inputs had agreed and then did not any more (an input that failed) the start ends
+  /// before that. These came after it: the navigator's next frames.
+  std::vector<StereoFrame> unused;
+  std::optional<std::int64_t> bias_step_ns;  ///< the IMU's biases stepped just before that frame
   bool solved = true;  ///< false: images and inputs agree upon no motion, and nothing of them was used
 };
 
 /// @brief A start from sensors alone, as good as they allow: all frames and inputs since the first one in one
 /// least-squares problem, in which the rig is as free as the method takes it to be.
 ///
+/// Inputs may fail meanwhile: samples that cannot be right are left out, gaps are noise, biases may step
+/// once. What else makes the misfit grow ends the start where images and inputs agreed last.
+///
 /// Feed inputs up to (or beyond) a frame's time, then the frame, until the status is no longer kWaiting. Then
-/// a navigator that starts from the result goes on with the next frame; those before are spent.
+/// a navigator that starts from the result goes on with `unused` and the next frame; those before are spent.
 /// Methods that trust the rig (ekf) take its right pixels as they are. All others let theta go free in every
 /// frame, in the directions that are constrained, so that they learn nothing from a rig that they distrust.
 /// With odometry nothing is unknown, and the first frame is the start.
@@ -74,6 +84,7 @@ class SensorStart {
   SensorStart& operator=(SensorStart&&) noexcept;
   ~SensorStart();
 
+  /// Samples that cannot be right are left out or doubted (InputChecks).
   /// @throws std::invalid_argument if time does not increase or a value is not finite
   void add_imu(const ImuSample& sample);
   void add_odometry(const OdometrySample& sample);

@@ -44,6 +44,10 @@ struct InputReport {
   std::optional<InputContradiction> contradiction;  ///< what the images said against them
 };
 
+/// @param faults  samples since the frame at begin_ns
+[[nodiscard]] InputReport report_on(const InputBuffer& inputs, const InputFaultCounts& faults,
+                                    std::int64_t begin_ns, std::int64_t end_ns);
+
 /// What became of one frame.
 struct FrameReport {
   std::int64_t t_ns = 0;

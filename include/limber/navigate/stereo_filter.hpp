@@ -16,6 +16,7 @@
 #include "limber/navigate/navigator_options.hpp"
 #include "limber/predict/input_buffer.hpp"
 #include "limber/predict/input_checks.hpp"
+#include "limber/predict/input_noise.hpp"
 #include "limber/predict/learned_odometry_noise.hpp"
 #include "limber/stack/stack_frame.hpp"
 #include "limber/state/estimate.hpp"
@@ -108,11 +109,6 @@ class StereoFilter {
   }
 
  private:
-  /// What the images said against the inputs, as noise that they have for a while beyond what is assumed:
-  /// variance densities [unit^2 s].
-  struct InputDistrust {
-    double first = 0.0, second = 0.0;
-  };
   /// Landmarks that are new in this frame, with those of its rows that the update may still use.
   using NewLandmarks = std::unordered_map<std::int64_t, RemainingRows>;
   /// The rig at which a frame is linearised, and how far that is from the assumed one.
@@ -171,7 +167,7 @@ class StereoFilter {
   std::size_t late_ = 0;        // samples since the last frame
   bool has_processed_ = false;  // a frame: from then on what is older than the state comes too late
   InputAlarm input_alarm_;
-  InputDistrust distrust_;
+  MoreNoise distrust_;  // what the images said against the inputs, for a while
   std::int64_t trusted_again_ns_ = std::numeric_limits<std::int64_t>::min();
   double blind_turn_ = 0.0;  // variance of attitude that predictions added since the last update [rad^2]
   InitialState sound_;       // body after the last sound frame, to begin anew from

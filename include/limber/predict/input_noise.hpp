@@ -1,27 +1,34 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cmath>
+#include <Eigen/Core>
 
+#include "limber/predict/input_buffer.hpp"
 #include "limber/sensors/calibration.hpp"
+#include "limber/state/state.hpp"
 
+/// @file
+/// What a step of the inputs is worth: noise of samples, of what is interpolated, forgotten or doubted.
 namespace limber {
 
-/// Noise of a step in a gap between samples grows with the gap (InputStep::gap).
-[[nodiscard]] inline ImuNoise inflated(ImuNoise noise, double gap) {
-  noise.gyro_density *= std::sqrt(gap);
-  noise.accel_density *= std::sqrt(gap);
-  return noise;
-}
+/// Variance densities beside what a step says of itself, per axis [unit^2 s].
+struct MoreNoise {
+  double first = 0.0, second = 0.0;
+};
 
-/// Per-sample noise as it acts over a step of dt [s]: white, so that its variance goes with the sample
-/// interval [s] over dt.
-[[nodiscard]] inline OdometryNoise per_step(OdometryNoise noise, double sample_interval, double dt,
-                                            double gap) {
-  const double factor = std::sqrt(gap * (sample_interval > 0.0 ? sample_interval / dt : 1.0));
-  noise.sigma_v *= factor;
-  noise.sigma_omega *= factor;
-  return noise;
-}
+/// The means over a step that predict_imu may use, and their noise.
+struct ImuStep {
+  Eigen::Vector3d omega, accel;
+  ImuNoise noise;
+};
+
+/// @param body  attitude in the world, to know what an accelerometer shows at rest, and biases
+[[nodiscard]] ImuStep imu_step(const InputStep& step, const NavigationState& body, const ImuNoise& noise,
+                               double gravity, const MoreNoise& more = {});
+
+/// Per-sample noise as it acts over the step: white, so that its variance goes with the usual sample interval
+/// [s] (0: not known) over dt.
+[[nodiscard]] OdometryNoise odometry_step_noise(const InputStep& step, const OdometryNoise& noise,
+                                                double usual_interval_s, const MoreNoise& more = {});
 
 }  // namespace limber

@@ -34,11 +34,13 @@ struct MotionBetween {
 
 /// @param inputs             steps that fill the time between the frames (InputBuffer::steps); not read for
 /// kConstantVelocity
-/// @param biases             IMU: those to sum up with
+/// @param from               IMU: biases to sum up with; its attitude says what an accelerometer shows at
+/// rest, where samples are missing
 /// @param sample_interval_s  odometry: usual time between samples
+/// @param gravity            [m/s^2]; IMU
 [[nodiscard]] MotionBetween motion_between(MotionModel motion, double dt, std::span<const InputStep> inputs,
-                                           const NavigationState& biases, const MotionNoise& noise,
-                                           double sample_interval_s);
+                                           const NavigationState& from, const MotionNoise& noise,
+                                           double sample_interval_s, double gravity);
 
 /// How far two states are from what the inputs between them say: error = true minus predicted, in the order
 /// of StateLayout, with the covariance MotionBetween::Q. IMU, odometry: position and velocity in the axes of

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <iterator>
+
+#include "window_problem.hpp"
+
+namespace limber::detail {
+
+namespace {
+
+// Standard deviations of steps: of one that is looked for in each interval, and of one that is there.
+constexpr double kGyroAnywhere = 0.01, kAccelAnywhere = 0.1;  // [rad/s], [m/s^2]
+constexpr double kGyroThere = 0.2, kAccelThere = 2.0;
+constexpr double kBetter = 0.04;      // of the cost, that steps anywhere have to explain
+constexpr double kOneExplains = 0.6;  // of what they explain
+constexpr int kIterations = 25;
+
+double change(const WindowState& state, std::size_t k, Eigen::Vector3d NavigationState::*bias) {
+  return (state.frames[k].nav.*bias - state.frames[k - 1].nav.*bias).norm();
+}
+
+/// The interval in which a bias changes most.
+std::size_t most(const WindowState& state, Eigen::Vector3d NavigationState::*bias) {
+  std::size_t out = 1;
+  for (std::size_t k = 2; k < state.frames.size(); ++k) {
+    out = change(state, k, bias) > change(state, out, bias) ? k : out;
+  }
+  return out;
+}
+
+/// One step, which solutions with steps of some size everywhere have smeared over neighbours.
+std::optional<BiasStep> with_step(const WindowModel& model, WindowState state, std::size_t k) {
+  if (k == 0 || k >= state.frames.size()) {
+    return std::nullopt;
+  }
+  open_biases(state.frames[k]);
+  BiasStep out;
+  out.before_ns = state.frames[k].nav.t_ns;
+  out.normal = solve_window(model, state, kIterations);
+  out.state = std::move(state);
+  return out;
+}
+
+}  // namespace
+
+double expected_cost(const WindowModel& model, const WindowState& state) {
+  double rows = 0.0;
+  for (const WindowPoint& point : state.points) {
+    for (const WindowSighting& s : point.seen) {
+      rows += (s.observation.in_cam0 ? 2.0 : 0.0) + (s.observation.in_cam1 && model.right ? 2.0 : 0.0);
+    }
+  }
+  return 0.5 * rows;
+}
+
+void open_biases(WindowFrame& frame) {
+  frame.gyro_step = kGyroThere;
+  frame.accel_step = kAccelThere;
+}
+
+std::optional<BiasStep> find_bias_step(const WindowModel& model, const WindowState& state,
+                                       const WindowNormal& normal) {
+  if (model.options.motion != MotionModel::kImu || state.frames.size() < 3) {
+    return std::nullopt;
+  }
+  WindowState anywhere = state;
+  for (WindowFrame& frame : anywhere.frames) {
+    frame.gyro_step = std::max(frame.gyro_step, kGyroAnywhere);
+    frame.accel_step = std::max(frame.accel_step, kAccelAnywhere);
+  }
+  const double explained = normal.cost - solve_window(model, anywhere, kIterations).cost;
+  if (!(explained > kBetter * normal.cost)) {
+    return std::nullopt;
+  }
+  std::optional<BiasStep> best;
+  for (const std::size_t middle :
+       {most(anywhere, &NavigationState::bias_gyro), most(anywhere, &NavigationState::bias_accel)}) {
+    for (std::size_t k = middle - 1; k <= middle + 1; ++k) {
+      std::optional<BiasStep> step = with_step(model, state, k);
+      if (step && (!best || step->normal.cost < best->normal.cost)) {
+        best = std::move(step);
+      }
+    }
+  }
+  if (!best || !(normal.cost - best->normal.cost > kOneExplains * explained)) {
+    return std::nullopt;
+  }
+  return best;
+}
+
+}  // namespace limber::detail

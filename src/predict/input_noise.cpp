@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#include "limber/predict/input_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limber {
+
+using Eigen::Vector3d;
+
+namespace {
+
+/// Interpolated noise lasts as long as the gap, up to this many intervals.
+constexpr double kLongestInterpolation = 100.0;
+
+double with(double density, double gap, double variance) {
+  return std::sqrt(density * density * std::min(gap, kLongestInterpolation) + variance);
+}
+
+}  // namespace
+
+ImuStep imu_step(const InputStep& step, const NavigationState& body, const ImuNoise& noise, double gravity,
+                 const MoreNoise& more) {
+  ImuStep out{step.first, step.second, noise};
+  out.noise.gyro_density = with(noise.gyro_density, step.gap, step.first_unknown.density + more.first);
+  out.noise.accel_density = with(noise.accel_density, step.gap, step.second_unknown.density + more.second);
+  const double turn = step.first_unknown.memory, force = step.second_unknown.memory;
+  if (turn != 1.0 || force != 1.0) {
+    const Vector3d at_rest = body.T_world_body.R.transpose() * Vector3d(0.0, 0.0, gravity) + body.bias_accel;
+    out.omega = turn * step.first + (1.0 - turn) * body.bias_gyro;
+    out.accel = force * step.second + (1.0 - force) * at_rest;
+  }
+  return out;
+}
+
+OdometryNoise odometry_step_noise(const InputStep& step, const OdometryNoise& noise, double usual_interval_s,
+                                  const MoreNoise& more) {
+  const double share =
+      std::min(step.gap, kLongestInterpolation) * (usual_interval_s > 0.0 ? usual_interval_s / step.dt : 1.0);
+  const auto over_step = [&](const Vector3d& sigma, double density) -> Vector3d {
+    return (share * sigma.cwiseAbs2().array() + density / step.dt).sqrt();
+  };
+  return {over_step(noise.sigma_v, step.first_unknown.density + more.first),
+          over_step(noise.sigma_omega, step.second_unknown.density + more.second)};
+}
+
+}  // namespace limber
