@@ -11,8 +11,8 @@ namespace {
 // Standard deviations of steps: of one that is looked for in each interval, and of one that is there.
 constexpr double kGyroAnywhere = 0.01, kAccelAnywhere = 0.1;  // [rad/s], [m/s^2]
 constexpr double kGyroThere = 0.2, kAccelThere = 2.0;
-constexpr double kBetter = 0.04;      // of the cost, that steps anywhere have to explain
-constexpr double kOneExplains = 0.6;  // of what they explain
+constexpr double kBetter = 0.08;      // of the cost, that steps anywhere have to explain
+constexpr double kOneExplains = 0.7;  // of what they explain
 constexpr int kIterations = 25;
 
 double change(const WindowState& state, std::size_t k, Eigen::Vector3d NavigationState::*bias) {

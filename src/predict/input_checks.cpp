@@ -20,7 +20,7 @@ constexpr double kUsualShare = 0.01;       // of one sample in the mean change
 constexpr double kLongestNeighbour = 0.1;  // [s]: further apart, samples are no neighbours
 constexpr double kEndOfRange = 0.999;      // of the largest value seen
 constexpr std::size_t kPlateau = 2;        // repeats of it in a row
-constexpr double kOvershoot = 0.1;         // of the range: what a saturated sensor may have missed, at least
+constexpr double kOvershoot = 0.5;         // of the range: what a saturated sensor may have missed, at least
 
 const Eigen::Vector3d& part(const InputSample& sample, std::size_t k) {
   return k == 0 ? sample.first : sample.second;
