@@ -127,6 +127,7 @@ struct SensorStart::Window {
 };
 
 void SensorStart::Window::push(const StereoFrame& frame) {
+  check_points(frame);
   WindowFrame next;
   next.theta = VectorXd::Zero(model.directions.cols());
   if (!raw.empty()) {
@@ -364,6 +365,7 @@ SensorStartResult SensorStart::Window::unsolved() const {
 SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,
                          const StartOptions& start)
     : window_(std::make_unique<Window>()) {
+  check_calibration(calibration);
   window_->model.options = options;
   window_->model.calibration = calibration;
   window_->model.directions = free_directions(options, calibration);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kSamples = 4;        // of a third difference
 constexpr double kVarianceOfThird = 20.0;  // 1 + 9 + 9 + 1 times that of a sample
-constexpr int kMemory = 1000;              // differences
+constexpr int kMostDifferences = 1000;
 constexpr double kUneven = 1.3;            // longest interval of four samples over the shortest
 constexpr double kLargest = 25.0;          // of the mean: a larger square is a slip or a jump
 constexpr double kSmallest = 1e-5;         // [m/s], [rad/s]: recordings are rounded
@@ -52,7 +52,7 @@ void LearnedOdometryNoise::learn(const Vector6& third_difference) {
   if (knows()) {
     square = square.cwiseMin(kLargest * variance_);
   }
-  differences_ = std::min(differences_ + 1, kMemory);
+  differences_ = std::min(differences_ + 1, kMostDifferences);
   variance_ += (square - variance_) / differences_;
 }
 
