@@ -13,6 +13,7 @@
 #include "limber/core/time.hpp"
 #include "limber/measure/stereo_model.hpp"
 #include "limber/smooth/motion_between.hpp"
+#include "limber/smooth/unsolvable_error.hpp"
 #include "reduced_system.hpp"
 
 namespace limber {
@@ -193,7 +194,7 @@ class Smoothing {
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem_->problem(), &summary);
     if (!summary.IsSolutionUsable()) {
-      throw std::runtime_error("smoother: " + summary.message);
+      throw UnsolvableError("smoother: " + summary.message);
     }
     iterations_ += static_cast<int>(summary.iterations.size());
     converged_ = summary.termination_type == ceres::CONVERGENCE;
