@@ -143,7 +143,7 @@ void SensorStart::Window::push(const StereoFrame& frame) {
     } else {
       next.steps = inputs.steps(raw.back().t_ns, frame.t_ns);
       if (!next.steps.empty()) {
-        next.omega = next.steps.back().first;
+        next.omega = next.steps.back().angular;
       }
     }
   }
@@ -382,7 +382,7 @@ void SensorStart::add_imu(const ImuSample& sample) {
 }
 
 void SensorStart::add_odometry(const OdometrySample& sample) {
-  window_->inputs.add({sample.t_ns, sample.v_body, sample.omega_body});
+  window_->inputs.add({sample.t_ns, sample.omega_body, sample.v_body});
 }
 
 StartReport SensorStart::add_frame(const StereoFrame& frame) {

@@ -213,7 +213,7 @@ Transition predict_over(const NavigatorOptions& options, const std::vector<Input
   Transition whole{MatrixXd::Identity(n, n), MatrixXd::Zero(n, n)};
   for (const InputStep& step : steps) {
     const Transition part = options.motion == MotionModel::kImu
-                                ? predict_imu(nav, step.first, step.second, step.dt,
+                                ? predict_imu(nav, step.angular, step.linear, step.dt,
                                               inflated(options.imu_noise, step.gap), options.gravity)
                                 : predict_constant_velocity(nav, step.dt, options.constant_velocity_noise);
     whole.Phi = multiply(part.Phi, whole.Phi);

@@ -72,7 +72,7 @@ Propagation StereoFilter::propagated(std::int64_t t_ns) const {
   const bool distrusts = estimate_.nav.t_ns < trusted_again_ns_;
   const OdometryNoise odometry = odometry_noise_ ? odometry_noise_->assumed() : options_.odometry_noise;
   return propagate(estimate_.nav, steps_to(t_ns), options_, odometry, inputs_.usual_interval_s(),
-                   distrusts ? distrust_.first : 0.0, distrusts ? distrust_.second : 0.0);
+                   distrusts ? distrust_.angular : 0.0, distrusts ? distrust_.linear : 0.0);
 }
 
 void StereoFilter::predict_to(std::int64_t t_ns) {
@@ -154,8 +154,7 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
   if (estimate_.nav.t_ns >= trusted_again_ns_) {
     distrust_ = {};  // an older quarrel is over
   }
-  distrust_ = {std::max(distrust_.first, imu ? of_turn : of_speed),
-               std::max(distrust_.second, imu ? of_speed : of_turn)};
+  distrust_ = {std::max(distrust_.angular, of_turn), std::max(distrust_.linear, of_speed)};
   trusted_again_ns_ = estimate_.nav.t_ns + static_cast<std::int64_t>(1e9 * InputAlarm::kCalm);
 }
 

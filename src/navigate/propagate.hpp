@@ -22,10 +22,10 @@ struct Propagation {
 /// none: no rotation and no acceleration, biases kept; odometry's stays what it was. What may have happened
 /// instead is noise.
 /// @param usual_interval_s   between samples; odometry only
-/// @param more_first_density, more_second_density  noise of the inputs beyond all that [unit^2 s]
+/// @param more_angular_density, more_linear_density  noise of the inputs beyond all that [unit^2 s]
 [[nodiscard]] Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& steps,
                                     const NavigatorOptions& options, const OdometryNoise& odometry_noise,
-                                    double usual_interval_s, double more_first_density,
-                                    double more_second_density);
+                                    double usual_interval_s, double more_angular_density,
+                                    double more_linear_density);
 
 }  // namespace limber::detail

@@ -85,7 +85,7 @@ void StereoFilter::add_odometry(const OdometrySample& sample) {
   if (options_.motion != MotionModel::kOdometry) {
     throw std::invalid_argument("navigator: odometry sample given, but the motion model is not kOdometry");
   }
-  add({sample.t_ns, sample.v_body, sample.omega_body});
+  add({sample.t_ns, sample.omega_body, sample.v_body});
   if (odometry_noise_) {
     odometry_noise_->add(sample);
   }

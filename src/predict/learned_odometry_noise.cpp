@@ -9,9 +9,9 @@ namespace {
 constexpr std::size_t kSamples = 4;        // of a third difference
 constexpr double kVarianceOfThird = 20.0;  // 1 + 9 + 9 + 1 times that of a sample
 constexpr int kMostDifferences = 1000;
-constexpr double kUneven = 1.3;            // longest interval of four samples over the shortest
-constexpr double kLargest = 25.0;          // of the mean: a larger square is a slip or a jump
-constexpr double kSmallest = 1e-5;         // [m/s], [rad/s]: recordings are rounded
+constexpr double kUneven = 1.3;     // longest interval of four samples over the shortest
+constexpr double kLargest = 25.0;   // of the mean: a larger square is a slip or a jump
+constexpr double kSmallest = 1e-5;  // [m/s], [rad/s]: recordings are rounded
 
 Eigen::Matrix<double, 6, 1> value(const OdometrySample& sample) {
   Eigen::Matrix<double, 6, 1> out;

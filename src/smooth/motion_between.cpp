@@ -111,8 +111,8 @@ MotionError constant_velocity_error(const MotionBetween& b, const NavigationStat
 Transition advance(NavigationState& delta, MotionModel motion, const InputStep& step,
                    const MotionNoise& noise, double sample_interval_s) {
   return motion == MotionModel::kImu
-             ? predict_imu(delta, step.first, step.second, step.dt, inflated(noise.imu, step.gap), 0.0)
-             : predict_odometry(delta, step.first, step.second, step.dt,
+             ? predict_imu(delta, step.angular, step.linear, step.dt, inflated(noise.imu, step.gap), 0.0)
+             : predict_odometry(delta, step.linear, step.angular, step.dt,
                                 per_step(noise.odometry, sample_interval_s, step.dt, step.gap));
 }
 

@@ -67,7 +67,7 @@ InputBuffer buffer_of(const SmootherInput& input, MotionModel motion) {
     }
   } else if (motion == MotionModel::kOdometry) {
     for (const OdometrySample& s : input.odometry) {
-      out.add({s.t_ns, s.v_body, s.omega_body});
+      out.add({s.t_ns, s.omega_body, s.v_body});
     }
   }
   return out;

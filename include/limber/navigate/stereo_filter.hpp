@@ -114,7 +114,7 @@ class StereoFilter {
   /// What the images said against the inputs, as noise that they have for a while beyond what is assumed:
   /// variance densities [unit^2 s].
   struct InputDistrust {
-    double first = 0.0, second = 0.0;
+    double angular = 0.0, linear = 0.0;
   };
   /// Landmarks that are new in this frame, with those of its rows that the update may still use.
   using NewLandmarks = std::unordered_map<std::int64_t, RemainingRows>;
