@@ -3,12 +3,13 @@
 
 #include <exception>
 #include <limits>
-#include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "limber/clean/frame_cleaner.hpp"
+#include "limber/core/divergence_error.hpp"
 #include "limber/diagnose/calibration_mistakes.hpp"
 #include "limber/diagnose/imu_mistakes.hpp"
 
@@ -24,15 +25,15 @@ std::vector<StampedPose> poses_of(const RunRecord& record) {
   return out;
 }
 
-/// The same recording by a filter that trusts the calibration; nothing if it cannot.
-std::optional<PoseLoss> compare_with_ekf(const Recording& recording, RunOptions options,
-                                         const FrameSource& frames, const RunRecord& record) {
+/// The same recording by a filter that trusts the calibration, which may lead it astray.
+void compare_with_ekf(const Recording& recording, RunOptions options, const FrameSource& frames,
+                      const RunRecord& record, Diagnosis& out) {
   options.method = Method::kEkf;
   options.watch = false;
   try {
-    return pose_loss(poses_of(run_recording(recording, options, frames)), poses_of(record));
-  } catch (const std::exception&) {
-    return std::nullopt;
+    out.pose = pose_loss(poses_of(run_recording(recording, options, frames)), poses_of(record));
+  } catch (const DivergenceError& error) {
+    out.ekf_failure = error.what();
   }
 }
 
@@ -71,6 +72,15 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     readout.add(seen.back());
     return seen.back();
   };
+  // A gross mistake may leave nothing to navigate with: then it is the answer.
+  const auto explain = [&](const std::exception& error) {
+    seen = at_stamps(std::move(seen), assumed);
+    out.mistakes = mistakes_of(recording, assumed, seen, options.gravity);
+    if (out.mistakes.empty()) {
+      throw;
+    }
+    out.failure = error.what();
+  };
   try {
     RunRecord record = run_recording(recording, options, remembered, {.progress = progress});
     RunSummary summary = summarize(recording, options, record);
@@ -88,21 +98,17 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
                               {camera_in_words(assumed.cam0), camera_in_words(assumed.cam1)},
                               rig_record(summary.health->present, assumed.theta, has_scale(record.motion))};
     }
-    out.pose = compare_with_ekf(
-        recording, options, [&](std::size_t n) { return seen.at(n - first); }, record);
+    compare_with_ekf(
+        recording, options, [&](std::size_t n) { return seen.at(n - first); }, record, out);
     if (done) {
       done(record, summary);
     }
     seen = at_stamps(std::move(seen), assumed);
     out.mistakes = mistakes_of(recording, assumed, seen, options.gravity);
-  } catch (const std::exception& error) {
-    // A gross mistake may leave nothing to navigate with: then it is the answer.
-    seen = at_stamps(std::move(seen), assumed);
-    out.mistakes = mistakes_of(recording, assumed, seen, options.gravity);
-    if (out.mistakes.empty()) {
-      throw;
-    }
-    out.failure = error.what();
+  } catch (const DivergenceError& error) {
+    explain(error);
+  } catch (const std::invalid_argument& error) {  // no frame to start from
+    explain(error);
   }
   StereoCalibration found = assumed;  // a wrong rig is no wrong clock
   if (out.health) {

@@ -200,6 +200,9 @@ std::string to_text(const Diagnosis& diagnosis) {
                    "What the pose loses: ekf drifts {:.2f} m per 100 m from lcekf, scale {:.4f} ({:.0f} m)\n",
                    diagnosis.pose->drift_per_100_m, diagnosis.pose->scale, diagnosis.pose->path_m);
   }
+  if (!diagnosis.ekf_failure.empty()) {
+    fmt::format_to(out, "What the pose loses: ekf fails: {}\n", diagnosis.ekf_failure);
+  }
   if (diagnosis.since) {
     fmt::format_to(out, "Since {}: {}\n", diagnosis.since->recording,
                    change_in_words(diagnosis.since->change, diagnosis.judged_by.tolerance));
@@ -243,6 +246,7 @@ std::string to_json(const Diagnosis& diagnosis) {
       {"since", json_of(diagnosis.since, diagnosis.judged_by.tolerance)},
       {"depths", depths},
       {"ekf_beside_lcekf", json_of(diagnosis.pose)},
+      {"ekf_failure", diagnosis.ekf_failure.empty() ? Json(nullptr) : Json(diagnosis.ekf_failure)},
       {"mistakes", all_mistakes(diagnosis)},
       {"time_offset_cam1_cam0", json_of(diagnosis.cam1_offset)},
       {"time_offset_cameras_imu", json_of(diagnosis.camera_offset)},

@@ -34,6 +34,7 @@ struct Diagnosis {
   std::optional<HealthState> state;         ///< to be kept for later recordings
   std::optional<SinceThen> since;           ///< if there was an earlier one to compare with
   std::optional<PoseLoss> pose;             ///< of ekf beside lcekf
+  std::string ekf_failure;                  ///< why there is no ekf beside it; empty if it did not fail
   std::vector<std::string> mistakes;        ///< of the calibration, see calibration_mistakes
   std::optional<TimeOffset> cam1_offset;    ///< of cam1 against cam0
   std::optional<TimeOffset> camera_offset;  ///< of the cameras against the IMU

@@ -2,6 +2,7 @@
 #include "limber/core/so3.hpp"
 
 #include <cmath>
+#include <stdexcept>
 
 namespace limber {
 namespace {
@@ -10,6 +11,7 @@ namespace {
 constexpr double kSmallAngle = 1e-4;
 // Nearer to -1 than that, the cosine of two directions leaves no axis to turn about.
 constexpr double kOpposite = 1e-12;
+constexpr double kRotationTolerance = 1e-3;  // of an entry of R^T R - I
 
 }  // namespace
 
@@ -60,6 +62,23 @@ Eigen::Matrix3d so3_right_jacobian_inverse(const Eigen::Vector3d& phi) {
                        : 1.0 / angle2 - std::cos(0.5 * angle) / (2.0 * angle * std::sin(0.5 * angle));
   const Eigen::Matrix3d K = skew(phi);
   return Eigen::Matrix3d::Identity() + 0.5 * K + c * K * K;
+}
+
+bool is_rotation(const Eigen::Matrix3d& R) {
+  if (!R.allFinite()) {
+    return false;
+  }
+  const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  return error < kRotationTolerance && R.determinant() > 0.0;
+}
+
+void require_rotation(const Eigen::Matrix3d& R, const std::string& name) {
+  if (!is_rotation(R)) {
+    throw std::invalid_argument(
+        name + " is not orthonormal: expected R^T R = I and determinant 1, found |R^T R - I| = " +
+        std::to_string((R.transpose() * R - Eigen::Matrix3d::Identity()).norm()) + ", determinant " +
+        std::to_string(R.determinant()));
+  }
 }
 
 Eigen::Matrix3d so3_normalized(const Eigen::Matrix3d& R) {

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <unordered_map>
+#include <utility>
 
 #include "limber/core/factors.hpp"
+#include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
 #include "limber/measure/epipolar.hpp"
@@ -159,10 +161,8 @@ double most_distances(const Motion& motion, const std::vector<Pair>& pairs) {
     const auto part = linearize(motion, p);
     distances.push_back(part ? part->residual.norm() : std::numeric_limits<double>::infinity());
   }
-  const auto rank =
-      distances.begin() + static_cast<std::ptrdiff_t>(kMost * static_cast<double>(distances.size()));
-  std::ranges::nth_element(distances, rank);
-  return *rank;
+  const auto rank = static_cast<std::size_t>(kMost * static_cast<double>(distances.size()));
+  return order_statistic(std::move(distances), rank);
 }
 
 }  // namespace

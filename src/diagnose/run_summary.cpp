@@ -9,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "limber/core/median.hpp"
 #include "limber/evaluate/consistency.hpp"
 #include "limber/evaluate/evaluation.hpp"
 
@@ -21,9 +22,8 @@ double quantile(std::vector<double> values, double share) {
   if (values.empty()) {
     return 0.0;
   }
-  const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + k, values.end());
-  return values[static_cast<std::size_t>(k)];
+  const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+  return order_statistic(std::move(values), rank);
 }
 
 double peak_rss_mb() {

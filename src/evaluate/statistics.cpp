@@ -5,7 +5,10 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 #include <vector>
+
+#include "limber/core/median.hpp"
 
 namespace limber {
 namespace {
@@ -78,7 +81,7 @@ Statistics statistics_of(std::span<const double> values) {
   s.std = std::sqrt(deviation / n);
   s.min = sorted.front();
   s.max = sorted.back();
-  s.median = 0.5 * (sorted[(s.count - 1) / 2] + sorted[s.count / 2]);
+  s.median = median(std::move(sorted));
   return s;
 }
 
@@ -92,8 +95,7 @@ std::optional<MedianInterval> median_interval(std::span<const double> values) {
     return std::nullopt;
   }
   const std::size_t n = sorted.size();
-  const double low = sorted[(n - 1) / 2], high = sorted[n / 2];
-  MedianInterval out{std::isinf(high) ? high : 0.5 * (low + high), {}, {}};
+  MedianInterval out{median(sorted), {}, {}};
   // Probability that exactly k of n values lie below the median, and that at most so many do.
   double exactly = std::pow(0.5, static_cast<double>(n)), at_most = exactly;
   for (std::size_t k = 0; at_most <= kTail; ++k) {

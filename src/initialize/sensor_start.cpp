@@ -149,6 +149,7 @@ struct SensorStart::Window {
 };
 
 void SensorStart::Window::push(const StereoFrame& frame) {
+  check_points(frame);
   WindowFrame next;
   next.theta = VectorXd::Zero(model.directions.cols());
   if (!raw.empty()) {
@@ -164,7 +165,7 @@ void SensorStart::Window::push(const StereoFrame& frame) {
     } else {
       next.steps = inputs.steps(raw.back().t_ns, frame.t_ns);
       if (!next.steps.empty()) {
-        next.omega = next.steps.back().first;
+        next.omega = next.steps.back().angular;
       }
     }
   }
@@ -466,6 +467,7 @@ SensorStartResult SensorStart::Window::unsolved() const {
 SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,
                          const StartOptions& start)
     : window_(std::make_unique<Window>()) {
+  check_calibration(calibration);
   window_->model.options = options;
   window_->model.calibration = calibration;
   window_->model.directions = free_directions(options, calibration);
@@ -485,7 +487,7 @@ void SensorStart::add_imu(const ImuSample& sample) {
 }
 
 void SensorStart::add_odometry(const OdometrySample& sample) {
-  window_->checks.add({sample.t_ns, sample.v_body, sample.omega_body}, window_->inputs);
+  window_->checks.add({sample.t_ns, sample.omega_body, sample.v_body}, window_->inputs);
 }
 
 StartReport SensorStart::add_frame(const StereoFrame& frame) {

@@ -15,7 +15,6 @@
 namespace limber::detail {
 namespace {
 
-constexpr double kRotationTolerance = 1e-3;
 constexpr double kQuaternionNormTolerance = 1e-2;
 constexpr std::int64_t kLargestExponent = 30;
 
@@ -111,8 +110,7 @@ std::string excerpt(std::string_view text) {
 }
 
 std::optional<Eigen::Matrix3d> checked_rotation(const Eigen::Matrix3d& R) {
-  const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(error < kRotationTolerance) || R.determinant() < 0.0) {
+  if (!is_rotation(R)) {
     return std::nullopt;
   }
   return so3_normalized(R);

@@ -96,9 +96,9 @@ Matrix3d diffuse_covariance(const MountedRig& rig, const Landmark& landmark, con
 
 /// Reprojection of a landmark that is not in the state yet into the cameras that saw it: two or four rows at
 /// `measurement`, H_l beside it. The landmark's own blocks are taken out of H.
-bool linearise_newborn(const Estimate& estimate, const StereoObservation& observation, const MountedRig& rig,
-                       const PixelNoise& sigma_px, Landmark& landmark, const Anchor* anchor,
-                       LinearMeasurement& measurement, LandmarkJacobian& H_l) {
+bool linearise_new_landmark(const Estimate& estimate, const StereoObservation& observation,
+                            const MountedRig& rig, const PixelNoise& sigma_px, Landmark& landmark,
+                            const Anchor* anchor, LinearMeasurement& measurement, LandmarkJacobian& H_l) {
   const Index cameras = observation.in_cam1 ? 2 : 1;
   measurement = empty_measurement(2 * cameras, jacobian_width(rig));
   H_l.resize(2 * cameras, kTriplet);
@@ -118,7 +118,7 @@ bool linearise_newborn(const Estimate& estimate, const StereoObservation& observ
   return true;
 }
 
-/// Least-squares birth: x_l from all four pixels, with what the pose and theta add (classical SLAM).
+/// Least-squares initialisation: x_l from all four pixels, with what the pose and theta add (classical SLAM).
 bool initialize_classically(Estimate& estimate, const StereoObservation& observation, const MountedRig& rig,
                             const PixelNoise& sigma_px, Landmark landmark, const Anchor* anchor) {
   LinearMeasurement measurement;
@@ -126,7 +126,7 @@ bool initialize_classically(Estimate& estimate, const StereoObservation& observa
   const Eigen::Vector4d weight = sigma_px.cwiseInverse();
   Eigen::Matrix<double, 3, 4> G;  // whitened pixels to landmark
   for (int i = 0; i < kRefinements; ++i) {
-    if (!linearise_newborn(estimate, observation, rig, sigma_px, landmark, anchor, measurement, H_l)) {
+    if (!linearise_new_landmark(estimate, observation, rig, sigma_px, landmark, anchor, measurement, H_l)) {
       return false;
     }
     const Eigen::Matrix<double, 4, 3> A = weight.asDiagonal() * H_l;
@@ -154,8 +154,8 @@ bool initialize_bearing(Estimate& estimate, StereoObservation observation, const
   LandmarkJacobian H_l;
   Eigen::Matrix2d G = Eigen::Matrix2d::Zero();  // whitened pixel to (a, b)
   for (int i = 0; i < kRefinements; ++i) {
-    if (!linearise_newborn(estimate, observation, rig, sigma_px, landmark, estimate.anchor_of(landmark),
-                           measurement, H_l)) {
+    if (!linearise_new_landmark(estimate, observation, rig, sigma_px, landmark, estimate.anchor_of(landmark),
+                                measurement, H_l)) {
       return false;
     }
     const Eigen::FullPivLU<Eigen::Matrix2d> J(H_l.leftCols<2>());

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "check_inputs.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 #include <unordered_set>
 
+#include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
 
 namespace limber::detail {
 namespace {
+
+constexpr double kRounding = 1e-6;  // of a correlation
 
 template <typename Derived>
 void require(const Eigen::DenseBase<Derived>& values, bool zero_allowed, const std::string& name) {
@@ -24,6 +28,43 @@ void require(const Eigen::DenseBase<Derived>& values, bool zero_allowed, const s
 
 void require(double value, bool zero_allowed, const std::string& name) {
   require(Eigen::Matrix<double, 1, 1>(value), zero_allowed, name);
+}
+
+void require_finite(const Eigen::MatrixXd& values, const std::string& name) {
+  if (!values.allFinite()) {
+    throw std::invalid_argument("navigator: " + name + " of the initial state is not finite");
+  }
+}
+
+/// In correlations, which have no unit. What no covariance of the state's size is, Estimate says.
+void check_covariance(const Eigen::MatrixXd& P) {
+  require_finite(P, "the covariance");
+  require(P.diagonal(), true, "a variance of the initial state");
+  if (P.size() == 0 || P.rows() != P.cols()) {
+    return;
+  }
+  const Eigen::VectorXd scale =
+      (P.diagonal().array() > 0.0).select(P.diagonal().cwiseSqrt().cwiseInverse(), 1.0);
+  const Eigen::MatrixXd C = scale.asDiagonal() * P * scale.asDiagonal();
+  const double asymmetry = (C - C.transpose()).cwiseAbs().maxCoeff();
+  if (!(asymmetry <= kRounding)) {
+    throw std::invalid_argument(
+        "navigator: the covariance of the initial state is not symmetric: two of its correlations differ "
+        "by " +
+        std::to_string(asymmetry));
+  }
+  const double least =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(C, Eigen::EigenvaluesOnly).eigenvalues().minCoeff();
+  if (!(least >= -kRounding)) {
+    throw std::invalid_argument(
+        "navigator: the covariance of the initial state is not positive semidefinite: least eigenvalue of "
+        "its correlations is " +
+        std::to_string(least));
+  }
+}
+
+[[noreturn]] void refuse(const StereoFrame& frame, const std::string& what) {
+  throw std::invalid_argument("frame at " + std::to_string(frame.t_ns) + " ns " + what);
 }
 
 }  // namespace
@@ -52,35 +93,36 @@ void check_options(const NavigatorOptions& o) {
 
 void check_initial(const InitialState& initial) {
   const NavigationState& nav = initial.nav;
-  if (!nav.T_world_body.p.allFinite() || !nav.T_world_body.R.allFinite() || !nav.v_world_body.allFinite() ||
-      !nav.omega_body.allFinite() || !nav.bias_gyro.allFinite() || !nav.bias_accel.allFinite() ||
-      !initial.body_covariance.allFinite()) {
-    throw std::invalid_argument("navigator: the initial state is not finite");
+  require_finite(nav.T_world_body.p, "the position");
+  require_finite(nav.v_world_body, "the velocity");
+  require_finite(nav.omega_body, "the rate");
+  require_finite(nav.bias_gyro, "the gyro bias");
+  require_finite(nav.bias_accel, "the accelerometer bias");
+  require_rotation(nav.T_world_body.R, "navigator: the attitude of the initial state");
+  check_covariance(initial.body_covariance);
+  for (const Landmark& landmark : initial.landmarks) {
+    require_finite(landmark.value, "landmark " + std::to_string(landmark.track_id));
   }
-  require(initial.body_covariance.diagonal(), true, "a variance of the initial state");
+  require_finite(initial.landmarks_covariance, "the covariance of landmarks");
+  require_finite(initial.landmarks_body, "the covariance of landmarks and body");
 }
 
 void check_frame(const StereoFrame& frame, std::int64_t state_ns, std::int64_t previous_ns) {
-  const auto fail = [&](const std::string& what) {
-    throw std::invalid_argument("frame at " + std::to_string(frame.t_ns) + " ns " + what);
-  };
   if (frame.t_ns < state_ns) {
-    fail("is older than the state, " + std::to_string(state_ns) + " ns");
+    refuse(frame, "is older than the state, " + std::to_string(state_ns) + " ns");
   }
   if (frame.t_ns <= previous_ns) {
-    fail("is not later than the frame before it");
+    refuse(frame, "is not later than the frame before it");
   }
   if (seconds_between(state_ns, frame.t_ns) > kLongestJump) {
-    fail("is " + std::to_string(seconds_between(state_ns, frame.t_ns)) + " s ahead of the state, " +
-         std::to_string(state_ns) + " ns: is that another clock?");
+    refuse(frame, "is " + std::to_string(seconds_between(state_ns, frame.t_ns)) + " s ahead of the state, " +
+                      std::to_string(state_ns) + " ns: is that another clock?");
   }
+  check_points(frame);
   std::unordered_set<std::int64_t> seen;
   for (const StereoObservation& o : frame.observations) {
-    if ((o.in_cam0 && !o.uv_cam0.allFinite()) || (o.in_cam1 && !o.uv_cam1.allFinite())) {
-      fail("has a pixel that is not finite, track " + std::to_string(o.track_id));
-    }
     if (!seen.insert(o.track_id).second) {
-      fail("holds track " + std::to_string(o.track_id) + " twice");
+      refuse(frame, "holds track " + std::to_string(o.track_id) + " twice");
     }
   }
 }

@@ -13,12 +13,13 @@ inline constexpr double kLongestJump = 3600.0;
 
 /// @throws std::invalid_argument for a noise that is negative or not finite, and the like
 void check_options(const NavigatorOptions& options);
-/// @throws std::invalid_argument for a mean or covariance that is not finite, or a negative variance
+/// @throws std::invalid_argument for a mean or covariance that is not finite, an attitude that is no rotation
+/// matrix, a covariance that is not symmetric or not positive semidefinite
 void check_initial(const InitialState& initial);
 
 /// @param previous_ns  of the frame before
 /// @throws std::invalid_argument for a frame that is older than the state, not later than the one before, or
-/// hours ahead; a pixel that is not finite; an id that comes twice
+/// hours ahead; points as check_points; an id that comes twice
 void check_frame(const StereoFrame& frame, std::int64_t state_ns, std::int64_t previous_ns);
 
 }  // namespace limber::detail

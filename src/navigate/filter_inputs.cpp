@@ -37,23 +37,23 @@ constexpr double kAnewBiasGyro = 0.02, kAnewBiasAccel = 0.2;
 
 }  // namespace
 
-void StereoFilter::start_at(std::int64_t t_ns) {
-  std::int64_t& state_ns = estimate_.nav.t_ns;
-  if (state_ns == 0 && inputs_.empty() && last_frame_ns_ == std::numeric_limits<std::int64_t>::min() &&
-      seconds_between(0, t_ns) > kNeverGivenATime) {
-    state_ns = t_ns;
-  }
+std::int64_t StereoFilter::started_at(std::int64_t t_ns) const {
+  const std::int64_t state_ns = estimate_.nav.t_ns;
+  const bool is_untouched =
+      state_ns == 0 && inputs_.empty() && last_frame_ns_ == std::numeric_limits<std::int64_t>::min();
+  return is_untouched && seconds_between(0, t_ns) > kNeverGivenATime ? t_ns : state_ns;
 }
 
 void StereoFilter::add(const InputSample& sample) {
-  start_at(sample.t_ns);
-  if (seconds_between(estimate_.nav.t_ns, sample.t_ns) > kLongestJump) {
+  const std::int64_t state_ns = started_at(sample.t_ns);
+  if (seconds_between(state_ns, sample.t_ns) > kLongestJump) {
     throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) +
-                                " ns is hours ahead of the state, " + std::to_string(estimate_.nav.t_ns) +
+                                " ns is hours ahead of the state, " + std::to_string(state_ns) +
                                 " ns: is that another clock?");
   }
   checks_.add(sample, inputs_);
-  late_ += sample.t_ns < estimate_.nav.t_ns && has_processed_ ? 1 : 0;
+  estimate_.nav.t_ns = state_ns;
+  late_ += sample.t_ns < state_ns && has_processed_ ? 1 : 0;
 }
 
 std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {
@@ -148,8 +148,7 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
   if (estimate_.nav.t_ns >= trusted_again_ns_) {
     distrust_ = {};  // an older quarrel is over
   }
-  distrust_ = {std::max(distrust_.first, imu ? of_turn : of_speed),
-               std::max(distrust_.second, imu ? of_speed : of_turn)};
+  distrust_ = {std::max(distrust_.angular, of_turn), std::max(distrust_.linear, of_speed)};
   trusted_again_ns_ = estimate_.nav.t_ns + static_cast<std::int64_t>(1e9 * InputAlarm::kCalm);
 }
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <Eigen/QR>
 #include <algorithm>
-#include <cmath>
-#include <stdexcept>
-#include <string>
 
 #include "check_inputs.hpp"
 #include "parameter_roles.hpp"
@@ -34,10 +31,7 @@ bool leaves_scale_unseen(const NavigatorOptions& options, const StereoCalibratio
 
 Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration& calibration,
                        const InitialState& initial) {
-  if (!(calibration.baseline() > 0.0)) {
-    throw std::invalid_argument("navigator: the baseline is " + std::to_string(calibration.baseline()) +
-                                " m, expected a positive one");
-  }
+  check_calibration(calibration);
   check_initial(initial);
   StateLayout layout{options.motion, has_theta(options), has_witness(options)};
   for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {

@@ -45,7 +45,7 @@ inline constexpr double kNotEstimated =
 [[nodiscard]] Eigen::MatrixXd unit_directions(const ParameterSet& set, const ParameterVector& scale);
 
 /// The estimate that a filter begins with: the initial state, and the priors of what it estimates beside.
-/// @throws std::invalid_argument if shapes disagree, a number is not finite or the baseline is not positive
+/// @throws std::invalid_argument if shapes disagree, or as check_calibration and check_initial
 [[nodiscard]] Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration& calibration,
                                      const InitialState& initial);
 

@@ -18,7 +18,7 @@ Transition predict_step(NavigationState& nav, const InputStep& step, const Navig
       return predict_imu(nav, imu.omega, imu.accel, step.dt, imu.noise, options.gravity);
     }
     case MotionModel::kOdometry:
-      return predict_odometry(nav, step.first, step.second, step.dt,
+      return predict_odometry(nav, step.linear, step.angular, step.dt,
                               odometry_step_noise(step, odometry_noise, usual_interval_s, more));
     case MotionModel::kConstantVelocity:
       break;
@@ -34,7 +34,7 @@ Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& 
   const Eigen::Index k = StateLayout{options.motion}.body_size();
   Propagation out{nav, {MatrixXd::Identity(k, k), MatrixXd::Zero(k, k)}, Vector3d::Zero()};
   for (const InputStep& step : steps) {
-    out.omega_input = options.motion == MotionModel::kOdometry ? step.second : step.first;
+    out.omega_input = step.angular;
     const Transition part = predict_step(out.nav, step, options, odometry_noise, usual_interval_s, more);
     out.whole.Phi = multiply(part.Phi, out.whole.Phi);
     out.whole.Q = congruence(part.Phi, out.whole.Q) + part.Q;

@@ -85,7 +85,7 @@ void StereoFilter::add_odometry(const OdometrySample& sample) {
   if (options_.motion != MotionModel::kOdometry) {
     throw std::invalid_argument("navigator: odometry sample given, but the motion model is not kOdometry");
   }
-  add({sample.t_ns, sample.v_body, sample.omega_body});
+  add({sample.t_ns, sample.omega_body, sample.v_body});
   if (odometry_noise_) {
     odometry_noise_->add(sample);
   }
@@ -95,7 +95,10 @@ void StereoFilter::assume_theta(const RigParameters& theta) {
   if (estimate_.layout().has_theta) {
     throw std::invalid_argument("navigator: theta is part of the state and cannot be assumed");
   }
-  calibration_.theta = theta;
+  StereoCalibration assumed = calibration_;
+  assumed.theta = theta;
+  check_calibration(assumed);
+  calibration_ = assumed;
   estimate_.theta = theta;
 }
 
@@ -235,8 +238,9 @@ void StereoFilter::record(const StackedFrame& stacked, const std::vector<bool>& 
 }
 
 FrameReport StereoFilter::process(const StereoFrame& raw) {
-  start_at(raw.t_ns);
-  check_frame(raw, estimate_.nav.t_ns, last_frame_ns_);
+  const std::int64_t state_ns = started_at(raw.t_ns);
+  check_frame(raw, state_ns, last_frame_ns_);
+  estimate_.nav.t_ns = state_ns;
   const StereoFrame frame = visible(raw, options_.method);
   const double dt = seconds_between(estimate_.nav.t_ns, frame.t_ns);
   FrameReport report;

@@ -22,7 +22,8 @@ constexpr double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns
 
 /// How sure one is of an input that was seen `away` seconds ago, for an error that lasts for `lasting`
 /// seconds.
-Unknown unknown(const MotionSeen& seen, double spread, double away, double lasting) {
+Unknown unknown(const MotionSeen& seen, const MotionPrior& prior, double away, double lasting) {
+  const double spread = prior.about_the_mean ? seen.spread() : seen.rms();
   const double memory = seen.correlation(away, spread);
   return {memory, (1.0 - memory * memory) * spread * spread * std::min(lasting, kLongestError)};
 }
@@ -30,7 +31,7 @@ Unknown unknown(const MotionSeen& seen, double spread, double away, double lasti
 }  // namespace
 
 void InputBuffer::add(const InputSample& sample) {
-  if (!sample.first.allFinite() || !sample.second.allFinite()) {
+  if (!sample.angular.allFinite() || !sample.linear.allFinite()) {
     throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) + " ns is not finite");
   }
   if (!samples_.empty()) {
@@ -44,8 +45,8 @@ void InputBuffer::add(const InputSample& sample) {
     const double ns = static_cast<double>(interval);
     usual_interval_ns_ = usual_interval_ns_ > 0.0 ? std::min(ns, 1.02 * usual_interval_ns_) : ns;
   }
-  first_seen_.add(sample.t_ns, sample.first);
-  second_seen_.add(sample.t_ns, sample.second);
+  angular_seen_.add(sample.t_ns, sample.angular);
+  linear_seen_.add(sample.t_ns, sample.linear);
   samples_.push_back(sample);
 }
 
@@ -70,8 +71,8 @@ InputSample InputBuffer::at(std::int64_t t_ns, std::size_t next) const {
   const InputSample& a = samples_[next - 1];
   const InputSample& b = samples_[next];
   const double s = static_cast<double>(t_ns - a.t_ns) / static_cast<double>(b.t_ns - a.t_ns);
-  return {t_ns, (1.0 - s) * a.first + s * b.first, (1.0 - s) * a.second + s * b.second,
-          std::max(a.first_density, b.first_density), std::max(a.second_density, b.second_density)};
+  return {t_ns, (1.0 - s) * a.angular + s * b.angular, (1.0 - s) * a.linear + s * b.linear,
+          std::max(a.angular_density, b.angular_density), std::max(a.linear_density, b.linear_density)};
 }
 
 /// Time between the samples around, in usual intervals; without one of them, from where it is asked for.
@@ -94,8 +95,8 @@ void InputBuffer::doubt(InputStep& step, std::size_t next, std::int64_t begin_ns
   const double until = next < samples_.size() ? seconds(samples_[next].t_ns - middle) : kFar;
   // Between two samples as far as from two that pull together; from one, as far as it is away.
   const double away = since * until / (since + until), lasting = std::min(since + until, kFar);
-  step.first_unknown = unknown(first_seen_, first_seen_.rms(), away, lasting);
-  step.second_unknown = unknown(second_seen_, second_seen_.spread(), away, lasting);
+  step.angular_unknown = unknown(angular_seen_, prior_.angular, away, lasting);
+  step.linear_unknown = unknown(linear_seen_, prior_.linear, away, lasting);
   step.gap = std::min(step.gap, 1e9);
 }
 
@@ -113,13 +114,13 @@ std::vector<InputStep> InputBuffer::steps(std::int64_t begin_ns, std::int64_t en
     const bool reaches_sample = next < samples_.size() && samples_[next].t_ns <= stop_ns;
     const std::int64_t t_to = reaches_sample ? samples_[next].t_ns : stop_ns;
     const InputSample to = reaches_sample ? samples_[next] : at(t_to, next);
-    InputStep step{t_to, seconds(t_to - t), 0.5 * (from.first + to.first), 0.5 * (from.second + to.second),
-                   gap};
+    InputStep step{t_to, seconds(t_to - t), 0.5 * (from.angular + to.angular),
+                   0.5 * (from.linear + to.linear), gap};
     if (gap > 1.0) {
       doubt(step, next, t);
     }
-    step.first_unknown.density += std::max(from.first_density, to.first_density);
-    step.second_unknown.density += std::max(from.second_density, to.second_density);
+    step.angular_unknown.density += std::max(from.angular_density, to.angular_density);
+    step.linear_unknown.density += std::max(from.linear_density, to.linear_density);
     out.push_back(step);
     from = to;
     t = t_to;

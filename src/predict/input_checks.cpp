@@ -23,7 +23,7 @@ constexpr std::size_t kPlateau = 2;        // repeats of it in a row
 constexpr double kOvershoot = 0.5;         // of the range: what a saturated sensor may have missed, at least
 
 const Eigen::Vector3d& part(const InputSample& sample, std::size_t k) {
-  return k == 0 ? sample.first : sample.second;
+  return k == 0 ? sample.angular : sample.linear;
 }
 
 double change(const InputSample& a, const InputSample& b, std::size_t k) {
@@ -78,7 +78,7 @@ void InputChecks::doubt_saturated(InputSample& sample, double dt) {
       saturated = true;
       const auto length = static_cast<double>(plateau_[k]);
       const double missed = kOvershoot * peak + length * usual_change_[k];
-      (k == 0 ? sample.first_density : sample.second_density) = missed * missed * length * dt;
+      (k == 0 ? sample.angular_density : sample.linear_density) = missed * missed * length * dt;
     }
   }
   counts_[InputFault::kSaturated] += saturated ? 1 : 0;
@@ -101,7 +101,7 @@ void InputChecks::accept(InputSample sample, InputBuffer& buffer) {
 
 void InputChecks::add(const InputSample& sample, InputBuffer& buffer) {
   Six value;
-  value << sample.first, sample.second;
+  value << sample.angular, sample.linear;
   const bool first = !last_ && !held_ && varied_ == 0;
   if (!value.allFinite()) {
     throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) + " ns is not finite");
@@ -137,8 +137,8 @@ void InputChecks::add(const InputSample& sample, InputBuffer& buffer) {
     // It stays there: a jolt. While it was held back, frames may have gone by without it.
     const double dt = seconds_between(last_->t_ns, held.t_ns);
     const double jolt = change(*last_, held, 1), turn = change(*last_, held, 0);
-    held.first_density = turn * turn * dt;
-    held.second_density = jolt * jolt * dt;
+    held.angular_density = turn * turn * dt;
+    held.linear_density = jolt * jolt * dt;
     accept(held, buffer);
     accept(sample, buffer);
     return;

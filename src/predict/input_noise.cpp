@@ -21,14 +21,14 @@ double with(double density, double gap, double variance) {
 
 ImuStep imu_step(const InputStep& step, const NavigationState& body, const ImuNoise& noise, double gravity,
                  const MoreNoise& more) {
-  ImuStep out{step.first, step.second, noise};
-  out.noise.gyro_density = with(noise.gyro_density, step.gap, step.first_unknown.density + more.first);
-  out.noise.accel_density = with(noise.accel_density, step.gap, step.second_unknown.density + more.second);
-  const double turn = step.first_unknown.memory, force = step.second_unknown.memory;
+  ImuStep out{step.angular, step.linear, noise};
+  out.noise.gyro_density = with(noise.gyro_density, step.gap, step.angular_unknown.density + more.angular);
+  out.noise.accel_density = with(noise.accel_density, step.gap, step.linear_unknown.density + more.linear);
+  const double turn = step.angular_unknown.memory, force = step.linear_unknown.memory;
   if (turn != 1.0 || force != 1.0) {
     const Vector3d at_rest = body.T_world_body.R.transpose() * Vector3d(0.0, 0.0, gravity) + body.bias_accel;
-    out.omega = turn * step.first + (1.0 - turn) * body.bias_gyro;
-    out.accel = force * step.second + (1.0 - force) * at_rest;
+    out.omega = turn * step.angular + (1.0 - turn) * body.bias_gyro;
+    out.accel = force * step.linear + (1.0 - force) * at_rest;
   }
   return out;
 }
@@ -40,8 +40,8 @@ OdometryNoise odometry_step_noise(const InputStep& step, const OdometryNoise& no
   const auto over_step = [&](const Vector3d& sigma, double density) -> Vector3d {
     return (share * sigma.cwiseAbs2().array() + density / step.dt).sqrt();
   };
-  return {over_step(noise.sigma_v, step.first_unknown.density + more.first),
-          over_step(noise.sigma_omega, step.second_unknown.density + more.second)};
+  return {over_step(noise.sigma_v, step.linear_unknown.density + more.linear),
+          over_step(noise.sigma_omega, step.angular_unknown.density + more.angular)};
 }
 
 }  // namespace limber

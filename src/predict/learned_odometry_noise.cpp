@@ -8,10 +8,10 @@ namespace {
 
 constexpr std::size_t kSamples = 4;        // of a third difference
 constexpr double kVarianceOfThird = 20.0;  // 1 + 9 + 9 + 1 times that of a sample
-constexpr int kRemembered = 1000;          // differences
-constexpr double kUneven = 1.3;            // longest interval of four samples over the shortest
-constexpr double kLargest = 25.0;          // of the mean: a larger square is a slip or a jump
-constexpr double kSmallest = 1e-5;         // [m/s], [rad/s]: recordings are rounded
+constexpr int kMostDifferences = 1000;
+constexpr double kUneven = 1.3;     // longest interval of four samples over the shortest
+constexpr double kLargest = 25.0;   // of the mean: a larger square is a slip or a jump
+constexpr double kSmallest = 1e-5;  // [m/s], [rad/s]: recordings are rounded
 
 Eigen::Matrix<double, 6, 1> value(const OdometrySample& sample) {
   Eigen::Matrix<double, 6, 1> out;
@@ -52,7 +52,7 @@ void LearnedOdometryNoise::learn(const Vector6& third_difference) {
   if (knows()) {
     square = square.cwiseMin(kLargest * variance_);
   }
-  differences_ = std::min(differences_ + 1, kRemembered);
+  differences_ = std::min(differences_ + 1, kMostDifferences);
   variance_ += (square - variance_) / differences_;
 }
 

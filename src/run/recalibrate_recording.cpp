@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -18,6 +17,7 @@
 #include "limber/core/time.hpp"
 #include "limber/measure/epipolar.hpp"
 #include "limber/measure/triangulate.hpp"
+#include "limber/smooth/unsolvable_error.hpp"
 #include "run/smooth_setup.hpp"
 
 namespace limber {
@@ -101,25 +101,20 @@ RigParameters prior_sigma(double baseline) {
   return out;
 }
 
-/// The smoother on one part; nothing if it finds no solution.
-std::optional<RigPart> solve_part(const Part& part, const Recording& recording,
-                                  const StereoCalibration& given, const SmootherOptions& how) {
+/// The smoother on one part. @throws UnsolvableError if it finds no solution
+RigPart solve_part(const Part& part, const Recording& recording, const StereoCalibration& given,
+                   const SmootherOptions& how) {
   std::vector<StereoFrame> frames;
   std::vector<NavigationState> states;
   for (const Keyframe& keyframe : part) {
     frames.push_back(keyframe.frame);
     states.push_back(keyframe.state);
   }
-  SmootherResult result;
-  try {
-    result = smooth(
-        {frames, recording.imu, recording.odometry, states, detail::without_data(states.front(), how.motion)},
-        given, how);
-  } catch (const std::runtime_error&) {
-    return std::nullopt;
-  }
+  SmootherResult result = smooth(
+      {frames, recording.imu, recording.odometry, states, detail::without_data(states.front(), how.motion)},
+      given, how);
   if (!result.converged) {
-    return std::nullopt;
+    throw UnsolvableError(fmt::format("smoother: no solution after {} iterations", result.iterations));
   }
   const RigMatrix prior = how.rig_sigma.cwiseAbs2().cwiseInverse().asDiagonal();
   RigPart out;
@@ -134,6 +129,12 @@ std::optional<RigPart> solve_part(const Part& part, const Recording& recording,
   out.theta = given.theta + solve_symmetric(out.information, all * step);
   out.scores = std::move(result.theta_scores);
   return out;
+}
+
+std::string left_out(const Part& part, std::int64_t begin_ns, const UnsolvableError& why) {
+  return fmt::format("window of {:.1f} to {:.1f} s left out: {}",
+                     seconds_between(begin_ns, part.front().frame.t_ns),
+                     seconds_between(begin_ns, part.back().frame.t_ns), why.what());
 }
 
 double clipped(double px) { return std::clamp(px, -kClip_px, kClip_px); }
@@ -272,13 +273,15 @@ Recalibration recalibrate_recording(const Recording& recording, const Recalibrat
   }
   for (std::size_t k = 0; k < parts.size(); ++k) {
     told(kShareOfFilter + (100 - kShareOfFilter) * k / parts.size());
-    if (const auto window = solve_part(parts[k], recording, out.given, how)) {
-      out.windows.push_back(*window);
+    try {
+      out.windows.push_back(solve_part(parts[k], recording, out.given, how));
       out.keyframes += parts[k].size();
+    } catch (const UnsolvableError& error) {
+      out.notes.push_back(left_out(parts[k], keyframes.front().frame.t_ns, error));
     }
   }
   if (out.windows.empty() && !parts.empty()) {
-    throw std::runtime_error("recalibrate: no part of the recording could be solved");
+    throw UnsolvableError("recalibrate: no part of the recording could be solved; " + out.notes.back());
   }
   RigParameters bounds;
   bounds << Eigen::Vector3d::Constant(options.seen_angle),

@@ -16,7 +16,7 @@ namespace limber::detail {
 /// Two states and the inputs between them. Blocks: pose, motion, pose, motion (odometry: the two poses).
 class MotionFactor : public ceres::CostFunction {
  public:
-  /// @throws std::runtime_error if the covariance of what lies between is not positive definite
+  /// @throws UnsolvableError if the covariance of what lies between is not positive definite
   MotionFactor(MotionBetween between, double gravity);
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override;
 
@@ -73,7 +73,7 @@ class WalkFactor : public ceres::CostFunction {
 };
 
 /// A with AᵀA = covariance⁻¹.
-/// @throws std::runtime_error if it is not positive definite
+/// @throws UnsolvableError if it is not positive definite
 [[nodiscard]] Eigen::MatrixXd whitener_of(const Eigen::MatrixXd& covariance);
 
 }  // namespace limber::detail

@@ -112,7 +112,7 @@ Transition advance(NavigationState& delta, const NavigationState& from, MotionMo
                    const InputStep& step, const MotionNoise& noise, double sample_interval_s,
                    double gravity) {
   if (motion == MotionModel::kOdometry) {
-    return predict_odometry(delta, step.first, step.second, step.dt,
+    return predict_odometry(delta, step.linear, step.angular, step.dt,
                             odometry_step_noise(step, noise.odometry, sample_interval_s));
   }
   NavigationState body = delta;

@@ -4,6 +4,7 @@
 #include "factors.hpp"
 
 #include "limber/core/factors.hpp"
+#include "limber/smooth/unsolvable_error.hpp"
 
 namespace limber::detail {
 
@@ -16,7 +17,7 @@ MatrixXd whitener_of(const MatrixXd& covariance) {
   const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
   const Cholesky cholesky(scale.asDiagonal() * covariance * scale.asDiagonal());
   if (!scale.allFinite() || !cholesky.succeeded()) {
-    throw std::runtime_error("smoother: a covariance is not positive definite");
+    throw UnsolvableError("smoother: a covariance is not positive definite");
   }
   MatrixXd whitener = scale.asDiagonal();
   solve_lower(cholesky.factor(), whitener);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "limber/core/factors.hpp"
+#include "limber/smooth/unsolvable_error.hpp"
 
 namespace limber::detail {
 
@@ -26,7 +27,7 @@ namespace {
 constexpr Index kColumnsAtATime = 96;
 
 [[noreturn]] void fail(const char* what) {
-  throw std::runtime_error(std::string("smoother: ") + what + " not determined by the recording");
+  throw UnsolvableError(std::string("smoother: ") + what + " not determined by the recording");
 }
 
 /// The Jacobian with its columns in order of elimination: [landmarks | chain | kept].

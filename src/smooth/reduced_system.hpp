@@ -28,11 +28,11 @@ struct ReducedSystem {
   [[nodiscard]] int at(const double* block) const { return begin.at(block); }
 };
 
-/// @throws std::runtime_error if what is eliminated is not determined
+/// @throws UnsolvableError if what is eliminated is not determined
 [[nodiscard]] ReducedSystem reduce(ceres::Problem& problem, const Columns& columns);
 
 /// Blocks on the diagonal of the covariance of what is kept, each as wide as its tangent.
-/// @throws std::runtime_error if something kept is not determined
+/// @throws UnsolvableError if something kept is not determined
 class Marginals {
  public:
   explicit Marginals(ReducedSystem system);

@@ -14,6 +14,7 @@
 #include "limber/measure/stereo_model.hpp"
 #include "limber/predict/input_checks.hpp"
 #include "limber/smooth/motion_between.hpp"
+#include "limber/smooth/unsolvable_error.hpp"
 #include "reduced_system.hpp"
 
 namespace limber {
@@ -68,7 +69,7 @@ InputBuffer buffer_of(const SmootherInput& input, MotionModel motion) {
     }
   } else if (motion == MotionModel::kOdometry) {
     for (const OdometrySample& s : input.odometry) {
-      checks.add({s.t_ns, s.v_body, s.omega_body}, out);
+      checks.add({s.t_ns, s.omega_body, s.v_body}, out);
     }
   }
   return out;
@@ -195,7 +196,7 @@ class Smoothing {
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem_->problem(), &summary);
     if (!summary.IsSolutionUsable()) {
-      throw std::runtime_error("smoother: " + summary.message);
+      throw UnsolvableError("smoother: " + summary.message);
     }
     iterations_ += static_cast<int>(summary.iterations.size());
     converged_ = summary.termination_type == ceres::CONVERGENCE;

@@ -52,7 +52,7 @@ bool project_used(const Estimate& estimate, const MountedRig& rig, RemainingRows
 
 StackedFrame stack_frame(const Estimate& estimate, const StereoFrame& frame, const MountedRig& rig,
                          const PixelNoise& sigma_px,
-                         const std::unordered_map<std::int64_t, RemainingRows>& newborn,
+                         const std::unordered_map<std::int64_t, RemainingRows>& new_landmarks,
                          std::vector<Refusal>& refused) {
   std::vector<Row> points;
   Index m = 0;
@@ -61,9 +61,10 @@ StackedFrame stack_frame(const Estimate& estimate, const StereoFrame& frame, con
     if (landmark == nullptr) {
       continue;
     }
-    const auto birth = newborn.find(observation.track_id);
+    const auto initialized = new_landmarks.find(observation.track_id);
     Row row{&observation, landmark, {}};
-    if (!project_used(estimate, rig, birth == newborn.end() ? RemainingRows::kAll : birth->second, row)) {
+    if (!project_used(estimate, rig,
+                      initialized == new_landmarks.end() ? RemainingRows::kAll : initialized->second, row)) {
       refused.push_back({observation.track_id, RefusalReason::kNotProjectable, 0.0, 0.0});
     } else if (row.rows() > 0) {
       m += row.rows();

@@ -7,6 +7,7 @@
 #include <string>
 #include <type_traits>
 
+#include "check_content.hpp"
 #include "figures_table.hpp"
 #include "limber/core/errors.hpp"
 
@@ -106,6 +107,7 @@ void check_schema(const SqliteFile& file) {
                     fmt::format("one of version {}, which another version of limber made", version));
   }
   check_objects(file);
+  check_content(file);
 }
 
 void create_schema(SqliteFile& file) {

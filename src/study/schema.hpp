@@ -20,7 +20,8 @@ inline constexpr const char* kStudyFile = "a study, an SQLite database";
 /// Whether nothing has been written into the file yet.
 [[nodiscard]] bool is_empty(const SqliteFile& file);
 
-/// @throws DataError unless the file is a study of kSchemaVersion
+/// @throws DataError unless the file is a study of kSchemaVersion, with rows that fit together
+/// (check_content)
 void check_schema(const SqliteFile& file);
 
 /// Makes the tables; within a transaction of the caller.

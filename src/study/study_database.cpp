@@ -6,7 +6,9 @@
 #include <stdexcept>
 
 #include "bytes.hpp"
+#include "definition_text.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/core/random.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
@@ -32,6 +34,12 @@ std::vector<std::string> labels_of(const SqliteFile& file, std::int64_t id) {
   return labels;
 }
 
+/// A definition has the content of a trajectory file in place of its path.
+std::string without_path(const std::string& text) {
+  const std::size_t begin = text.find("\n  path: ");
+  return begin == std::string::npos ? text : text.substr(0, begin) + text.substr(text.find('\n', begin + 1));
+}
+
 std::vector<Eigen::Vector3d> positions_from(std::string_view bytes) {
   std::vector<Eigen::Vector3d> positions;
   detail::ByteReader in(bytes);
@@ -50,15 +58,12 @@ class StudyDatabase::Impl {
       : file_(path, SqliteFile::Mode::kRead, detail::kStudyFile) {
     detail::check_schema(file_);
     SqliteStatement study = file_.prepare("SELECT program_version, seed FROM study");
-    if (!study.step()) {
-      throw DataError(path.string(), 0, "a study", "one without a seed");
-    }
+    study.step();
     study.get(info_.program_version);
     study.get(info_.seed);
     SqliteStatement rows = file_.prepare(
         "SELECT id, name, runs, start, scenario, (SELECT count(*) FROM runs WHERE case_id = id AND method = "
-        "0) "
-        "FROM cases ORDER BY id");
+        "0), definition, definition_hash FROM cases ORDER BY id");
     while (rows.step()) {
       add_case(rows);
     }
@@ -89,10 +94,9 @@ class StudyDatabase::Impl {
     row.get(start);
     row.get(info.scenario_text);
     row.get(info.finished);
-    if (info.runs > kMaxTerms || info.finished > info.runs) {
-      fail(fmt::format("at most {} runs of '{}', and no more finished than planned", kMaxTerms, info.name),
-           fmt::format("{} planned, {} finished", info.runs, info.finished));
-    }
+    std::string definition, hash;
+    row.get(definition);
+    row.get(hash);
     try {
       info.start = start_mode_from_string(start);
     } catch (const std::invalid_argument& error) {
@@ -107,11 +111,26 @@ class StudyDatabase::Impl {
         fail(fmt::format("methods of '{}' that this version knows", info.name), error.what());
       }
     }
-    if (info.methods.empty()) {
-      fail(fmt::format("at least one method of '{}'", info.name), "none");
-    }
+    check_definition(info, definition, hash);
     info.frame_times = frame_times(info.scenario);
     info_.cases.push_back(std::move(info));
+  }
+
+  /// Runs are of the scenario and the methods that the definition has, or they were changed since.
+  void check_definition(const StudyCaseInfo& info, const std::string& definition,
+                        const std::string& hash) const {
+    const std::string expected = fmt::format("{:016x}", fnv1a(definition));
+    if (hash != expected) {
+      fail(fmt::format("the hash {} of the definition of '{}' in the table cases", expected, info.name),
+           hash);
+    }
+    const bool has_file = std::holds_alternative<FileTrajectory>(info.scenario.trajectory);
+    const std::string made_of = detail::definition_text(info.scenario_text, info.start, info.labels);
+    if (has_file ? without_path(definition) != without_path(made_of) : definition != made_of) {
+      fail(fmt::format("the scenario, start and methods of '{}' as its definition in the table cases",
+                       info.name),
+           "another one");
+    }
   }
 
   SqliteFile file_;

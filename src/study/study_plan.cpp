@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "definition_text.hpp"
 #include "io/text_file.hpp"
 #include "limber/core/random.hpp"
 #include "limber/io/parameter_text.hpp"
@@ -69,17 +70,25 @@ void check_plan(const StudyPlan& plan) {
   }
 }
 
+std::string detail::definition_text(const std::string& scenario, StartMode start,
+                                    const std::vector<std::string>& methods) {
+  std::string text = scenario + fmt::format("start: {}\nmethods:\n", name_of(start));
+  for (const std::string& method : methods) {
+    text += fmt::format("  - {}\n", method);
+  }
+  return text;
+}
+
 std::string definition_of(const StudyCase& study_case) {
   Scenario scenario = study_case.scenario;
   if (auto* trajectory = std::get_if<FileTrajectory>(&scenario.trajectory)) {
     trajectory->path = fmt::format("content-{:016x}", fnv1a(detail::load_text(trajectory->path)));
   }
-  std::string text =
-      format_scenario(scenario) + fmt::format("start: {}\nmethods:\n", name_of(study_case.start));
+  std::vector<std::string> methods;
   for (const MethodVariant& variant : study_case.methods) {
-    text += fmt::format("  - {}\n", to_string(variant));
+    methods.push_back(to_string(variant));
   }
-  return text;
+  return detail::definition_text(format_scenario(scenario), study_case.start, methods);
 }
 
 std::vector<double> frame_times(const Scenario& scenario) {

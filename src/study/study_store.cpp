@@ -209,10 +209,6 @@ void StudyStore::take_up_case(std::size_t index, const StudyCase& study_case) {
         "'name:'",
         file_.path().string(), name, differing_lines(text, definition)));
   }
-  if (runs > kMaxTerms) {
-    throw DataError(file_.path().string(), 0, fmt::format("at most {} runs of '{}'", kMaxTerms, name),
-                    fmt::format("{}", runs));
-  }
   if (runs < study_case.runs) {
     file_.prepare("UPDATE cases SET runs = ? WHERE id = ?").put(study_case.runs).put(ids_.back()).run();
   }
@@ -225,13 +221,7 @@ void StudyStore::load_finished(std::size_t index) {
   SqliteStatement rows = file_.prepare("SELECT run FROM runs WHERE case_id = ? AND method = 0");
   rows.put(ids_[index]);
   while (rows.step()) {
-    const auto run = rows.get<std::uint64_t>();
-    if (run >= finished_[index].size()) {
-      throw DataError(file_.path().string(), 0,
-                      fmt::format("runs of case {} below {}", ids_[index], finished_[index].size()),
-                      fmt::format("run {}", run));
-    }
-    finished_[index][run] = true;
+    finished_[index][rows.get<std::uint64_t>()] = true;
   }
 }
 

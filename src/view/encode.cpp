@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "io/base64.hpp"
+#include "limber/core/errors.hpp"
 #include "limber/diagnose/health_summary.hpp"
 
 namespace limber::detail {
@@ -69,14 +70,16 @@ Json json_of(const std::vector<ViewLandmark>& map) {
   return {{"ids", ids}, {"p", to_base64(std::span<const float>(positions))}};
 }
 
-Json images_of(const ViewFrame& frame) {
-  if (!frame.images) return nullptr;
+/// Images that cannot be read are no reason to stop: the status says so.
+void put_images(const ViewFrame& frame, Json& out) {
+  out["images"] = nullptr;
+  if (!frame.images) return;
   try {
     const ViewImages images = frame.images();
-    if (images[0].empty() || images[1].empty()) return nullptr;
-    return {to_base64(std::span(images[0])), to_base64(std::span(images[1]))};
-  } catch (const std::exception&) {
-    return nullptr;  // a page without the picture is no reason to stop
+    if (images[0].empty() || images[1].empty()) return;
+    out["images"] = {to_base64(std::span(images[0])), to_base64(std::span(images[1]))};
+  } catch (const DataError& error) {
+    out["status"] = frame.status + "; no images: " + error.what();
   }
 }
 
@@ -123,7 +126,7 @@ std::string to_json(const ViewFrame& frame, const WatchOptions& watch) {
     out["stages"].push_back({stage.name, stage.ms});
   }
   out["health"] = frame.health ? json_of(*frame.health, watch) : Json(nullptr);
-  out["images"] = images_of(frame);
+  put_images(frame, out);
   return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

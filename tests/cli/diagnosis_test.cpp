@@ -82,11 +82,19 @@ TEST(Diagnosis, MentionsATimeOffsetThatIsLargeAndCertain) {
   EXPECT_THAT(to_text(diagnosis), Not(HasSubstr("time offset")));
 }
 
+TEST(Diagnosis, SaysWhyThereIsNoEkfBeside) {
+  Diagnosis diagnosis = with(kDecalibrated);
+  diagnosis.ekf_failure = "ekf diverged at frame 7";
+  EXPECT_THAT(to_text(diagnosis), HasSubstr("What the pose loses: ekf fails: ekf diverged at frame 7\n"));
+  EXPECT_EQ(nlohmann::json::parse(to_json(diagnosis))["ekf_failure"], "ekf diverged at frame 7");
+}
+
 TEST(Diagnosis, IsJsonWithNullForWhatIsNotKnown) {
   const auto json = nlohmann::json::parse(to_json(with(kDegraded)));
   EXPECT_EQ(json["verdict"], "degraded");
   EXPECT_EQ(json["health"]["verdict"], "degraded");
   EXPECT_TRUE(json["time_offset_cam1_cam0"].is_null() && json["failure"].is_null());
+  EXPECT_TRUE(json["ekf_failure"].is_null());
 }
 
 }  // namespace

@@ -70,12 +70,45 @@ class HostileStudy : public ::testing::Test {
 TEST_F(HostileStudy, IsRefusedWhereBytesAreMissing) {
   expect_refused_after("UPDATE curves SET sums = x''", "0 bytes instead of");
   expect_refused_after("UPDATE curves SET sums = substr(sums, 1, 24 * 5)", "120 bytes instead of");
-  expect_refused_after("UPDATE curves SET sums = sums || zeroblob(24)", "bytes instead of");
-  expect_refused_after("UPDATE curves SET sums = 'text'", "bytes instead of");
-  expect_refused_after("UPDATE cases SET runs = 4000000000000", "found 4000000000000");
+  expect_refused_after("UPDATE curves SET sums = CAST(sums || zeroblob(24) AS BLOB)", "bytes instead of");
+  expect_refused_after("UPDATE curves SET sums = 'text'", "the table curves with bytes, found sums 'text'");
+  expect_refused_after("UPDATE cases SET runs = 4000000000000", "found runs 4000000000000");
   expect_refused_after("UPDATE cases SET runs = 1", "no more finished than planned");
   expect_refused_after("UPDATE methods SET label = 'magic'", "methods of");
   expect_refused_after("DELETE FROM methods", "at least one method");
+}
+
+TEST_F(HostileStudy, IsRefusedWhereRowsDoNotFitTogether) {
+  const std::string path =
+      "the table runs with a path of run 0 in the table examples, found run 0 (case 1, method 0, run 0)";
+  for (const auto& [sql, words] : std::vector<std::pair<std::string, std::string>>{
+           {"UPDATE runs SET position_rmse_m = 'abc' WHERE run = 1",
+            "the table runs with a number or nothing, found position_rmse_m 'abc' (case 1, method 0, run 1)"},
+           {"UPDATE runs SET frames = -5", "found frames -5 (case 1, method 0, run 0)"},
+           {"UPDATE runs SET share_within_95 = 2", "a share, at most 1"},
+           {"UPDATE runs SET diverged_s = 0.1", "frame, time and reason of a divergence"},
+           {"UPDATE runs SET method = 9",
+            "the table runs with a case and a method of the table methods, found method 9"},
+           {"UPDATE runs SET case_id = 7", "found method 0 (case 7, method 0, run 0)"},
+           {"UPDATE methods SET method = 1", "methods numbered from 0"},
+           {"DELETE FROM examples", path},
+           {"UPDATE examples SET positions = x''",
+            "the table examples with 24 bytes for each frame of run 0"},
+           {"DELETE FROM curves", "the table methods with curves of pose errors"},
+           {"UPDATE curves SET quantity = 'luck' WHERE quantity = 'landmarks'", "found quantity 'luck'"},
+           {"DELETE FROM study", "one row in the table study, found 0 rows"},
+           {"UPDATE starts SET threads = 'many'",
+            "the table starts with an integer, found threads 'many'"}}) {
+    expect_refused_after(sql, words);
+    expect_refused_after(sql, words, true);
+  }
+}
+
+TEST_F(HostileStudy, IsRefusedWithTheDefinitionOfAnother) {
+  expect_refused_after("UPDATE cases SET definition = replace(definition, '60', '61')", "the hash");
+  expect_refused_after("UPDATE cases SET scenario = replace(scenario, '60', '61')",
+                       "as its definition in the table cases");
+  expect_refused_after("UPDATE methods SET label = 'ekf-full'", "as its definition in the table cases");
 }
 
 TEST_F(HostileStudy, IsNotGoneOnWith) {

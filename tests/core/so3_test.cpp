@@ -208,5 +208,18 @@ TEST(RotationBetween, EqualVectorsGiveIdentityAndOppositeOnesHalfATurn) {
   }
 }
 
+TEST(So3, OnlyOrthonormalMatricesOfDeterminantOneAreRotations) {
+  for (const Vector3d& phi : rotation_vectors()) {
+    EXPECT_TRUE(is_rotation(so3_exp(phi)));
+    EXPECT_FALSE(is_rotation(-so3_exp(phi)));
+    EXPECT_FALSE(is_rotation(1.01 * so3_exp(phi)));
+  }
+  EXPECT_FALSE(is_rotation(Matrix3d::Zero()));
+  Matrix3d R = Matrix3d::Identity();
+  R(2, 1) = std::nan("");
+  EXPECT_FALSE(is_rotation(R));
+  EXPECT_THROW(require_rotation(R, "R"), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace limber

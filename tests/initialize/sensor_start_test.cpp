@@ -75,6 +75,12 @@ TEST(SensorStart, RefusesWhatIsNoFrameOfTheWindow) {
   EXPECT_THROW((void)start.result(), std::invalid_argument);
   (void)start.add_frame(scene.frames[1]);
   EXPECT_THROW((void)start.add_frame(scene.frames[0]), std::invalid_argument);
+  StereoFrame far = scene.frames[2];
+  far.observations[0].uv_cam0.setConstant(1e300);
+  EXPECT_THROW((void)start.add_frame(far), std::invalid_argument);
+  StereoCalibration flat = scene.calibration;
+  flat.cam1.fv = 0.0;
+  EXPECT_THROW(SensorStart(options_of(scene, Method::kLcekf), flat), std::invalid_argument);
 }
 
 }  // namespace

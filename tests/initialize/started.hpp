@@ -27,7 +27,7 @@ inline Started start(const Scene& scene, const NavigatorOptions& options, const 
   SensorStart start(options, scene.calibration, how);
   for (const InputSample& sample : scene.inputs) {
     if (options.motion == MotionModel::kImu) {
-      start.add_imu({sample.t_ns, sample.first, sample.second});
+      start.add_imu({sample.t_ns, sample.angular, sample.linear});
     }
   }
   Started out;

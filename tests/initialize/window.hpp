@@ -35,7 +35,7 @@ inline Window make_window(SceneOptions options) {
   options.duration_s = 1.0;
   Window out{make_scene(options), {}};
   for (const InputSample& sample : out.scene.inputs) {
-    out.imu.push_back({sample.t_ns, sample.first, sample.second});
+    out.imu.push_back({sample.t_ns, sample.angular, sample.linear});
   }
   return out;
 }

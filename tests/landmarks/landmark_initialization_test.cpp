@@ -48,9 +48,9 @@ Vector3d in_cam0(const Estimate& estimate, const StereoCalibration& rig, const L
   return (estimate.nav.T_world_body * body_from_cam0(rig)).inverse() * estimate.landmark_position(landmark);
 }
 
-/// A birth into a small map, on a new anchor if the kind needs one.
-std::optional<RemainingRows> bear(Estimate& estimate, const StereoObservation& observation,
-                                  const StereoCalibration& rig, const LandmarkInitOptions& options) {
+/// A new landmark of a small map, on a new anchor if the kind needs one.
+std::optional<RemainingRows> initialize(Estimate& estimate, const StereoObservation& observation,
+                                        const StereoCalibration& rig, const LandmarkInitOptions& options) {
   const MountedRig mounted = mount(rig);
   const int anchor =
       options.kind == LandmarkKind::kInverseDepth ? estimate.add_anchor(mounted[0].T_cam_body.inverse()) : -1;
@@ -84,7 +84,7 @@ TEST(InitializeLandmark, PutsAPerfectlySeenPointWhereItIs) {
       for (const Vector3d& X :
            {Vector3d(0.3, -0.2, 1.5), Vector3d(-1.0, 0.8, 6.0), Vector3d(5.0, 3.0, 40.0)}) {
         Estimate estimate = testing::random_map(generator, 5);
-        ASSERT_TRUE(bear(estimate, seen(rig, X), rig, options));
+        ASSERT_TRUE(initialize(estimate, seen(rig, X), rig, options));
         const Landmark& landmark = *estimate.find(7);
         EXPECT_EQ(landmark.kind, options.kind);
         EXPECT_EQ(landmark.last_seen_ns, kNow);
@@ -102,7 +102,7 @@ TEST(InitializeLandmark, ChangesNothingElseAndKeepsTheCovariancePositiveDefinite
       Estimate estimate = testing::random_map(generator, 5, layout);
       const Snapshot before = snapshot(estimate);
       const StereoCalibration rig = calibration();
-      ASSERT_TRUE(bear(estimate, seen(rig, {0.5, 0.2, 4.0}), rig, options));
+      ASSERT_TRUE(initialize(estimate, seen(rig, {0.5, 0.2, 4.0}), rig, options));
       EXPECT_EQ(snapshot(estimate, {7}), before);
       EXPECT_TRUE(Cholesky(estimate.P.dense()).succeeded());
     }
@@ -116,7 +116,7 @@ TEST(InitializeLandmark, SaysWhichRowsAreStillToBeUsed) {
     const StereoCalibration rig = calibration(body);
     StereoObservation observation = seen(rig, {0.5, 0.2, 4.0});
     observation.in_cam1 = right;
-    return bear(estimate, observation, rig, options);
+    return initialize(estimate, observation, rig, options);
   };
   const auto classical = options_for(LandmarkInitMode::kClassical, LandmarkKind::kInverseDepth);
   const auto diffuse = options_for(LandmarkInitMode::kDiffuse, LandmarkKind::kInverseDepth);
@@ -131,13 +131,13 @@ TEST(InitializeLandmark, SaysWhichRowsAreStillToBeUsed) {
             RemainingRows::kNone);
 }
 
-/// The birth must refuse, and leave no trace.
+/// The initialisation must refuse, and leave no trace.
 void expect_refusal(Generator& generator, const StereoObservation& observation,
                     const LandmarkInitOptions& options, const char* why) {
   Estimate estimate = testing::random_map(generator, 5);
   const Snapshot before = snapshot(estimate);
   const Index size = estimate.size();
-  EXPECT_FALSE(bear(estimate, observation, calibration(), options)) << why;
+  EXPECT_FALSE(initialize(estimate, observation, calibration(), options)) << why;
   EXPECT_EQ(snapshot(estimate), before) << why;
   EXPECT_EQ(estimate.size(), size) << why;
   EXPECT_EQ(estimate.find(observation.track_id), nullptr) << why;
@@ -168,7 +168,7 @@ TEST(InitializeLandmark, PointsAtAndBeyondInfinityBeginFarAway) {
       const StereoCalibration rig = calibration();
       StereoObservation observation = seen(rig, {1e4, -2e3, 1e5});
       observation.uv_cam1.x() += disparity_error;  // the rays part behind the rig
-      ASSERT_TRUE(bear(estimate, observation, rig, options_for(mode, LandmarkKind::kInverseDepth)));
+      ASSERT_TRUE(initialize(estimate, observation, rig, options_for(mode, LandmarkKind::kInverseDepth)));
       const Landmark& landmark = *estimate.find(7);
       EXPECT_TRUE(landmark.value.allFinite());
       EXPECT_LE(landmark.value.z(), 1.0 / 100.0);
@@ -189,7 +189,7 @@ TEST(InitializeLandmark, SeenByTheLeftCameraAloneItsDepthIsThePrior) {
     const StereoCalibration rig = calibration();
     StereoObservation observation = seen(rig, {0.5, 0.2, 4.0});
     observation.in_cam1 = false;
-    ASSERT_TRUE(bear(estimate, observation, rig, options));
+    ASSERT_TRUE(initialize(estimate, observation, rig, options));
     const Landmark& landmark = *estimate.find(7);
     EXPECT_EQ(landmark.value, Vector3d(0.0, 0.0, 0.2));
     const Matrix3d P = estimate.P.diagonal_block<3>(landmark.at);
@@ -210,7 +210,7 @@ TEST(InitializeLandmark, DiffuselyInitializedPointsKnowNothingOfTheOthersButThei
     LandmarkInitOptions options = options_for(LandmarkInitMode::kDiffuse, kind);
     options.inverse_depth_sigma_baselines = 0.7;
     options.cartesian_sigma = 500.0;
-    ASSERT_TRUE(bear(estimate, seen(rig, {0.5, 0.2, 4.0}), rig, options));
+    ASSERT_TRUE(initialize(estimate, seen(rig, {0.5, 0.2, 4.0}), rig, options));
     const Landmark& landmark = *estimate.find(7);
     MatrixXd column;
     estimate.P.gather(std::vector<Index>{landmark.at}, column);
@@ -225,7 +225,8 @@ TEST(InitializeLandmark, DiffuselyInitializedPointsKnowNothingOfTheOthersButThei
   }
 }
 
-/// The joint error of pose, theta and landmark over many births from disturbed poses, rigs and pixels.
+/// The joint error of pose, theta and landmark over many initialisations from disturbed poses, rigs and
+/// pixels.
 struct Disturbed {
   Estimate estimate;
   VectorXd error;  // pose, theta, landmark position
@@ -264,7 +265,7 @@ Disturbed initialize_disturbed(Generator& generator, const StateLayout& layout,
   return {std::move(estimate), error};
 }
 
-TEST(InitializeLandmark, ClassicalBirthHasTheCovarianceOfManyDisturbedBirths) {
+TEST(InitializeLandmark, ClassicallyHasTheCovarianceOfManyDisturbedOnes) {
   Generator generator(8);
   const PixelNoise sigma_px(0.05, 0.08, 0.06, 0.04);
   const Vector3d X_cam0(0.4, -0.3, 2.5);

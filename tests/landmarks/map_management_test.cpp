@@ -142,7 +142,7 @@ TEST(ForgetMisplaced, RemovesOfTheReturningOnlyWhatIsCurved) {
   EXPECT_EQ(forgotten(1.5, kPresent + kSecond, false), 0U);  // not back
 }
 
-/// Born 5 m away under a doubtful calibration; now at `depth`.
+/// Initialised 5 m away under a doubtful calibration; now at `depth`.
 Estimate moved_to(double depth, double sigma_rho) {
   Estimate estimate = before_a_point(depth, sigma_rho);
   estimate.find(1)->rho_assumed = 0.2;

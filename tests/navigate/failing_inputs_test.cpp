@@ -117,9 +117,9 @@ void run_through_gap(MotionModel motion, double gap_s, bool images, std::uint64_
         continue;
       }
       if (motion == MotionModel::kImu) {
-        filter.add_imu({s.t_ns, s.first, s.second});
+        filter.add_imu({s.t_ns, s.angular, s.linear});
       } else {
-        filter.add_odometry({s.t_ns, s.first, s.second});
+        filter.add_odometry({s.t_ns, s.linear, s.angular});
       }
     }
     const bool blind = !images && scene.frames[k].t_ns > from && scene.frames[k].t_ns <= to;
@@ -155,7 +155,7 @@ TEST(FailingInputs, LateSamplesAreCountedAndTheirTimeIsAGap) {
   for (std::size_t k = 0; k < scene.frames.size(); ++k) {
     const std::int64_t available = scene.frames[k].t_ns - 100 * kMs;
     for (; next < scene.inputs.size() && scene.inputs[next].t_ns <= available; ++next) {
-      filter.add_imu({scene.inputs[next].t_ns, scene.inputs[next].first, scene.inputs[next].second});
+      filter.add_imu({scene.inputs[next].t_ns, scene.inputs[next].angular, scene.inputs[next].linear});
     }
     const FrameReport report = filter.process({scene.frames[k].t_ns, {}});
     late += report.inputs.faults[InputFault::kLate];
@@ -174,8 +174,8 @@ TEST(FailingInputs, AFiniteSampleThatIsImpossibleIsLeftOut) {
   for (std::size_t k = 0; k < scene.frames.size(); ++k) {
     for (; next < scene.inputs.size() && scene.inputs[next].t_ns <= scene.frames[k].t_ns; ++next) {
       const Eigen::Vector3d accel =
-          next == 203 ? Eigen::Vector3d(Eigen::Vector3d::Constant(1e300)) : scene.inputs[next].second;
-      filter.add_imu({scene.inputs[next].t_ns, scene.inputs[next].first, accel});
+          next == 203 ? Eigen::Vector3d(Eigen::Vector3d::Constant(1e300)) : scene.inputs[next].linear;
+      filter.add_imu({scene.inputs[next].t_ns, scene.inputs[next].angular, accel});
     }
     left_out += filter.process(scene.frames[k]).inputs.faults[InputFault::kImpossible];
   }
@@ -288,7 +288,7 @@ Stepped fly_with_bias_step(Method method, double step, std::uint64_t seed) {
     for (; next < scene.inputs.size() && scene.inputs[next].t_ns <= scene.frames[k].t_ns; ++next) {
       const InputSample& s = scene.inputs[next];
       navigator.add_imu(
-          {s.t_ns, s.first + (s.t_ns > 2000 * kMs ? step : 0.0) * Eigen::Vector3d::UnitX(), s.second});
+          {s.t_ns, s.angular + (s.t_ns > 2000 * kMs ? step : 0.0) * Eigen::Vector3d::UnitX(), s.linear});
     }
     const FrameReport report = navigator.process(scene.frames[k]);
     out.contradicted += report.inputs.contradiction ? 1 : 0;
@@ -351,7 +351,7 @@ TEST(FailingInputs, GoingBackTakesNoFrameMuchLongerThanAnother) {
   std::size_t next = 0;
   for (std::size_t k = 0; k < scene.frames.size(); ++k) {
     for (; next < scene.inputs.size() && scene.inputs[next].t_ns <= scene.frames[k].t_ns; ++next) {
-      navigator.add_imu({scene.inputs[next].t_ns, scene.inputs[next].first, scene.inputs[next].second});
+      navigator.add_imu({scene.inputs[next].t_ns, scene.inputs[next].angular, scene.inputs[next].linear});
     }
     // While it goes back, the parallel filter answers.
     const auto parallel_answers = [&] { return navigator.estimate().layout().has_witness; };

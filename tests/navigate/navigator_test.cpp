@@ -34,9 +34,9 @@ Flight fly(const Scene& scene, Method method) {
     while (next < scene.inputs.size() && scene.inputs[next].t_ns <= frame.t_ns) {
       const InputSample& sample = scene.inputs[next++];
       if (scene.options.motion == MotionModel::kImu) {
-        navigator.add_imu({sample.t_ns, sample.first, sample.second});
+        navigator.add_imu({sample.t_ns, sample.angular, sample.linear});
       } else if (scene.options.motion == MotionModel::kOdometry) {
-        navigator.add_odometry({sample.t_ns, sample.first, sample.second});
+        navigator.add_odometry({sample.t_ns, sample.linear, sample.angular});
       }
     }
     out.reports.push_back(navigator.process(frame));
@@ -127,8 +127,8 @@ TEST(Navigator, OtherMethodsAreLeftAlone) {
   StereoFilter plain(options, scene.calibration, scene.initial);
   Navigator supervised(options, scene.calibration, scene.initial);
   for (const InputSample& sample : scene.inputs) {
-    plain.add_imu({sample.t_ns, sample.first, sample.second});
-    supervised.add_imu({sample.t_ns, sample.first, sample.second});
+    plain.add_imu({sample.t_ns, sample.angular, sample.linear});
+    supervised.add_imu({sample.t_ns, sample.angular, sample.linear});
   }
   for (const StereoFrame& frame : scene.frames) {
     (void)plain.process(frame);

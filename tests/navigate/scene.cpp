@@ -24,17 +24,17 @@ Eigen::Vector3d sway_acceleration(double t) {
 /// Advances the truth over one interval between noise-free samples, as the filter does.
 void advance(NavigationState& state, MotionModel motion, const InputSample& a, const InputSample& b,
              double dt) {
-  const Eigen::Vector3d first = 0.5 * (a.first + b.first);
-  const Eigen::Vector3d second = 0.5 * (a.second + b.second);
+  const Eigen::Vector3d angular = 0.5 * (a.angular + b.angular);
+  const Eigen::Vector3d linear = 0.5 * (a.linear + b.linear);
   switch (motion) {
     case MotionModel::kImu:
-      (void)predict_imu(state, first, second, dt, {}, 9.81);
+      (void)predict_imu(state, angular, linear, dt, {}, 9.81);
       break;
     case MotionModel::kConstantVelocity:
       (void)predict_constant_velocity(state, dt, {});
       break;
     case MotionModel::kOdometry:
-      (void)predict_odometry(state, first, second, dt, {});
+      (void)predict_odometry(state, linear, angular, dt, {});
       break;
   }
 }
@@ -121,7 +121,7 @@ class SceneMaker {
   [[nodiscard]] InputSample clean_sample(std::int64_t t_ns) const {
     const double t = 1e-9 * static_cast<double>(t_ns);
     if (o_.motion == MotionModel::kOdometry) {
-      return {t_ns, sway_velocity(t), sway_rate(t)};
+      return {t_ns, sway_rate(t), sway_velocity(t)};
     }
     const Eigen::Vector3d g(0.0, 0.0, 9.81);
     const Eigen::Matrix3d turn = so3_exp(Eigen::Vector3d(0.0, 0.0, o_.yaw));
@@ -136,11 +136,11 @@ class SceneMaker {
     const double root_rate = 1.0 / std::sqrt(1e-3 * static_cast<double>(o_.input_ms));
     const NavigatorOptions& options = scene_.options;
     if (o_.motion == MotionModel::kOdometry) {
-      sample.first += options.odometry_noise.sigma_v.cwiseProduct(normal(3));
-      sample.second += options.odometry_noise.sigma_omega.cwiseProduct(normal(3));
+      sample.linear += options.odometry_noise.sigma_v.cwiseProduct(normal(3));
+      sample.angular += options.odometry_noise.sigma_omega.cwiseProduct(normal(3));
     } else {
-      sample.first += root_rate * options.imu_noise.gyro_density * normal(3);
-      sample.second += root_rate * options.imu_noise.accel_density * normal(3);
+      sample.angular += root_rate * options.imu_noise.gyro_density * normal(3);
+      sample.linear += root_rate * options.imu_noise.accel_density * normal(3);
     }
     return sample;
   }
@@ -197,8 +197,8 @@ class SceneMaker {
       const std::int64_t wait = into <= 0 ? -into : o_.frame_ms - into;
       if (wait < o_.input_ms) {
         const double s = static_cast<double>(wait) / static_cast<double>(o_.input_ms);
-        const InputSample middle{0, (1.0 - s) * from.first + s * to.first,
-                                 (1.0 - s) * from.second + s * to.second};
+        const InputSample middle{0, (1.0 - s) * from.angular + s * to.angular,
+                                 (1.0 - s) * from.linear + s * to.linear};
         if (wait > 0) {
           advance(truth_, o_.motion, from, middle, s * dt);
         }
@@ -251,9 +251,9 @@ void Feeder::feed_inputs(std::int64_t t_ns) {
   while (next_ < scene_.inputs.size() && (next_ == 0 || scene_.inputs[next_ - 1].t_ns < t_ns)) {
     const InputSample& sample = scene_.inputs[next_++];
     if (scene_.made_of.motion == MotionModel::kImu) {
-      navigator.add_imu({sample.t_ns, sample.first, sample.second});
+      navigator.add_imu({sample.t_ns, sample.angular, sample.linear});
     } else if (scene_.made_of.motion == MotionModel::kOdometry) {
-      navigator.add_odometry({sample.t_ns, sample.first, sample.second});
+      navigator.add_odometry({sample.t_ns, sample.linear, sample.angular});
     }
   }
 }

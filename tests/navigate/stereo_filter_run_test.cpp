@@ -194,8 +194,8 @@ TEST(NavigatorRun, EkfFullFindsAConstantError) {
   }
 }
 
-/// A diffuse Cartesian birth subtracts covariances of (1000 m)² and leaves square centimetres: of sixteen
-/// digits six are left.
+/// A diffuse Cartesian initialisation subtracts covariances of (1000 m)² and leaves square centimetres: of
+/// sixteen digits six are left.
 double rounding(LandmarkKind kind) { return kind == LandmarkKind::kCartesian ? 1e-5 : 1e-10; }
 
 /// The world turned about the vertical and moved: the same noise, the same answer, turned and moved.

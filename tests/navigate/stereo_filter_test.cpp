@@ -58,6 +58,11 @@ TEST(StereoFilter, BadFramesAreRefusedAndLeaveTheStateAsItWas) {
       {"older", [](StereoFrame& f) { f.t_ns -= 60 * kMs; }},
       {"not finite", [&](StereoFrame& f) { f.observations[3].uv_cam0.x() = nan; }},
       {"not finite", [&](StereoFrame& f) { f.observations[4].uv_cam1.y() = inf; }},
+      {"1e+300", [](StereoFrame& f) { f.observations[3].uv_cam1.x() = -1e300; }},
+      {"1e+300",
+       [](StereoFrame& f) {
+         for (StereoObservation& o : f.observations) o.uv_cam0.setConstant(1e300);
+       }},
       {"twice", [](StereoFrame& f) { f.observations[5].track_id = f.observations[2].track_id; }},
   };
   for (const Method method : kAllMethods) {
@@ -330,7 +335,48 @@ TEST(StereoFilter, OptionsThatMakeNoSenseAreRefused) {
   expect_refusal("gate_probability", [](NavigatorOptions& o) { o.gate_probability = 1.0; });
   expect_refusal("gate_probability", [](NavigatorOptions& o) { o.gate_probability = 0.0; });
   expect_refusal("12x12", {}, {}, [](InitialState& i) { i.body_covariance = MatrixXd::Identity(12, 12); });
+  expect_refusal("fu of cam0", {}, [](StereoCalibration& c) { c.cam0.fu = -400.0; });
   expect_refusal("baseline", {}, [](StereoCalibration& c) { c.theta.tail<3>().setZero(); });
+}
+
+TEST(StereoFilter, AnInitialStateThatIsNoneIsRefused) {
+  const Scene scene = small_scene();
+  const auto expect_refusal = [&](const std::string& says, const std::function<void(InitialState&)>& spoil) {
+    InitialState initial = scene.initial;
+    spoil(initial);
+    const std::string message =
+        message_of([&] { const StereoFilter filter(scene.options, scene.calibration, initial); });
+    EXPECT_NE(message.find(says), std::string::npos) << says << ": " << message;
+  };
+  expect_refusal("attitude", [](InitialState& i) { i.nav.T_world_body.R.setZero(); });
+  expect_refusal("attitude", [](InitialState& i) { i.nav.T_world_body.R.col(0) *= -1.0; });
+  expect_refusal("attitude", [](InitialState& i) { i.nav.T_world_body.R(1, 1) = std::nan(""); });
+  expect_refusal("position", [](InitialState& i) { i.nav.T_world_body.p.z() = std::nan(""); });
+  expect_refusal("accelerometer bias", [](InitialState& i) { i.nav.bias_accel.x() = std::nan(""); });
+  expect_refusal("covariance", [](InitialState& i) { i.body_covariance(0, 4) = std::nan(""); });
+  expect_refusal("variance", [](InitialState& i) { i.body_covariance(2, 2) = -1.0; });
+  expect_refusal("symmetric",
+                 [](InitialState& i) { i.body_covariance(0, 1) = 0.5 * i.body_covariance(0, 0); });
+  expect_refusal("positive semidefinite", [](InitialState& i) {
+    i.body_covariance(0, 1) = i.body_covariance(1, 0) = 2.0 * i.body_covariance(0, 0);
+  });
+  expect_refusal("landmark 7", [](InitialState& i) {
+    i.landmarks.resize(1);
+    i.landmarks.front().track_id = 7;
+    i.landmarks.front().value.setConstant(std::nan(""));
+  });
+}
+
+TEST(StereoFilter, AStateWithoutATimeKeepsItWhereTheFirstFrameIsRefused) {
+  const Scene scene = small_scene();
+  StereoFilter filter(scene.options, scene.calibration, scene.initial);
+  ASSERT_EQ(filter.estimate().nav.t_ns, 0);
+  StereoFrame frame = scene.frames[0];
+  frame.t_ns = 1'000'000'000'000;
+  frame.observations[0].uv_cam0.setConstant(std::nan(""));
+  EXPECT_THROW((void)filter.process(frame), std::invalid_argument);
+  EXPECT_THROW(filter.add_imu({frame.t_ns, Vector3d::Constant(std::nan("")), {}}), std::invalid_argument);
+  EXPECT_EQ(filter.estimate().nav.t_ns, 0);
 }
 
 TEST(StereoFilter, InputsOfAnotherMotionModelAreRefused) {
@@ -353,6 +399,8 @@ TEST(StereoFilter, ThetaCanBeAssumedUnlessItIsInTheState) {
     } else {
       navigator.assume_theta(theta);
       EXPECT_EQ(navigator.estimate().theta, theta);
+      EXPECT_THROW(navigator.assume_theta(RigParameters::Constant(std::nan(""))), std::invalid_argument);
+      EXPECT_EQ(navigator.calibration().theta, theta);
     }
   }
 }

@@ -17,7 +17,8 @@ using testing::Generator;
 
 constexpr std::int64_t kMs = 1000000;
 
-/// Inputs that are linear in time, so that interpolation is exact: first = t e_x, second = (1 - 2t) e_y.
+/// Inputs that are linear in time, so that interpolation is exact: angular = t e_x, linear =
+/// (1 - 2t) e_y.
 InputSample linear_sample(std::int64_t t_ns) {
   const double t = 1e-9 * static_cast<double>(t_ns);
   return {t_ns, t * Vector3d::UnitX(), (1.0 - 2.0 * t) * Vector3d::UnitY()};
@@ -56,9 +57,9 @@ TEST(InputBuffer, WithoutAnySampleKnowsNothingButThePrior) {
   expect_cover(steps, 0, 230 * kMs);
   for (const InputStep& step : steps) {
     EXPECT_LE(step.dt, 0.05);
-    EXPECT_EQ(step.first_unknown.memory, 0.0);
-    EXPECT_GE(step.first_unknown.density, 0.5 * kImuPrior.first_spread * kImuPrior.first_spread);
-    EXPECT_GE(step.second_unknown.density, 0.5 * kImuPrior.second_spread * kImuPrior.second_spread);
+    EXPECT_EQ(step.angular_unknown.memory, 0.0);
+    EXPECT_GE(step.angular_unknown.density, 0.5 * kImuPrior.angular.spread * kImuPrior.angular.spread);
+    EXPECT_GE(step.linear_unknown.density, 0.5 * kImuPrior.linear.spread * kImuPrior.linear.spread);
   }
   EXPECT_NEAR(empty.longest_gap_s(0, 230 * kMs), 0.23, 1e-12);
 }
@@ -84,24 +85,24 @@ TEST(InputBuffer, WhatMayHaveHappenedInAGapGrowsWithItAndIsBoundedByTheMotionSee
   const std::vector<InputStep> steps = lively.steps(end, end + 2000 * kMs);
   double before = 0.0;
   for (const InputStep& step : steps) {
-    EXPECT_GE(step.first_unknown.density, before);
-    EXPECT_LE(step.first_unknown.density, 0.7 * 0.7 + 0.2);
-    before = step.first_unknown.density;
+    EXPECT_GE(step.angular_unknown.density, before);
+    EXPECT_LE(step.angular_unknown.density, 0.7 * 0.7 + 0.2);
+    before = step.angular_unknown.density;
   }
-  EXPECT_GE(steps.front().first_unknown.memory, 0.95);
-  EXPECT_EQ(steps.back().first_unknown.memory, 0.0);
-  EXPECT_LE(steps.front().first_unknown.density, 0.05 * before);
+  EXPECT_GE(steps.front().angular_unknown.memory, 0.95);
+  EXPECT_EQ(steps.back().angular_unknown.memory, 0.0);
+  EXPECT_LE(steps.front().angular_unknown.density, 0.05 * before);
   // A tenth of the motion: a hundredth of the variance (and what is left of the prior).
   const InputStep last = calm.steps(end, end + 2000 * kMs).back();
-  EXPECT_LE(last.first_unknown.density, 0.1 * before);
+  EXPECT_LE(last.angular_unknown.density, 0.1 * before);
 }
 
 TEST(InputBuffer, BetweenSamplesNothingIsUnknown) {
   const InputBuffer buffer = swinging(1.0, 1.0);
   for (const InputStep& step : buffer.steps(0, 1000 * kMs)) {
-    EXPECT_EQ(step.first_unknown.density, 0.0);
-    EXPECT_EQ(step.second_unknown.density, 0.0);
-    EXPECT_EQ(step.first_unknown.memory, 1.0);
+    EXPECT_EQ(step.angular_unknown.density, 0.0);
+    EXPECT_EQ(step.linear_unknown.density, 0.0);
+    EXPECT_EQ(step.angular_unknown.memory, 1.0);
   }
   EXPECT_EQ(buffer.longest_gap_s(0, 1000 * kMs), 0.0);
 }
@@ -121,8 +122,8 @@ TEST(InputBuffer, TheVarianceOfAGapIsThatOfTheErrorMade) {
       }
       double angle = 0.0;
       for (const InputStep& step : buffer.steps(from, to)) {
-        angle += step.first_unknown.memory * step.first.x() * step.dt;
-        variance += step.first_unknown.density * step.dt;
+        angle += step.angular_unknown.memory * step.angular.x() * step.dt;
+        variance += step.angular_unknown.density * step.dt;
       }
       const auto integral = [](std::int64_t t) { return -std::cos(3.14e-9 * static_cast<double>(t)) / 3.14; };
       squared += std::pow(angle - (integral(to) - integral(from)), 2);
@@ -170,8 +171,8 @@ TEST(InputBuffer, CoversAnyIntervalsWithMeansOfTheInterpolatedInputs) {
       std::int64_t t = t_state;
       for (const InputStep& step : steps) {
         const double middle = 0.5e-9 * static_cast<double>(t + step.t_end_ns);
-        EXPECT_LE((step.first - middle * Vector3d::UnitX()).norm(), 1e-12);
-        EXPECT_LE((step.second - (1.0 - 2.0 * middle) * Vector3d::UnitY()).norm(), 1e-12);
+        EXPECT_LE((step.angular - middle * Vector3d::UnitX()).norm(), 1e-12);
+        EXPECT_LE((step.linear - (1.0 - 2.0 * middle) * Vector3d::UnitY()).norm(), 1e-12);
         t = step.t_end_ns;
       }
       t_state = t_frame;
@@ -185,11 +186,11 @@ TEST(InputBuffer, HoldsTheFirstSampleBeforeItAndTheLastAfterIt) {
   buffer.add(linear_sample(105 * kMs));
   const std::vector<InputStep> before = buffer.steps(40 * kMs, 60 * kMs);
   ASSERT_EQ(before.size(), 1U);
-  EXPECT_EQ(before[0].first, linear_sample(100 * kMs).first);
+  EXPECT_EQ(before[0].angular, linear_sample(100 * kMs).angular);
   const std::vector<InputStep> after = buffer.steps(105 * kMs, 109 * kMs);
   ASSERT_EQ(after.size(), 1U);
-  EXPECT_EQ(after[0].first, linear_sample(105 * kMs).first);
-  EXPECT_EQ(after[0].second, linear_sample(105 * kMs).second);
+  EXPECT_EQ(after[0].angular, linear_sample(105 * kMs).angular);
+  EXPECT_EQ(after[0].linear, linear_sample(105 * kMs).linear);
 }
 
 TEST(InputBuffer, AStepAcrossTheFirstSampleStopsThere) {
@@ -199,8 +200,8 @@ TEST(InputBuffer, AStepAcrossTheFirstSampleStopsThere) {
   const std::vector<InputStep> steps = buffer.steps(90 * kMs, 103 * kMs);
   expect_cover(steps, 90 * kMs, 103 * kMs);
   ASSERT_EQ(steps.size(), 2U);
-  EXPECT_EQ(steps[0].first, linear_sample(100 * kMs).first);
-  EXPECT_NEAR(steps[1].first.x(), 0.1015, 1e-12);
+  EXPECT_EQ(steps[0].angular, linear_sample(100 * kMs).angular);
+  EXPECT_NEAR(steps[1].angular.x(), 0.1015, 1e-12);
 }
 
 TEST(InputBuffer, RemembersWhatTheNextStepNeeds) {
@@ -217,7 +218,7 @@ TEST(InputBuffer, RemembersWhatTheNextStepNeeds) {
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t k = 0; k < found.size(); ++k) {
     EXPECT_EQ(found[k].t_end_ns, expected[k].t_end_ns);
-    EXPECT_LE((found[k].first - expected[k].first).norm(), 1e-15);
+    EXPECT_LE((found[k].angular - expected[k].angular).norm(), 1e-15);
   }
 }
 
@@ -239,7 +240,7 @@ TEST(InputBuffer, DroppedSamplesShowAsAGapOfTheirLength) {
   for (const InputStep& step : buffer.steps(0, 200 * kMs)) {
     if (step.t_end_ns == 120 * kMs) {
       EXPECT_NEAR(step.gap, 5.0, 1e-9);
-      EXPECT_GT(step.first_unknown.density, 0.0);
+      EXPECT_GT(step.angular_unknown.density, 0.0);
     } else {
       EXPECT_EQ(step.gap, 1.0) << step.t_end_ns;
     }
@@ -271,10 +272,10 @@ TEST(InputBuffer, RefusesTimeThatDoesNotIncrease) {
 TEST(InputBuffer, RefusesValuesThatAreNotFinite) {
   InputBuffer buffer;
   InputSample sample = linear_sample(0);
-  sample.first.y() = std::numeric_limits<double>::quiet_NaN();
+  sample.angular.y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(buffer.add(sample), std::invalid_argument);
   sample = linear_sample(0);
-  sample.second.z() = std::numeric_limits<double>::infinity();
+  sample.linear.z() = std::numeric_limits<double>::infinity();
   EXPECT_THROW(buffer.add(sample), std::invalid_argument);
   EXPECT_TRUE(buffer.empty());
 }

@@ -60,7 +60,7 @@ TEST(InputChecks, TakeASoundStreamAsItIs) {
 TEST(InputChecks, LeaveOutASpikeAndNothingElse) {
   for (const double size : {98.1, 981.0}) {
     std::vector<InputSample> samples = flight(5.0);
-    samples[500].second.x() += size;
+    samples[500].linear.x() += size;
     const Outcome out = check(samples);
     EXPECT_EQ(out.faults[InputFault::kSpike], 1U);
     EXPECT_EQ(out.taken, samples.size() - 1);
@@ -70,7 +70,7 @@ TEST(InputChecks, LeaveOutASpikeAndNothingElse) {
 TEST(InputChecks, TakeAJoltThatLastsWithNoiseOfItsSize) {
   std::vector<InputSample> samples = flight(5.0);
   for (std::size_t k = 500; k < 600; ++k) {
-    samples[k].second.x() += 80.0;
+    samples[k].linear.x() += 80.0;
   }
   InputChecks checks(kImuLimits);
   InputBuffer buffer;
@@ -81,7 +81,7 @@ TEST(InputChecks, TakeAJoltThatLastsWithNoiseOfItsSize) {
   EXPECT_EQ(buffer.size(), samples.size());
   double density = 0.0;
   for (const InputStep& step : buffer.steps(samples[490].t_ns, samples[510].t_ns)) {
-    density = std::max(density, step.second_unknown.density);
+    density = std::max(density, step.linear_unknown.density);
   }
   EXPECT_GE(density, 0.9 * 80.0 * 80.0 * 0.005);
 }
@@ -89,8 +89,8 @@ TEST(InputChecks, TakeAJoltThatLastsWithNoiseOfItsSize) {
 TEST(InputChecks, TakeAStuckSensorForAGap) {
   std::vector<InputSample> samples = flight(5.0);
   for (std::size_t k = 501; k < 700; ++k) {
-    samples[k].first = samples[500].first;
-    samples[k].second = samples[500].second;
+    samples[k].angular = samples[500].angular;
+    samples[k].linear = samples[500].linear;
   }
   InputChecks checks(kImuLimits);
   InputBuffer buffer;
@@ -114,8 +114,8 @@ TEST(InputChecks, TakeAStreamThatNeverVariedAsItIs) {
 TEST(InputChecks, TakeSamplesThatADriverHandsOutTwice) {
   std::vector<InputSample> samples = flight(5.0);
   for (std::size_t k = 1; k < samples.size(); k += 2) {
-    samples[k].first = samples[k - 1].first;
-    samples[k].second = samples[k - 1].second;
+    samples[k].angular = samples[k - 1].angular;
+    samples[k].linear = samples[k - 1].linear;
   }
   EXPECT_FALSE(check(samples).faults.any());
 }
@@ -123,7 +123,7 @@ TEST(InputChecks, TakeSamplesThatADriverHandsOutTwice) {
 TEST(InputChecks, GiveASaturatedGyroscopeMoreNoise) {
   std::vector<InputSample> samples = flight(20.0);
   for (InputSample& sample : samples) {
-    sample.first = sample.first.cwiseMax(-0.7).cwiseMin(0.7);
+    sample.angular = sample.angular.cwiseMax(-0.7).cwiseMin(0.7);
   }
   InputChecks checks(kImuLimits);
   InputBuffer buffer;
@@ -133,15 +133,15 @@ TEST(InputChecks, GiveASaturatedGyroscopeMoreNoise) {
   EXPECT_GE(checks.take_counts()[InputFault::kSaturated], samples.size() / 10);
   double density = 0.0;
   for (const InputStep& step : buffer.steps(0, samples.back().t_ns)) {
-    density = std::max(density, step.first_unknown.density);
+    density = std::max(density, step.angular_unknown.density);
   }
   EXPECT_GE(density, 1e-3 * 0.07 * 0.07);
 }
 
 TEST(InputChecks, LeaveOutWhatNoSensorCanShow) {
   std::vector<InputSample> samples = flight(5.0);
-  samples[300].first.y() = 1e300;
-  samples[700].second.z() = -1e300;
+  samples[300].angular.y() = 1e300;
+  samples[700].linear.z() = -1e300;
   const Outcome out = check(samples);
   EXPECT_EQ(out.faults[InputFault::kImpossible], 2U);
   EXPECT_EQ(out.taken, samples.size() - 2);

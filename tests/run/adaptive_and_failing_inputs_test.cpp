@@ -50,7 +50,8 @@ TEST(FailingInputs, ImagesAloneCarryTheStateThroughAGapOfTheImu) {
   }
 }
 
-/// What failed while the start still waited was taken for true: 0.1 to 90 m and ANEES of 300 to 25,000, exit 0.
+/// What failed while the start still waited was taken for true: 0.1 to 90 m and ANEES of 300 to 25,000, exit
+/// 0.
 TEST(FailingInputs, AStartIsRightAboutInputsThatFailMeanwhile) {
   for (const char* fault : {"imu-stuck=2:1", "imu-spike=2:1000", "imu-saturation=100:40", "imu-gap=2:5",
                             "gyro-bias-step=1.7:0.05", "accel-bias-step=1.7:0.5"}) {

@@ -3,8 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
+#include <string>
+
 #include "cameras.hpp"
 #include "limber/core/so3.hpp"
+#include "message_of.hpp"
 #include "random_geometry.hpp"
 
 namespace limber {
@@ -65,6 +70,41 @@ TEST(StereoCalibration, BaselineIsTheDistanceOfTheCentresWhateverTheRotation) {
   calibration.theta = rig(0.4, -0.3, 0.2, -0.3, 0.0, 0.4);
   EXPECT_NEAR(calibration.baseline(), 0.5, 1e-15);
   EXPECT_NEAR(pose_from_rig(calibration.theta).inverse().p.norm(), 0.5, 1e-15);
+}
+
+TEST(StereoCalibration, WhatNoRigHasIsRefusedByName) {
+  const double nan = std::nan("");
+  const auto expect_refusal = [](const std::string& says,
+                                 const std::function<void(StereoCalibration&)>& spoil) {
+    StereoCalibration calibration;
+    calibration.theta = rig(0.4, -0.3, 0.2, -0.3, 0.0, 0.4);
+    EXPECT_NO_THROW(check_calibration(calibration));
+    spoil(calibration);
+    const std::string message = testing::message_of([&] { check_calibration(calibration); });
+    EXPECT_NE(message.find(says), std::string::npos) << says << ": " << message;
+  };
+  expect_refusal("ay of theta is nan", [&](StereoCalibration& c) { c.theta(1) = nan; });
+  expect_refusal("baseline is 0", [](StereoCalibration& c) { c.theta.tail<3>().setZero(); });
+  expect_refusal("fu of cam0 is 0", [](StereoCalibration& c) { c.cam0.fu = 0.0; });
+  expect_refusal("fv of cam1 is -400", [](StereoCalibration& c) { c.cam1.fv = -400.0; });
+  expect_refusal("fu of cam1 is nan", [&](StereoCalibration& c) { c.cam1.fu = nan; });
+  expect_refusal("cv of cam0 is nan", [&](StereoCalibration& c) { c.cam0.cv = nan; });
+  expect_refusal("distortion coefficient of cam1", [&](StereoCalibration& c) {
+    c.cam1.distortion = Equidistant{0.1, 0.0, 0.0, nan};
+  });
+  expect_refusal("T_body_cam0", [](StereoCalibration& c) { c.T_body_cam0.R.setZero(); });
+  expect_refusal("T_body_cam0", [](StereoCalibration& c) { c.T_body_cam0.R(0, 0) = -1.0; });
+  expect_refusal("T_body_cam0", [&](StereoCalibration& c) { c.T_body_cam0.p.y() = nan; });
+  expect_refusal("time offset of cam1 is nan", [&](StereoCalibration& c) { c.time_offset_s[1] = nan; });
+  expect_refusal("readout time of cam0 is nan", [&](StereoCalibration& c) { c.readout_time_s[0] = nan; });
+}
+
+TEST(StereoCalibration, AMountThatIsNotUsedMayBeAnything) {
+  StereoCalibration calibration;
+  calibration.theta = rig(0.0, 0.0, 0.0, -0.3, 0.0, 0.0);
+  calibration.body = BodyFrame::kCam0;
+  calibration.T_body_cam0.R.setZero();
+  EXPECT_NO_THROW(check_calibration(calibration));
 }
 
 }  // namespace

@@ -45,10 +45,10 @@ NavigationState predicted(MotionModel motion, const std::vector<InputStep>& step
   for (const InputStep& step : steps) {
     switch (motion) {
       case MotionModel::kImu:
-        (void)predict_imu(state, step.first, step.second, step.dt, {}, kGravity);
+        (void)predict_imu(state, step.angular, step.linear, step.dt, {}, kGravity);
         break;
       case MotionModel::kOdometry:
-        (void)predict_odometry(state, step.first, step.second, step.dt, {});
+        (void)predict_odometry(state, step.linear, step.angular, step.dt, {});
         break;
       case MotionModel::kConstantVelocity:
         (void)predict_constant_velocity(state, step.dt, {});
@@ -125,12 +125,12 @@ TEST(MotionBetween, CovarianceIsThatOfManyNoisyRuns) {
         s.bias_accel.setZero();
         return s;
       }();
-      measured[k].first +=
+      measured[k].angular +=
           truth.bias_gyro + per_sample * noise.imu.gyro_density * random_normal(generator, 3);
-      measured[k].second +=
+      measured[k].linear +=
           truth.bias_accel + per_sample * noise.imu.accel_density * random_normal(generator, 3);
       NavigationState next = unbiased;
-      (void)predict_imu(next, steps[k].first, steps[k].second, kDt, {}, kGravity);
+      (void)predict_imu(next, steps[k].angular, steps[k].linear, kDt, {}, kGravity);
       next.bias_gyro = truth.bias_gyro + per_step * noise.imu.gyro_walk * random_normal(generator, 3);
       next.bias_accel = truth.bias_accel + per_step * noise.imu.accel_walk * random_normal(generator, 3);
       truth = next;

@@ -79,9 +79,9 @@ struct Stacked {
 };
 
 Stacked stacked(const Estimate& estimate, const StereoFrame& frame, const MountedRig& rig,
-                const std::unordered_map<std::int64_t, RemainingRows>& newborn = {}) {
+                const std::unordered_map<std::int64_t, RemainingRows>& new_landmarks = {}) {
   Stacked out;
-  out.frame = stack_frame(estimate, frame, rig, kUnequalSigma, newborn, out.refused);
+  out.frame = stack_frame(estimate, frame, rig, kUnequalSigma, new_landmarks, out.refused);
   return out;
 }
 

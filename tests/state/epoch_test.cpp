@@ -133,11 +133,11 @@ TEST(Epoch, WhoComesBackAmidstAnEpochIsAsIfHeHadBeenAwake) {
     for (Estimate* estimate : {&sleepy, &awake}) {
       move(*estimate);
       correct(*estimate, 1, {1, 2, 7, 9, 10, 11});
-      Landmark newborn;
-      newborn.track_id = 100;
-      newborn.anchor = estimate->add_anchor(Pose{});
-      newborn.value << 0.0, 0.1, 0.3;
-      estimate->add_landmark(newborn, 1e-4 * Matrix3d::Identity());
+      Landmark fresh;
+      fresh.track_id = 100;
+      fresh.anchor = estimate->add_anchor(Pose{});
+      fresh.value << 0.0, 0.1, 0.3;
+      estimate->add_landmark(fresh, 1e-4 * Matrix3d::Identity());
     }
     sleepy.recall(recalled);
     for (Estimate* estimate : {&sleepy, &awake}) {
@@ -192,12 +192,12 @@ TEST(Epoch, WhatIsForgottenWhileOthersSleepLeavesNoTrace) {
     estimate->remove_landmark(4);
     estimate->remove_landmark(6);  // asleep, the last on its anchor
     const int anchor = estimate->add_anchor(Pose{});
-    Landmark newborn;
-    newborn.track_id = 100;
-    newborn.anchor = anchor;
-    newborn.value << 0.0, 0.1, 0.3;
-    estimate->add_landmark(newborn, 1e-4 * Matrix3d::Identity());
-    Landmark other = newborn;
+    Landmark fresh;
+    fresh.track_id = 100;
+    fresh.anchor = anchor;
+    fresh.value << 0.0, 0.1, 0.3;
+    estimate->add_landmark(fresh, 1e-4 * Matrix3d::Identity());
+    Landmark other = fresh;
     other.track_id = 101;
     estimate->add_landmark(other, 1e-4 * Matrix3d::Identity());
     estimate->remove_landmark(100);

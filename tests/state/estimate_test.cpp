@@ -117,7 +117,7 @@ TEST(Estimate, AnAnchorThatNobodyStandsOnCanBeDropped) {
   EXPECT_EQ(estimate.size(), size);
 }
 
-TEST(Estimate, ManyBirthsAndDeathsLeaveNoTrace) {
+TEST(Estimate, ManyLandmarksThatComeAndGoLeaveNoTrace) {
   Generator generator(7);
   Estimate estimate = random_map(generator, 6, kWithTheta);
   const Snapshot before = snapshot(estimate);

@@ -74,7 +74,7 @@ class Pair {
   }
 
   /// A new landmark that the rest of its epoch is not frozen.
-  void bear() {
+  void add_landmark() {
     const MatrixXd G = 0.3 * random_matrix(generator_, 3, kBody);
     const Matrix3d own = random_positive_definite(generator_, 3, 0.5);
     const auto cross = [&](const MatrixXd& P) { return MatrixXd(P.leftCols(kBody) * G.transpose()); };
@@ -254,8 +254,8 @@ TEST(PassiveBlock, IsTheFullFilterThroughManyEpochs) {
     for (int frame = 0; frame < 3; ++frame) {
       pair.live();
       if (frame == 1) {
-        pair.bear();
-        pair.bear();
+        pair.add_landmark();
+        pair.add_landmark();
         pair.recall(0.25);
         pair.expect_equal("recalled amidst epoch " + std::to_string(epoch));
       }

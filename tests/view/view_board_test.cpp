@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <new>
 #include <thread>
 
+#include "limber/core/errors.hpp"
 #include "view/small_view.hpp"
 
 namespace limber {
@@ -72,9 +74,21 @@ TEST(ViewBoard, GoesOnWithoutImagesThatCannotBeRead) {
   ViewBoard board(small_run());
   const std::uint64_t viewer = enter(board);
   ViewFrame frame = small_frame(1);
-  frame.images = []() -> ViewImages { throw std::runtime_error("gone"); };
+  frame.status = "updated";
+  frame.images = []() -> ViewImages { throw DataError("a.png", 0, "an image", "none"); };
   board.publish(frame);
-  EXPECT_TRUE(data_of(board.next(viewer))["images"].is_null());
+  const nlohmann::json data = data_of(board.next(viewer));
+  EXPECT_TRUE(data["images"].is_null());
+  EXPECT_EQ(data["status"], "updated; no images: a.png: expected an image, found none");
+}
+
+TEST(ViewBoard, HidesNoOtherFaultOfImages) {
+  ViewBoard board(small_run());
+  const std::uint64_t viewer = enter(board);
+  ViewFrame frame = small_frame(1);
+  frame.images = []() -> ViewImages { throw std::bad_alloc(); };
+  board.publish(frame);
+  EXPECT_THROW((void)board.next(viewer), std::bad_alloc);
 }
 
 TEST(ViewBoard, LeavesFramesOutForABusyPage) {

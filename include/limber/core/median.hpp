@@ -2,17 +2,34 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace limber {
 
-/// The middle value; of an even count the larger of the two in the middle. @param values  not empty
+/// The value of rank k, the smallest having rank 0. @param k  below the number of values
+template <typename T>
+[[nodiscard]] T order_statistic(std::vector<T> values, std::size_t k) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(k);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// The middle value; of an even count the larger of the two in the middle, which is a value that occurred:
+/// for thresholds and scales. @param values  not empty
 template <typename T>
 [[nodiscard]] T upper_median(std::vector<T> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const std::size_t middle = values.size() / 2;
+  return order_statistic(std::move(values), middle);
+}
+
+/// The middle value; of an even count the mean of the two in the middle (the larger one if that is infinite):
+/// for what is shown. @param values  not empty
+[[nodiscard]] inline double median(std::vector<double> values) {
+  const double low = order_statistic(values, (values.size() - 1) / 2), high = upper_median(std::move(values));
+  return std::isinf(high) ? high : 0.5 * (low + high);
 }
 
 }  // namespace limber

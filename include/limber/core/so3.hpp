@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <string>
 
 /// Rotations. `R_a_b` maps b-coordinates to a. The local (right) perturbation is used throughout:
 /// `R_true = R_est * Exp(dtheta)`, dtheta [rad] in the frame b. [Sola2018], Eqs. (69)-(146).
@@ -22,6 +23,11 @@ namespace limber {
 
 /// Inverse of Jr(phi), for |phi| < 2 pi.
 [[nodiscard]] Eigen::Matrix3d so3_right_jacobian_inverse(const Eigen::Vector3d& phi);
+
+/// Whether R is a rotation matrix, up to the few digits of numbers written by hand.
+[[nodiscard]] bool is_rotation(const Eigen::Matrix3d& R);
+/// @throws std::invalid_argument, which calls R by its name, if it is none
+void require_rotation(const Eigen::Matrix3d& R, const std::string& name);
 
 /// The nearest rotation matrix, for a matrix that is one up to rounding.
 [[nodiscard]] Eigen::Matrix3d so3_normalized(const Eigen::Matrix3d& R);

@@ -78,6 +78,7 @@ struct SensorStartResult {
 /// @note docs/derivations/start.md
 class SensorStart {
  public:
+  /// @throws std::invalid_argument as check_calibration
   SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,
               const StartOptions& start = {});
   SensorStart(SensorStart&&) noexcept;
@@ -89,6 +90,7 @@ class SensorStart {
   void add_imu(const ImuSample& sample);
   void add_odometry(const OdometrySample& sample);
   /// Once the start is ready, more frames change nothing but what result() says of the frames so far.
+  /// @throws std::invalid_argument if time does not increase, a pixel is not finite or a million pixels away
   StartReport add_frame(const StereoFrame& frame);
 
   /// What is known by now, whatever the status.

@@ -32,7 +32,7 @@ namespace limber {
 class Navigator {
  public:
   /// @param calibration  what the filter assumes; never the truth (but see oracle)
-  /// @throws std::invalid_argument if options contradict each other or shapes disagree
+  /// @throws std::invalid_argument as StereoFilter
   Navigator(const NavigatorOptions& options, const StereoCalibration& calibration,
             const InitialState& initial);
 

@@ -47,7 +47,9 @@ struct PredictedState {
 class StereoFilter {
  public:
   /// @param calibration  what the filter assumes; never the truth (but see oracle)
-  /// @throws std::invalid_argument if options contradict each other or shapes disagree
+  /// @throws std::invalid_argument if options contradict each other, shapes disagree, the calibration is one
+  /// that no rig has (check_calibration), or the initial state is none: not finite, an attitude that is no
+  /// rotation matrix, a covariance that is not symmetric and positive semidefinite
   StereoFilter(const NavigatorOptions& options, const StereoCalibration& calibration,
                const InitialState& initial);
 
@@ -71,7 +73,7 @@ class StereoFilter {
   /// anew: it keeps time, pose, velocity and biases of the last sound frame, forgets the map, and is as
   /// unsure of the rest as of any start (docs/faults.md).
   /// @throws std::invalid_argument if the frame is older than the state, not later than the frame before, or
-  /// hours ahead, a pixel is not finite or an id comes twice
+  /// hours ahead, a pixel is not finite or a million pixels away, or an id comes twice; nothing has changed
   FrameReport process(const StereoFrame& frame);
 
   /// Opens the state for what the images of a filter beside this one said against the inputs: velocity and
@@ -91,6 +93,7 @@ class StereoFilter {
   void follow(const StereoFilter& constrained);
 
   /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
+  /// @throws std::invalid_argument if theta is part of the state, not finite, or has no baseline
   void assume_theta(const RigParameters& theta);
 
   /// The calibration that the filter takes for true: what was given, with what has been estimated.
@@ -118,7 +121,8 @@ class StereoFilter {
   };
 
   void add(const InputSample& sample);
-  void start_at(std::int64_t t_ns);
+  /// The time of the state once something of t_ns has come.
+  [[nodiscard]] std::int64_t started_at(std::int64_t t_ns) const;
   [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns) const;
   [[nodiscard]] detail::Propagation propagated(std::int64_t t_ns) const;
   [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);

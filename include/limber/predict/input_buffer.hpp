@@ -10,14 +10,15 @@
 
 namespace limber {
 
-/// Two 3-vectors that drive the prediction at one time: (omega, accel) of an IMU, (v, omega) of odometry.
+/// What drives the prediction at one time, in the body frame.
 struct InputSample {
   std::int64_t t_ns = 0;
-  Eigen::Vector3d first = Eigen::Vector3d::Zero();
-  Eigen::Vector3d second = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rate [rad/s]
+  Eigen::Vector3d linear =
+      Eigen::Vector3d::Zero();  ///< IMU: specific force [m/s^2]; odometry: velocity [m/s]
   /// Variance density of what the values may be off by beyond their noise, per axis [unit^2 s]: a saturated
   /// sensor, a jump (InputChecks). Zero: nothing.
-  double first_density = 0.0, second_density = 0.0;
+  double angular_density = 0.0, linear_density = 0.0;
 };
 
 /// What is not known of one of the two inputs in a step.
@@ -30,20 +31,27 @@ struct Unknown {
 struct InputStep {
   std::int64_t t_end_ns = 0;
   double dt = 0.0;  ///< [s]
-  Eigen::Vector3d first = Eigen::Vector3d::Zero();
-  Eigen::Vector3d second = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
   /// How much longer than usual the samples on both sides stand apart, >= 1: the noise of what is
   /// interpolated grows by this factor (in variance).
   double gap = 1.0;
-  Unknown first_unknown{}, second_unknown{};  ///< of a step in a gap
+  Unknown angular_unknown{}, linear_unknown{};  ///< of a step in a gap
 };
 
-/// What was seen of the two inputs before any sample, per axis: standard deviation and rate of change.
-struct InputPrior {
-  double first_spread, first_rate, second_spread, second_rate;
+/// What was seen of an input before any sample, per axis.
+struct MotionPrior {
+  double spread;        ///< standard deviation [unit]
+  double rate;          ///< of change [unit/s]
+  bool about_the_mean;  ///< the mean lasts (gravity in a specific force): it spreads about that, not about
+                        ///< zero
 };
-inline constexpr InputPrior kImuPrior = {0.5, 2.0, 3.0, 20.0};      ///< [rad/s], /s; [m/s^2], /s
-inline constexpr InputPrior kOdometryPrior = {2.0, 2.0, 0.5, 2.0};  ///< [m/s], /s; [rad/s], /s
+/// Of both inputs.
+struct InputPrior {
+  MotionPrior angular, linear;
+};
+inline constexpr InputPrior kImuPrior = {{0.5, 2.0, false}, {3.0, 20.0, true}};
+inline constexpr InputPrior kOdometryPrior = {{0.5, 2.0, true}, {2.0, 2.0, false}};
 
 /// @brief Holds input samples and cuts them into steps that end where the caller wants.
 ///
@@ -53,8 +61,9 @@ inline constexpr InputPrior kOdometryPrior = {2.0, 2.0, 0.5, 2.0};  ///< [m/s], 
 class InputBuffer {
  public:
   explicit InputBuffer(const InputPrior& prior = kImuPrior)
-      : first_seen_(prior.first_spread, prior.first_rate),
-        second_seen_(prior.second_spread, prior.second_rate) {}
+      : prior_(prior),
+        angular_seen_(prior.angular.spread, prior.angular.rate),
+        linear_seen_(prior.linear.spread, prior.linear.rate) {}
 
   /// @throws std::invalid_argument if the time does not increase or a value is not finite
   void add(const InputSample& sample);
@@ -86,7 +95,8 @@ class InputBuffer {
 
   std::deque<InputSample> samples_;
   double usual_interval_ns_ = 0.0;
-  MotionSeen first_seen_, second_seen_;
+  InputPrior prior_;
+  MotionSeen angular_seen_, linear_seen_;
 };
 
 }  // namespace limber

@@ -32,16 +32,16 @@ struct InputFaultCounts {
   [[nodiscard]] bool any() const;
 };
 
-/// What a sensor cannot show, and jumps that are worth a second look; per axis, of the first and second
-/// input.
+/// What a sensor cannot show, and jumps that are worth a second look; per axis, of the angular and the
+/// linear input.
 struct InputLimits {
   std::array<double, 2> impossible, jump, saturation;
 };
 /// [rad/s], [m/s^2]: twice the widest MEMS ranges; jumps of 2 rad/s and 2 g in one sample; nothing saturates
 /// below.
 inline constexpr InputLimits kImuLimits = {{200.0, 10000.0}, {2.0, 20.0}, {0.3, 12.0}};
-/// [m/s], [rad/s]
-inline constexpr InputLimits kOdometryLimits = {{1000.0, 200.0}, {5.0, 2.0}, {1.0, 0.3}};
+/// [rad/s], [m/s]
+inline constexpr InputLimits kOdometryLimits = {{200.0, 1000.0}, {2.0, 5.0}, {0.3, 1.0}};
 
 /// @brief Cheap checks of each sample against its neighbours, before it enters the buffer. Causal: a sample
 /// that jumps is held back until the next one says whether it was a spike.

@@ -13,7 +13,7 @@ namespace limber {
 
 /// Variance densities beside what a step says of itself, per axis [unit^2 s].
 struct MoreNoise {
-  double first = 0.0, second = 0.0;
+  double angular = 0.0, linear = 0.0;
 };
 
 /// The means over a step that predict_imu may use, and their noise.

@@ -74,7 +74,8 @@ struct Recalibration {
 /// The windows' own covariances say what the sensors' noise does; the differences between windows say how
 /// much worse it is. The rig of every second window is judged by the windows between, and the reverse.
 /// @param progress  told of work in per cent; may be empty
-/// @throws as run_recording; std::runtime_error if no window can be solved
+/// @throws as run_recording; UnsolvableError if no window can be solved; notes say which
+/// windows were left out, and why
 [[nodiscard]] Recalibration recalibrate_recording(const Recording& recording,
                                                   const RecalibrateOptions& options,
                                                   const FrameSource& source,

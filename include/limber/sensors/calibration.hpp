@@ -41,6 +41,10 @@ struct StereoCalibration {
   [[nodiscard]] double baseline() const;
 };
 
+/// @throws std::invalid_argument, which names the value, for what no rig has: a number that is not finite, a
+/// focal length or baseline that is not positive, a T_body_cam0 (if it is used) that does not rotate
+void check_calibration(const StereoCalibration& calibration);
+
 /// The longest that an image may take from its first row to its last [s].
 inline constexpr double kLongestReadout = 0.1;
 

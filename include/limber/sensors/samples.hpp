@@ -38,6 +38,10 @@ struct StereoFrame {
   bool put_back = false;  ///< the pictures came exchanged; the points are of those put back
 };
 
+/// @throws std::invalid_argument, which names the track, for a pixel that is not finite or a million pixels
+/// away
+void check_points(const StereoFrame& frame);
+
 /// Full state as a recording's ground truth gives it. Velocity and biases may be unknown.
 struct GroundTruthState {
   std::int64_t t_ns = 0;

@@ -112,7 +112,7 @@ struct SmootherResult {
 /// @brief Solves for everything at once.
 /// @param progress  told of each iteration; what it throws ends the work and passes through; may be empty
 /// @throws std::invalid_argument if shapes disagree or the input does not cover the frames
-/// @throws std::runtime_error    if the problem cannot be solved: the message says why
+/// @throws UnsolvableError       if the problem cannot be solved: the message says why
 [[nodiscard]] SmootherResult smooth(const SmootherInput& input, const StereoCalibration& calibration,
                                     const SmootherOptions& options,
                                     const std::function<void(int)>& progress = {});

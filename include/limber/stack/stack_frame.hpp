@@ -33,12 +33,12 @@ struct StackedFrame {
   std::vector<std::int64_t> track_ids;  ///< one per group
 };
 
-/// @brief Stacks the whole frame: every observed landmark of the map in every camera that saw it; of newborn
-/// points only the rows their initialisation left remaining. Points outside the map are passed over.
+/// @brief Stacks the whole frame: every observed landmark of the map in every camera that saw it; of new
+/// landmarks only the rows their initialisation left remaining. Points outside the map are passed over.
 /// @param[in,out] refused  points that do not project are appended
 [[nodiscard]] StackedFrame stack_frame(const Estimate& estimate, const StereoFrame& frame,
                                        const MountedRig& rig, const PixelNoise& sigma_px,
-                                       const std::unordered_map<std::int64_t, RemainingRows>& newborn,
+                                       const std::unordered_map<std::int64_t, RemainingRows>& new_landmarks,
                                        std::vector<Refusal>& refused);
 
 }  // namespace limber

@@ -39,7 +39,7 @@ class PassiveBlock {
   ///
   /// The retired triplets are appended to the block. If anything is passive afterwards, P becomes
   /// [body | clone | kept], else [body | kept].
-  /// @param P          [body | z | newborn]; without an epoch z is empty
+  /// @param P          [body | z | new landmarks]; without an epoch z is empty
   /// @param body_size  width of the leading block
   /// @return false, and nothing changed, if the covariance of what is kept is not positive definite
   bool change_epoch(Covariance& P, Eigen::Index body_size, const EpochChange& change);

@@ -99,7 +99,7 @@ struct Anchor {
 
 /// How a landmark's triplet is to be read.
 enum class LandmarkKind : std::uint8_t {
-  kInverseDepth,  ///< (a, b, rho): X_cam0_at_birth = R_cam0_chart (a, b, 1) / rho, rho [1/m]
+  kInverseDepth,  ///< (a, b, rho): X_cam0_at_initialization = R_cam0_chart (a, b, 1) / rho, rho [1/m]
   kCartesian      ///< p_world_landmark [m]
 };
 

@@ -71,8 +71,8 @@ struct ViewFrame {
   std::vector<ViewLandmark> map;
   std::vector<ViewStage> stages;
   std::optional<HealthSummary> health;  ///< nothing before the first window is over
-  /// Makes the images; called at most once, on another thread, and only if a page shows the frame. What it
-  /// throws counts as no images.
+  /// Makes the images; called at most once, on another thread, and only if a page shows the frame. A
+  /// DataError of it counts as no images, and the status says why.
   std::function<ViewImages()> images;
 };
 
