@@ -98,7 +98,7 @@ struct SensorStart::Window {
   WindowNormal normal;
   MatrixXd covariance;
   double solved_s = 0.0;
-  StartReport report;
+  StartReport report{StartStatus::kWaiting, 0.0, kUnknown, kUnknown, "more frames"};
 
   [[nodiscard]] bool is_due(double waited_s) const;
   [[nodiscard]] double length() const {
@@ -385,24 +385,20 @@ void SensorStart::add_odometry(const OdometrySample& sample) {
 
 StartReport SensorStart::add_frame(const StereoFrame& frame) {
   Window& w = *window_;
-  StartReport out;
-  if (w.model.options.motion == MotionModel::kOdometry) {
-    w.push(frame);
-    out.status = StartStatus::kReady;
-    return out;
-  }
   w.push(frame);
+  if (w.model.options.motion == MotionModel::kOdometry) {
+    StartReport ready;
+    ready.status = StartStatus::kReady;
+    return ready;
+  }
   if (w.report.status != StartStatus::kWaiting) {
     return w.report;
   }
-  out.waited_s = w.length();
-  out.tilt_sigma = out.scale_sigma = kUnknown;
-  if (!w.is_due(out.waited_s)) {
-    out.missing = "more frames";
-    return out;
+  w.report.waited_s = w.length();
+  if (w.is_due(w.report.waited_s)) {
+    w.solve();
+    w.report = w.judged();
   }
-  w.solve();
-  w.report = w.judged();
   return w.report;
 }
 
