@@ -8,7 +8,8 @@ Class_member or function, for the DOC macro of python/src. An overload adds its 
 import re
 import sys
 
-WORDS = [("std::invalid_argument", "ValueError"), ("std::runtime_error", "RuntimeError"), ("@brief ", ""),
+WORDS = [("std::invalid_argument", "ValueError"), ("std::runtime_error", "RuntimeError"),
+         ("std::logic_error", "RuntimeError"), ("@brief ", ""),
          ("@return ", "Returns "), ("@throws ", "Raises "), ("[[nodiscard]] ", "")]
 SCOPE = re.compile(r"^(?:class|struct|enum class|enum) (\w+)[^;]*\{$")
 FUNCTION = re.compile(r"(?:^|[\s&*])([A-Za-z]\w*)\(")

@@ -5,8 +5,8 @@
     run = limber.run(recording, method="lcekf")       # run.p, run.R, run.covariance: NumPy views
     print(limber.health(recording))                   # is my calibration the problem?
 
-Step by step: SensorStart, Navigator, StereoTracker. Arrays that a Recording, a Run or a StereoFrame hands out
-are read-only views of C++ memory. Times are integers in nanoseconds; docs/python.md says more.
+Step by step: StereoTracker, OnlineNavigator (or SensorStart and Navigator). Arrays that a Recording, a Run or a
+StereoFrame hands out are read-only views of C++ memory. Times are integers in nanoseconds; docs/python.md says more.
 """
 import json as _json
 import os as _os
@@ -14,19 +14,20 @@ import pathlib as _pathlib
 
 from . import _limber
 from ._limber import (PARAMETER_NAMES, BodyFrame, Camera, DataError, DivergenceError, Equidistant, FrameCleaner,
-                      FrameReport, HealthReport, ImuNoise, InitialState, Navigator, NavigatorOptions, NoDistortion,
-                      OdometryNoise, Pose, RadialTangential, Recording, Refusal, Run, RunOptions, Scenario,
-                      SensorStart, StartReport, State, StereoCalibration, StereoFrame, StereoTracker, Study,
-                      Trajectory, __version__, frames, pose_from_rig, read_trajectory, rig_from_pose, set_up)
+                      FrameReport, HealthReport, ImuNoise, InitialState, Navigator, NavigatorOptions,
+                      NoDistortion, OdometryNoise, OnlineNavigator, OnlineReport, Pose, RadialTangential,
+                      Recording, Refusal, Run, RunOptions, Scenario, SensorStart, StartReport, State,
+                      StereoCalibration, StereoFrame, StereoTracker, Study, Trajectory, __version__, frames,
+                      pose_from_rig, read_trajectory, rig_from_pose, set_up)
 
 __all__ = [
     "PARAMETER_NAMES", "BodyFrame", "Camera", "Comparison", "DataError", "DivergenceError", "Equidistant",
     "FrameCleaner", "FrameReport", "Health", "HealthReport", "ImuNoise", "InitialState", "Navigator",
-    "NavigatorOptions", "NoDistortion", "OdometryNoise", "Pose", "RadialTangential", "Recalibration",
-    "Recording", "Refusal", "Run", "RunOptions", "Scenario", "SensorStart", "StartReport", "State",
-    "StereoCalibration", "StereoFrame", "StereoTracker", "Study", "Trajectory", "compare", "evaluate", "frames",
-    "health", "pose_from_rig", "read", "read_trajectory", "recalibrate", "rig_from_pose", "run", "scenarios",
-    "set_up", "simulate", "smooth", "study"
+    "NavigatorOptions", "NoDistortion", "OdometryNoise", "OnlineNavigator", "OnlineReport", "Pose",
+    "RadialTangential", "Recalibration", "Recording", "Refusal", "Run", "RunOptions", "Scenario", "SensorStart",
+    "StartReport", "State", "StereoCalibration", "StereoFrame", "StereoTracker", "Study", "Trajectory",
+    "compare", "evaluate", "frames", "health", "pose_from_rig", "read", "read_trajectory", "recalibrate",
+    "rig_from_pose", "run", "scenarios", "set_up", "simulate", "smooth", "study"
 ]
 
 _SCENARIOS = _pathlib.Path(__file__).parent / "scenarios"

@@ -9,22 +9,13 @@
 #include "docs.hpp"
 #include "dtypes.hpp"
 #include "limber/core/nearest_word.hpp"
+#include "limber/initialize/online_navigator.hpp"
 #include "limber/initialize/sensor_start.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/state/initial_state.hpp"
 
 namespace limber::python {
 namespace {
-
-/// The navigator with what it takes to begin anew.
-struct RestartableNavigator {
-  Navigator navigator;
-  StereoCalibration calibration;
-
-  RestartableNavigator(const StereoCalibration& assumed, const InitialState& initial,
-                       const NavigatorOptions& options)
-      : navigator(options, assumed, initial), calibration(assumed) {}
-};
 
 /// What is known of the body at a time.
 struct State {
@@ -291,54 +282,46 @@ class Rows {
 };
 
 /// add_imu and add_odometry, one sample or many, of whatever takes them.
-template <typename Class, typename Receiver>
-void bind_inputs(Class& bound, Receiver receiver) {
+template <typename Class>
+void bind_inputs(Class& bound) {
   using Owner = typename Class::type;
   bound
       .def(
           "add_imu",
-          [receiver](Owner& self, std::int64_t t_ns, const Eigen::Vector3d& omega,
-                     const Eigen::Vector3d& accel) {
-            self.with([&](auto& value) { receiver(value).add_imu({t_ns, omega, accel}); });
+          [](Owner& self, std::int64_t t_ns, const Eigen::Vector3d& omega, const Eigen::Vector3d& accel) {
+            self.with([&](auto& value) { value.add_imu({t_ns, omega, accel}); });
           },
           py::arg("t_ns"), py::arg("omega"), py::arg("accel"), DOC(StereoFilter_add_imu))
       .def(
           "add_imu",
-          [receiver](Owner& self, const py::array& samples) {
+          [](Owner& self, const py::array& samples) {
             const Rows<ImuSample> rows(samples, imu_dtype());
-            self.with([&](auto& value) {
-              rows.for_each([&](const ImuSample& sample) { receiver(value).add_imu(sample); });
-            });
+            self.with(
+                [&](auto& value) { rows.for_each([&](const ImuSample& sample) { value.add_imu(sample); }); });
           },
           py::arg("samples"), "Many at once: rows of Recording.imu.")
       .def(
           "add_odometry",
-          [receiver](Owner& self, std::int64_t t_ns, const Eigen::Vector3d& v, const Eigen::Vector3d& omega) {
-            self.with([&](auto& value) { receiver(value).add_odometry({t_ns, v, omega}); });
+          [](Owner& self, std::int64_t t_ns, const Eigen::Vector3d& v, const Eigen::Vector3d& omega) {
+            self.with([&](auto& value) { value.add_odometry({t_ns, v, omega}); });
           },
           py::arg("t_ns"), py::arg("v"), py::arg("omega"),
           "Velocity [m/s] and angular rate [rad/s] in the body frame.")
       .def(
           "add_odometry",
-          [receiver](Owner& self, const py::array& samples) {
+          [](Owner& self, const py::array& samples) {
             const Rows<OdometrySample> rows(samples, odometry_dtype());
             self.with([&](auto& value) {
-              rows.for_each([&](const OdometrySample& sample) { receiver(value).add_odometry(sample); });
+              rows.for_each([&](const OdometrySample& sample) { value.add_odometry(sample); });
             });
           },
           py::arg("samples"), "Many at once: rows of Recording.odometry.");
 }
 
-using BoundNavigator = Guarded<RestartableNavigator>;
-
-State state_of(const RestartableNavigator& self) {
-  const Estimate& estimate = self.navigator.estimate();
-  return {estimate.nav, body_covariance(estimate)};
-}
-
-py::tuple landmarks_of(BoundNavigator& self) {
-  auto [ids, positions] = self.with([](RestartableNavigator& it) {
-    const Estimate& estimate = it.navigator.estimate();
+template <typename T>
+py::tuple landmarks_of(Guarded<T>& self) {
+  auto [ids, positions] = self.with([](const T& navigator) {
+    const Estimate& estimate = navigator.estimate();
     std::vector<std::int64_t> track_ids;
     for (const Landmark& landmark : estimate.landmarks()) {
       track_ids.push_back(landmark.track_id);
@@ -352,9 +335,10 @@ py::tuple landmarks_of(BoundNavigator& self) {
   return py::make_tuple(py::array_t<std::int64_t>(static_cast<py::ssize_t>(ids.size()), ids.data()), p);
 }
 
-py::dict calibration_estimate_of(BoundNavigator& self) {
+template <typename T>
+py::dict calibration_estimate_of(Guarded<T>& self) {
   const CalibrationEstimate estimate =
-      self.with([](RestartableNavigator& it) { return it.navigator.calibration_estimate(); });
+      self.with([](const T& navigator) { return navigator.calibration_estimate(); });
   py::dict out;
   for (std::size_t k = 0; k < estimate.parameters.size(); ++k) {
     if (estimate.parameters.test(k)) {
@@ -365,61 +349,77 @@ py::dict calibration_estimate_of(BoundNavigator& self) {
   return out;
 }
 
-void bind_navigator(py::module_& module) {
-  py::class_<BoundNavigator> bound(module, "Navigator", DOC(Navigator));
-  bound.def(py::init<const StereoCalibration&, const InitialState&, const NavigatorOptions&>(),
-            py::arg("calibration"), py::arg("initial"), py::arg("options"), DOC(Navigator_Navigator));
-  bind_inputs(bound, [](RestartableNavigator& self) -> Navigator& { return self.navigator; });
+/// What may be asked of a navigator, however it was started.
+template <typename T>
+void bind_state_of(py::class_<Guarded<T>>& bound) {
+  using Owner = Guarded<T>;
   bound
       .def(
-          "process",
-          [](BoundNavigator& self, const StereoFrame& frame) {
-            return self.with([&](RestartableNavigator& it) { return it.navigator.process(frame); });
-          },
-          py::arg("frame"), DOC(StereoFilter_process))
-      .def(
           "predict",
-          [](BoundNavigator& self, std::int64_t t_ns) {
-            return self.with([&](RestartableNavigator& it) {
-              const PredictedState predicted = it.navigator.predict(t_ns);
+          [](Owner& self, std::int64_t t_ns) {
+            return self.with([&](const T& navigator) {
+              const PredictedState predicted = navigator.predict(t_ns);
               return State{predicted.nav, predicted.body_covariance};
             });
           },
           py::arg("t_ns"), DOC(Navigator_predict))
       .def(
-          "estimate", [](BoundNavigator& self) { return self.with(state_of); },
-          "The body after the last frame, with its covariance.")
-      .def("landmarks", &landmarks_of, "The map: track ids (N,), positions in the world (N, 3) [m].")
-      .def(
-          "assume_theta",
-          [](BoundNavigator& self, const RigParameters& theta) {
-            self.with([&](RestartableNavigator& it) { it.navigator.assume_theta(theta); });
-          },
-          py::arg("theta"), DOC(Navigator_assume_theta))
-      .def(
-          "reset",
-          [](BoundNavigator& self, const InitialState& initial) {
-            self.with([&](RestartableNavigator& it) {
-              const NavigatorOptions options = it.navigator.options();
-              it.navigator = Navigator(options, it.calibration, initial);
+          "estimate",
+          [](Owner& self) {
+            return self.with([](const T& navigator) {
+              const Estimate& estimate = navigator.estimate();
+              return State{estimate.nav, body_covariance(estimate)};
             });
           },
-          py::arg("initial"), "Begins anew, with the options and the calibration of the construction.")
-      .def("calibration_estimate", &calibration_estimate_of,
+          "The body after the last frame, with its covariance.")
+      .def("landmarks", &landmarks_of<T>, "The map: track ids (N,), positions in the world (N, 3) [m].")
+      .def(
+          "assume_theta",
+          [](Owner& self, const RigParameters& theta) {
+            self.with([&](T& navigator) { navigator.assume_theta(theta); });
+          },
+          py::arg("theta"), DOC(Navigator_assume_theta))
+      .def("calibration_estimate", &calibration_estimate_of<T>,
            "What was learned of the given calibration: {parameter: (true minus given, its sigma)}, of those "
            "that are estimated.")
       .def_property_readonly(
           "calibration",
-          [](BoundNavigator& self) {
-            return self.with([](RestartableNavigator& it) { return it.navigator.calibration(); });
+          [](Owner& self) {
+            return self.with([](const T& navigator) -> StereoCalibration { return navigator.calibration(); });
           },
           DOC(Navigator_calibration))
       .def_property_readonly(
           "health",
-          [](BoundNavigator& self) {
-            return self.with([](RestartableNavigator& it) { return it.navigator.health(); });
+          [](Owner& self) {
+            return self.with(
+                [](const T& navigator) -> std::optional<HealthReport> { return navigator.health(); });
           },
           DOC(Navigator_health));
+}
+
+void bind_navigator(py::module_& module) {
+  using Bound = Guarded<Navigator>;
+  py::class_<Bound> bound(module, "Navigator", DOC(Navigator));
+  bound.def(py::init([](const StereoCalibration& calibration, const InitialState& initial,
+                        const NavigatorOptions& options) {
+              return std::make_unique<Bound>(options, calibration, initial);
+            }),
+            py::arg("calibration"), py::arg("initial"), py::arg("options"), DOC(Navigator_Navigator));
+  bind_inputs(bound);
+  bound
+      .def(
+          "process",
+          [](Bound& self, const StereoFrame& frame) {
+            return self.with([&](Navigator& navigator) { return navigator.process(frame); });
+          },
+          py::arg("frame"), DOC(StereoFilter_process))
+      .def(
+          "reset",
+          [](Bound& self, const InitialState& initial) {
+            self.with([&](Navigator& navigator) { navigator.reset(initial); });
+          },
+          py::arg("initial"), DOC(Navigator_reset));
+  bind_state_of(bound);
 }
 
 std::string to_string(StartStatus status) {
@@ -434,6 +434,28 @@ std::string to_string(StartStatus status) {
   return "timed out";
 }
 
+StartOptions start_options(double longest_s, double longest_moving_s, double shortest_s) {
+  StartOptions out;
+  out.longest_s = longest_s;
+  out.longest_moving_s = longest_moving_s;
+  out.shortest_s = shortest_s;
+  return out;
+}
+
+/// A constructor from calibration, options and what of StartOptions one may choose.
+template <typename T>
+void bind_start_of(py::class_<Guarded<T>>& bound) {
+  const StartOptions defaults;
+  bound.def(py::init([](const StereoCalibration& calibration, const NavigatorOptions& options,
+                        double longest_s, double longest_moving_s, double shortest_s) {
+              return std::make_unique<Guarded<T>>(options, calibration,
+                                                  start_options(longest_s, longest_moving_s, shortest_s));
+            }),
+            py::arg("calibration"), py::arg("options"), py::arg("longest_s") = defaults.longest_s,
+            py::arg("longest_moving_s") = defaults.longest_moving_s,
+            py::arg("shortest_s") = defaults.shortest_s, DOC(StartOptions));
+}
+
 void bind_start(py::module_& module) {
   py::class_<StartReport>(module, "StartReport", DOC(StartReport))
       .def_property_readonly(
@@ -444,20 +466,9 @@ void bind_start(py::module_& module) {
       .def_readonly("scale_sigma", &StartReport::scale_sigma, DOC(StartReport_scale_sigma))
       .def_readonly("missing", &StartReport::missing, DOC(StartReport_missing));
   using BoundStart = Guarded<SensorStart>;
-  const StartOptions defaults;
   py::class_<BoundStart> bound(module, "SensorStart", DOC(SensorStart));
-  bound.def(py::init([](const StereoCalibration& calibration, const NavigatorOptions& options,
-                        double longest_s, double longest_moving_s, double shortest_s) {
-              StartOptions start;
-              start.longest_s = longest_s;
-              start.longest_moving_s = longest_moving_s;
-              start.shortest_s = shortest_s;
-              return std::make_unique<BoundStart>(options, calibration, start);
-            }),
-            py::arg("calibration"), py::arg("options"), py::arg("longest_s") = defaults.longest_s,
-            py::arg("longest_moving_s") = defaults.longest_moving_s,
-            py::arg("shortest_s") = defaults.shortest_s, DOC(StartOptions));
-  bind_inputs(bound, [](SensorStart& self) -> SensorStart& { return self; });
+  bind_start_of(bound);
+  bind_inputs(bound);
   bound
       .def(
           "add_frame",
@@ -468,8 +479,45 @@ void bind_start(py::module_& module) {
       .def(
           "result",
           [](BoundStart& self) { return self.with([](SensorStart& it) { return it.result().initial; }); },
-          "The state at the last frame with a first map, to start a Navigator from; whatever the status.\n"
-          "Raises ValueError if there was no frame yet");
+          "The state at the last frame that was used, with a first map, to start a Navigator from; whatever "
+          "the\n"
+          "status. Raises ValueError if there was no frame yet")
+      .def(
+          "unused",
+          [](BoundStart& self) { return self.with([](SensorStart& it) { return it.result().unused; }); },
+          DOC(SensorStartResult_unused));
+}
+
+void bind_online_navigator(py::module_& module) {
+  py::class_<OnlineReport>(module, "OnlineReport", DOC(OnlineReport))
+      .def_readonly("t_ns", &OnlineReport::t_ns)
+      .def_readonly("start", &OnlineReport::start, DOC(OnlineReport_start))
+      .def_readonly("frame", &OnlineReport::frame, DOC(OnlineReport_frame));
+  using Bound = Guarded<OnlineNavigator>;
+  py::class_<Bound> bound(module, "OnlineNavigator", DOC(OnlineNavigator));
+  bind_start_of(bound);
+  bind_inputs(bound);
+  bound
+      .def(
+          "process",
+          [](Bound& self, const StereoFrame& frame) {
+            return self.with([&](OnlineNavigator& navigator) { return navigator.process(frame); });
+          },
+          py::arg("frame"), DOC(OnlineNavigator_process))
+      .def(
+          "reset",
+          [](Bound& self, const std::optional<InitialState>& initial) {
+            self.with(
+                [&](OnlineNavigator& navigator) { initial ? navigator.reset(*initial) : navigator.reset(); });
+          },
+          py::arg("initial") = py::none(), DOC(OnlineNavigator_reset))
+      .def_property_readonly(
+          "started",
+          [](Bound& self) {
+            return self.with([](const OnlineNavigator& navigator) { return navigator.started(); });
+          },
+          "Whether there is a state; before, what asks for it raises RuntimeError.");
+  bind_state_of(bound);
 }
 
 }  // namespace
@@ -481,6 +529,7 @@ void bind_navigation(py::module_& module) {
   bind_frame_report(module);
   bind_navigator(module);
   bind_start(module);
+  bind_online_navigator(module);
 }
 
 }  // namespace limber::python

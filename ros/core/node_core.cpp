@@ -11,13 +11,13 @@
 #include <optional>
 #include <stdexcept>
 
-#include "online_navigator.hpp"
+#include "image_navigator.hpp"
 
 namespace limber_node {
 namespace {
 
 /// What the navigator tells, in plain types.
-class Listener final : public limber::OnlineListener {
+class Listener final : public limber::NavigationListener {
  public:
   explicit Listener(Output& output) : output_(output) {}
 
@@ -61,8 +61,8 @@ limber::RigFile rig_of(const Parameters& parameters) {
   return limber::read_rig_file(parameters.calib, images);
 }
 
-limber::OnlineOptions options_of(const Parameters& parameters) {
-  limber::OnlineOptions options;
+limber::ImageNavigatorOptions options_of(const Parameters& parameters) {
+  limber::ImageNavigatorOptions options;
   options.run.method = limber::method_from_string(parameters.method);
   if (options.run.method == limber::Method::kOracle) {
     throw std::invalid_argument("parameter method: oracle needs the true calibration, which a node has not");
@@ -93,7 +93,7 @@ struct Core::Parts {
         const std::optional<limber::ImuNoise>& noise, Output& output)
       : listener(output), navigator(rig.calibration, noise, options_of(parameters), listener) {}
   Listener listener;
-  limber::OnlineNavigator navigator;
+  limber::ImageNavigator navigator;
 };
 
 Core::Core(const Parameters& parameters, Output& output) {

@@ -65,7 +65,7 @@ class Output {
   virtual void warning(const std::string& text) = 0;  ///< what should not be
 };
 
-/// Messages in, messages out: an OnlineNavigator. One thread.
+/// Messages in, messages out: an ImageNavigator. One thread.
 class Core {
  public:
   /// @throws std::exception for parameters or files that cannot be used, in words for the user

@@ -110,7 +110,7 @@ struct SensorStart::Window {
   WindowNormal normal;
   MatrixXd covariance;
   double solved_s = 0.0;
-  StartReport report;
+  StartReport report{StartStatus::kWaiting, 0.0, kUnknown, kUnknown, "more frames", {}};
   double least_misfit = kUnknown;  // of all solutions, squared residuals over rows
   std::optional<Agreed> agreed;
   std::optional<std::int64_t> stepped_before_ns;  // the biases, in the interval that holds this
@@ -136,7 +136,6 @@ struct SensorStart::Window {
            !(model.directions.bottomRows<3>().transpose() * model.calibration.theta.tail<3>()).isZero();
   }
   [[nodiscard]] StartReport judged() const;
-  [[nodiscard]] StartReport waiting() const;
   StartReport solve_and_judge();
   bool explain_by_step();
   [[nodiscard]] bool disagrees();
@@ -322,14 +321,6 @@ StartReport SensorStart::Window::judged() const {
   return out;
 }
 
-StartReport SensorStart::Window::waiting() const {
-  StartReport out;
-  out.waited_s = length();
-  out.tilt_sigma = out.scale_sigma = kUnknown;
-  out.missing = "more frames";
-  return out;
-}
-
 StartReport SensorStart::Window::solve_and_judge() {
   solve();
   StartReport out = judged();
@@ -498,12 +489,19 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
     return w.report;
   }
   w.push(frame);
-  StartReport out = w.report;
   if (w.model.options.motion == MotionModel::kOdometry) {
-    out.status = StartStatus::kReady;
-  } else if (w.report.status == StartStatus::kWaiting) {
-    out = w.is_due(w.length()) ? (w.report = w.solve_and_judge()) : w.waiting();
+    StartReport ready;
+    ready.status = StartStatus::kReady;
+    ready.inputs = inputs;
+    return ready;
   }
+  if (w.report.status == StartStatus::kWaiting) {
+    w.report.waited_s = w.length();
+    if (w.is_due(w.report.waited_s)) {
+      w.report = w.solve_and_judge();
+    }
+  }
+  StartReport out = w.report;
   out.inputs = inputs;
   return out;
 }

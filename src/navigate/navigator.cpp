@@ -69,6 +69,10 @@ Navigator::Navigator(const NavigatorOptions& options, const StereoCalibration& c
   }
 }
 
+void Navigator::reset(const InitialState& initial) {
+  *this = Navigator(filter_.options(), filter_.given_calibration(), initial);
+}
+
 void Navigator::log(const Event& event) {
   Supervision& s = *supervision_;
   if (s.replay) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "navigate/scene.hpp"
 #include "started.hpp"
@@ -67,6 +68,25 @@ TEST(SensorStart, OfABodyThatMovesWaitsForTheScaleLongerThanOfOneAtRest) {
   EXPECT_GT(patient.report.waited_s, 1.0);
   EXPECT_NE(patient.report.status, StartStatus::kTimedOut);
   EXPECT_LT(patient.result.report.scale_sigma, 0.5 * hasty.report.scale_sigma);
+}
+
+TEST(SensorStart, SaysInEveryFrameWhatTheLastSolutionDoesNotKnow) {
+  const Scene scene = make_scene(of_seed(1));
+  const NavigatorOptions options = options_of(scene, Method::kLcekf);
+  StartOptions how;
+  how.scale_sigma = how.open_scale_sigma = 1e-6;  // never known
+  SensorStart start(options, scene.calibration, how);
+  for (const InputSample& sample : scene.inputs) {
+    start.add_imu({sample.t_ns, sample.angular, sample.linear});
+  }
+  for (const StereoFrame& frame : scene.frames) {
+    const StartReport report = start.add_frame(frame);
+    const bool solved = report.waited_s >= how.shortest_s;
+    EXPECT_EQ(report.status, StartStatus::kWaiting);
+    EXPECT_EQ(report.missing.find("tells the scale") != std::string::npos, solved) << report.missing;
+    EXPECT_EQ(std::isfinite(report.scale_sigma) && std::isfinite(report.tilt_sigma), solved);
+    EXPECT_EQ(report.waited_s, 1e-9 * static_cast<double>(frame.t_ns - scene.frames[0].t_ns));
+  }
 }
 
 TEST(SensorStart, RefusesWhatIsNoFrameOfTheWindow) {

@@ -23,10 +23,7 @@ struct Flight {
   RigParameters theta, theta_sigma = RigParameters::Zero();
 };
 
-Flight fly(const Scene& scene, Method method) {
-  NavigatorOptions options = scene.options;
-  options.method = method;
-  Navigator navigator(options, scene.calibration, scene.initial);
+Flight fly(const Scene& scene, Navigator& navigator) {
   Flight out;
   std::size_t next = 0;
   for (std::size_t k = 0; k < scene.frames.size(); ++k) {
@@ -52,6 +49,13 @@ Flight fly(const Scene& scene, Method method) {
     out.theta_sigma = last.P.diagonal_block<6>(last.layout().theta()).diagonal().cwiseSqrt();
   }
   return out;
+}
+
+Flight fly(const Scene& scene, Method method) {
+  NavigatorOptions options = scene.options;
+  options.method = method;
+  Navigator navigator(options, scene.calibration, scene.initial);
+  return fly(scene, navigator);
 }
 
 SceneOptions ten_seconds(MotionModel motion = MotionModel::kImu) {
@@ -136,6 +140,19 @@ TEST(Navigator, OtherMethodsAreLeftAlone) {
     EXPECT_EQ(plain.estimate().nav.T_world_body.p, supervised.estimate().nav.T_world_body.p);
     EXPECT_EQ(plain.estimate().P.dense(), supervised.estimate().P.dense());
   }
+}
+
+TEST(Navigator, ResetBeginsAnewWithWhatItWasGiven) {
+  const Scene scene = make_scene(testing::wrong_rig());
+  NavigatorOptions adaptive = scene.options;
+  adaptive.method = Method::kAdaptive;
+  Navigator navigator(adaptive, scene.calibration, scene.initial);
+  const Flight first = fly(scene, navigator);
+  EXPECT_NE(navigator.calibration().theta, scene.calibration.theta);
+  navigator.reset(scene.initial);
+  EXPECT_EQ(navigator.calibration().theta, scene.calibration.theta);
+  EXPECT_EQ(navigator.events_kept(), 0U);
+  EXPECT_EQ(fly(scene, navigator).positions, first.positions);
 }
 
 }  // namespace

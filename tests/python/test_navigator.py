@@ -48,6 +48,54 @@ def test_step_by_step_is_the_run_bit_by_bit(recording, method):
     assert {i: tuple(p) for i, p in zip(ids.tolist(), positions)} == {i: tuple(p) for i, p in run.landmarks.items()}
 
 
+def step_through_online(recording, navigator):
+    """Positions since the start, and the reports of all frames, as an application has them."""
+    _, calibration, _ = limber.set_up(recording, limber.RunOptions(recording))
+    cleaner, t_imu, begin = limber.FrameCleaner(calibration), recording.imu["t_ns"], 0
+    reports, states = [], []
+    for frame in limber.frames(recording):
+        end = int(np.searchsorted(t_imu, frame.t_ns)) + 1
+        navigator.add_imu(recording.imu[begin:end])
+        begin = end
+        reports.append(navigator.process(cleaner.clean(frame)))
+        if navigator.started:
+            states.append(navigator.estimate())
+    return reports, states
+
+
+def test_online_is_the_run_bit_by_bit_and_says_what_it_waits_for(recording):
+    run = limber.run(recording)
+    options, calibration, _ = limber.set_up(recording, limber.RunOptions(recording))
+    navigator = limber.OnlineNavigator(calibration, options)
+    reports, states = step_through_online(recording, navigator)
+    after = sum(report.frame is not None for report in reports)
+    assert after > 50 and after == len(states) - 1
+    assert np.array_equal([state.p for state in states[1:]], run.p[-after:])
+    assert np.array_equal([state.covariance[:6, :6] for state in states[1:]], run.covariance[-after:])
+    waiting = reports[:-after - 1]
+    assert waiting and all(report.start.status == "waiting" and report.start.missing for report in waiting)
+    assert reports[-after - 1].start.status == "ready" and reports[-1].start is None
+    navigator.reset()
+    assert not navigator.started and navigator.health is None
+    _, again = step_through_online(recording, navigator)
+    assert np.array_equal([state.p for state in again], [state.p for state in states])
+
+
+def test_online_refuses_what_is_out_of_order_and_has_no_state_before_the_start(calibration):
+    navigator = limber.OnlineNavigator(calibration, limber.NavigatorOptions(), shortest_s=0.5)
+    with pytest.raises(RuntimeError, match="no start yet"):
+        navigator.estimate()
+    assert "IMU samples" in navigator.process(limber.StereoFrame(10**9, [], np.zeros((0, 2)), np.zeros((0, 2)))).start.missing
+    navigator.add_imu(10**9, [0, 0, 0], [0, 0, 9.81])
+    with pytest.raises(ValueError, match="does not come after"):
+        navigator.add_imu(10**9, [0, 0, 0], [0, 0, 9.81])
+    navigator.reset(limber.InitialState())
+    assert navigator.started
+    report = at_rest(navigator)
+    assert report.start is None and report.frame.used == 20
+    assert np.linalg.norm(navigator.predict(navigator.estimate().t_ns + 10**7).p) < 0.01
+
+
 def at_rest(navigator, seconds=1.0, first_ms=0):
     """A wall before a rig that does not move."""
     camera, calibration = navigator.calibration.cam0, navigator.calibration

@@ -36,7 +36,7 @@ enum class StartStatus : std::uint8_t {
   kTimedOut  ///< the time is over: ready as well, but `missing` is not known and the covariance says so
 };
 
-/// How far a start has come.
+/// How far a start has come. What is known is that by the last solution; there are fewer and fewer of them.
 struct StartReport {
   StartStatus status = StartStatus::kWaiting;
   double waited_s = 0.0;     ///< since the first frame

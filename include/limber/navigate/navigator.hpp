@@ -44,6 +44,10 @@ class Navigator {
   /// @throws std::invalid_argument as StereoFilter::process
   FrameReport process(const StereoFrame& frame);
 
+  /// @brief Begins anew, with the options and the calibration of the construction; time may begin anew, too.
+  /// @throws std::invalid_argument if shapes disagree or the state is not finite; nothing has changed then
+  void reset(const InitialState& initial);
+
   /// The body at t_ns with the inputs so far, for instance at the rate of the IMU; changes nothing.
   [[nodiscard]] PredictedState predict(std::int64_t t_ns) const { return answering().predict(t_ns); }
 

@@ -99,6 +99,8 @@ class StereoFilter {
   /// The calibration that the filter takes for true: what was given, with what has been estimated.
   [[nodiscard]] const StereoCalibration& calibration() const { return calibration_; }
   [[nodiscard]] CalibrationEstimate calibration_estimate() const;
+  /// What was given, whatever has been estimated or assumed since.
+  [[nodiscard]] const StereoCalibration& given_calibration() const { return given_; }
 
   [[nodiscard]] const Estimate& estimate() const { return estimate_; }
   [[nodiscard]] const NavigatorOptions& options() const { return options_; }

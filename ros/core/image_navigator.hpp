@@ -4,6 +4,8 @@
 #include <limber/bags/diagnostic.hpp>
 #include <limber/datasets/trajectory_files.hpp>
 #include <limber/frontend/stereo_tracker.hpp>
+#include <limber/initialize/sensor_start.hpp>
+#include <limber/navigate/frame_report.hpp>
 #include <limber/run/run_options.hpp>
 #include <limber/sensors/encoded_image.hpp>
 
@@ -20,11 +22,11 @@
 /// What a node does, whatever middleware it belongs to.
 namespace limber {
 
-/// Who runs an OnlineNavigator hears this of it, from within the calls of add_imu, add_odometry
+/// Who runs an ImageNavigator hears this of it, from within the calls of add_imu, add_odometry
 /// and add_image.
-class OnlineListener {
+class NavigationListener {
  public:
-  virtual ~OnlineListener() = default;
+  virtual ~NavigationListener() = default;
   virtual void pose(const TrajectoryRow& row) = 0;  ///< after every frame, once started
   virtual void diagnostic(
       const Diagnostic& diagnostic) = 0;              ///< navigation: every frame; calibration: now and then
@@ -33,7 +35,7 @@ class OnlineListener {
 };
 
 /// What a user chooses; the rest is as in `limber run`.
-struct OnlineOptions {
+struct ImageNavigatorOptions {
   RunOptions run;
   TrackerOptions tracker;
   bool uses_odometry = false;    ///< velocities of the body drive the prediction, in the place of an IMU
@@ -48,15 +50,15 @@ struct OnlineOptions {
 /// Starts from the sensors. A frame waits until IMU or odometry has reached it, or twenty more wait behind
 /// it. A clock that jumps back by more than a second, and a filter that diverges, mean a new start. One
 /// thread.
-class OnlineNavigator {
+class ImageNavigator {
  public:
   /// @param calibration  a width of 0 is taken from the first image. With body kCam0 the IMU is not used:
   ///                     nothing says where it sits. Odometry is that of this body
-  OnlineNavigator(StereoCalibration calibration, std::optional<ImuNoise> imu_noise, OnlineOptions options,
-                  OnlineListener& listener);
-  ~OnlineNavigator();
-  OnlineNavigator(const OnlineNavigator&) = delete;
-  OnlineNavigator& operator=(const OnlineNavigator&) = delete;
+  ImageNavigator(StereoCalibration calibration, std::optional<ImuNoise> imu_noise,
+                 ImageNavigatorOptions options, NavigationListener& listener);
+  ~ImageNavigator();
+  ImageNavigator(const ImageNavigator&) = delete;
+  ImageNavigator& operator=(const ImageNavigator&) = delete;
 
   /// Samples that are not finite, or not later than the one before, are left out with a warning; those that
   /// the options do not ask for, without.
@@ -80,8 +82,9 @@ class OnlineNavigator {
   [[nodiscard]] bool is_covered(std::int64_t t_ns) const;
   void process(const Pair& pair);
   void begin_session(const Pair& pair);
-  void start(const StereoFrame& frame);
   void navigate(const StereoFrame& frame);
+  void tell_start(std::int64_t t_ns, const StartReport& report);
+  void tell_frame(const FrameReport& report);
   void tell_state();
   void begin_anew(const std::string& why);
   /// Whether a stamp may follow the one before; a jump back means a new start.
@@ -89,13 +92,13 @@ class OnlineNavigator {
 
   StereoCalibration calibration_;
   std::optional<ImuNoise> imu_noise_;
-  OnlineOptions options_;
-  OnlineListener& listener_;
+  ImageNavigatorOptions options_;
+  NavigationListener& listener_;
   MotionModel motion_;
   std::array<std::deque<Stamped>, 2> waiting_;  ///< images without a partner yet
   std::deque<Pair> pairs_;                      ///< not processed yet
   std::array<std::optional<std::int64_t>, 2> last_image_ns_;
-  std::deque<Input> inputs_;  ///< since the start began; once it is over, those not fed yet
+  std::deque<Input> inputs_;  ///< that no frame has asked for yet
   std::optional<std::int64_t> last_input_ns_;
   std::unique_ptr<Session> session_;  ///< since the last start
 };

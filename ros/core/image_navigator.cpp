@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "online_navigator.hpp"
+#include "image_navigator.hpp"
 
 #include <limber/clean/frame_cleaner.hpp>
 #include <limber/core/divergence_error.hpp>
 #include <limber/core/errors.hpp>
 #include <limber/frontend/decode_image.hpp>
-#include <limber/initialize/sensor_start.hpp>
-#include <limber/navigate/navigator.hpp>
+#include <limber/initialize/online_navigator.hpp>
 #include <limber/run/trajectory_row.hpp>
 #include <limber/run_files/run_results.hpp>
 
@@ -34,7 +33,7 @@ RunSetup set_up(const StereoCalibration& calibration, const std::optional<ImuNoi
   return set_up_run(recording, options);
 }
 
-MotionModel motion_of(const StereoCalibration& calibration, const OnlineOptions& options) {
+MotionModel motion_of(const StereoCalibration& calibration, const ImageNavigatorOptions& options) {
   if (options.uses_odometry) return MotionModel::kOdometry;
   return calibration.body == BodyFrame::kImu ? MotionModel::kImu : MotionModel::kConstantVelocity;
 }
@@ -47,15 +46,9 @@ bool is_finite(const OdometrySample& sample) {
   return sample.v_body.allFinite() && sample.omega_body.allFinite();
 }
 
-template <typename Receiver>
-void give(Receiver& receiver, const ImuSample& sample) {
-  receiver.add_imu(sample);
-}
+void give(OnlineNavigator& navigator, const ImuSample& sample) { navigator.add_imu(sample); }
 
-template <typename Receiver>
-void give(Receiver& receiver, const OdometrySample& sample) {
-  receiver.add_odometry(sample);
-}
+void give(OnlineNavigator& navigator, const OdometrySample& sample) { navigator.add_odometry(sample); }
 
 template <typename Input>
 std::int64_t time_of(const Input& input) {
@@ -65,35 +58,34 @@ std::int64_t time_of(const Input& input) {
 }  // namespace
 
 /// Everything between one start and the next, but for samples and images that wait.
-struct OnlineNavigator::Session {
-  Session(const StereoCalibration& calibration, const OnlineOptions& options, RunSetup run_setup)
+struct ImageNavigator::Session {
+  Session(const StereoCalibration& calibration, const ImageNavigatorOptions& options, RunSetup run_setup)
       : setup(std::move(run_setup)),
         tracker(calibration, options.tracker),
         cleaner(setup.calibration, options.run.cleaning),
-        start(std::in_place, setup.navigator, setup.calibration) {}
+        navigator(setup.navigator, setup.calibration) {}
 
-  /// Samples up to the first one at or after t.
-  template <typename Receiver>
-  void feed(const std::deque<Input>& inputs, Receiver& receiver, std::int64_t t_ns) {
-    while (next < inputs.size() && (!fed_ns || *fed_ns < t_ns)) {
-      fed_ns = time_of(inputs[next]);
-      std::visit([&](const auto& sample) { give(receiver, sample); }, inputs[next++]);
+  /// Samples up to the first one at or after t; the rest waits.
+  void feed(std::deque<Input>& inputs, std::int64_t t_ns) {
+    while (!inputs.empty() && (!fed_ns || *fed_ns < t_ns)) {
+      const Input input = inputs.front();
+      inputs.pop_front();
+      fed_ns = time_of(input);
+      std::visit([&](const auto& sample) { give(navigator, sample); }, input);
     }
   }
 
   RunSetup setup;
   StereoTracker tracker;
   FrameCleaner cleaner;
-  std::optional<SensorStart> start;  ///< nothing once there is a navigator
-  std::optional<Navigator> navigator;
-  std::size_t next = 0;  ///< sample to feed
+  OnlineNavigator navigator;
   std::optional<std::int64_t> fed_ns;
   std::shared_ptr<const CalibrationReport> told;  ///< the last one
   bool is_lost = false;
 };
 
-OnlineNavigator::OnlineNavigator(StereoCalibration calibration, std::optional<ImuNoise> imu_noise,
-                                 OnlineOptions options, OnlineListener& listener)
+ImageNavigator::ImageNavigator(StereoCalibration calibration, std::optional<ImuNoise> imu_noise,
+                               ImageNavigatorOptions options, NavigationListener& listener)
     : calibration_(std::move(calibration)),
       imu_noise_(imu_noise),
       options_(std::move(options)),
@@ -106,9 +98,9 @@ OnlineNavigator::OnlineNavigator(StereoCalibration calibration, std::optional<Im
   }
 }
 
-OnlineNavigator::~OnlineNavigator() = default;
+ImageNavigator::~ImageNavigator() = default;
 
-void OnlineNavigator::begin_anew(const std::string& why) {
+void ImageNavigator::begin_anew(const std::string& why) {
   listener_.warning(why + ": starting anew");
   session_.reset();
   inputs_.clear();
@@ -120,7 +112,7 @@ void OnlineNavigator::begin_anew(const std::string& why) {
   }
 }
 
-bool OnlineNavigator::follows(std::int64_t t_ns, std::optional<std::int64_t>& last_ns, const char* what) {
+bool ImageNavigator::follows(std::int64_t t_ns, std::optional<std::int64_t>& last_ns, const char* what) {
   if (last_ns && t_ns < *last_ns - kJumpBack) {
     begin_anew(std::string("the stamps of the ") + what + " jumped back");
   }
@@ -133,15 +125,15 @@ bool OnlineNavigator::follows(std::int64_t t_ns, std::optional<std::int64_t>& la
   return true;
 }
 
-void OnlineNavigator::add_imu(const ImuSample& sample) {
+void ImageNavigator::add_imu(const ImuSample& sample) {
   if (motion_ == MotionModel::kImu) add_input(sample, "IMU sample");
 }
 
-void OnlineNavigator::add_odometry(const OdometrySample& sample) {
+void ImageNavigator::add_odometry(const OdometrySample& sample) {
   if (motion_ == MotionModel::kOdometry) add_input(sample, "odometry sample");
 }
 
-void OnlineNavigator::add_input(const Input& input, const char* what) {
+void ImageNavigator::add_input(const Input& input, const char* what) {
   if (!std::visit([](const auto& sample) { return is_finite(sample); }, input)) {
     listener_.warning(std::string("an ") + what + " that is not finite is left out");
   } else if (follows(time_of(input), last_input_ns_, what)) {
@@ -150,7 +142,7 @@ void OnlineNavigator::add_input(const Input& input, const char* what) {
   }
 }
 
-void OnlineNavigator::add_image(std::size_t camera, std::int64_t t_ns, EncodedImage image) {
+void ImageNavigator::add_image(std::size_t camera, std::int64_t t_ns, EncodedImage image) {
   if (follows(t_ns, last_image_ns_.at(camera), camera == 0 ? "left image" : "right image")) {
     image.bits = options_.bits;
     waiting_[camera].push_back({t_ns, std::move(image)});
@@ -159,7 +151,7 @@ void OnlineNavigator::add_image(std::size_t camera, std::int64_t t_ns, EncodedIm
   }
 }
 
-void OnlineNavigator::pair_up() {
+void ImageNavigator::pair_up() {
   auto &left = waiting_[0], &right = waiting_[1];
   while (!left.empty() && !right.empty()) {
     const std::int64_t difference = right.front().t_ns - left.front().t_ns;
@@ -182,11 +174,11 @@ void OnlineNavigator::pair_up() {
   }
 }
 
-bool OnlineNavigator::is_covered(std::int64_t t_ns) const {
+bool ImageNavigator::is_covered(std::int64_t t_ns) const {
   return motion_ == MotionModel::kConstantVelocity || (last_input_ns_ && *last_input_ns_ >= t_ns);
 }
 
-void OnlineNavigator::advance() {
+void ImageNavigator::advance() {
   while (!pairs_.empty() && (is_covered(pairs_.front()[0].t_ns) || pairs_.size() > kMostWaiting)) {
     const Pair pair = std::move(pairs_.front());
     pairs_.pop_front();
@@ -200,7 +192,7 @@ void OnlineNavigator::advance() {
   }
 }
 
-void OnlineNavigator::process(const Pair& pair) {
+void ImageNavigator::process(const Pair& pair) {
   const std::int64_t t_ns = pair[0].t_ns;
   if (!session_) {
     const bool driven = motion_ != MotionModel::kConstantVelocity;
@@ -213,10 +205,10 @@ void OnlineNavigator::process(const Pair& pair) {
   const GreyPixels right = decode_grey(pair[1].image, "right image at " + std::to_string(t_ns) + " ns");
   const StereoFrame frame =
       session_->cleaner.clean(session_->tracker.process(t_ns, left.view(), right.view()));
-  session_->navigator ? navigate(frame) : start(frame);
+  navigate(frame);
 }
 
-void OnlineNavigator::begin_session(const Pair& pair) {
+void ImageNavigator::begin_session(const Pair& pair) {
   Camera* const cameras[] = {&calibration_.cam0, &calibration_.cam1};
   for (std::size_t c = 0; c < 2; ++c) {
     if (cameras[c]->width == 0) {
@@ -230,49 +222,46 @@ void OnlineNavigator::begin_session(const Pair& pair) {
   }
 }
 
-void OnlineNavigator::start(const StereoFrame& frame) {
+void ImageNavigator::navigate(const StereoFrame& frame) {
   Session& session = *session_;
-  session.feed(inputs_, *session.start, frame.t_ns);
-  const StartReport report = session.start->add_frame(frame);
+  session.feed(inputs_, frame.t_ns);
+  const OnlineReport report = session.navigator.process(frame);
+  if (report.start) {
+    tell_start(frame.t_ns, *report.start);
+  }
+  if (session.navigator.started()) {
+    session.is_lost = session.is_lost || (report.frame && report.frame->reset);
+    tell_state();
+  }
+  if (report.frame) {
+    tell_frame(*report.frame);
+  }
+}
+
+void ImageNavigator::tell_start(std::int64_t t_ns, const StartReport& report) {
   if (report.status == StartStatus::kWaiting) {
-    listener_.diagnostic({frame.t_ns,
+    listener_.diagnostic({t_ns,
                           Diagnostic::Level::kStale,
                           "limber: navigation",
                           "starting, not known yet: " + report.missing,
                           {}});
-    return;
-  }
-  session.navigator.emplace(session.setup.navigator, session.setup.calibration,
-                            session.start->result().initial);
-  session.start.reset();
-  session.next = 0;  // the navigator wants the samples around its start, too
-  session.fed_ns.reset();
-  listener_.note("started after " + std::to_string(report.waited_s) + " s" +
-                 (report.missing.empty() ? "" : "; not known: " + report.missing));
-  if (motion_ == MotionModel::kOdometry) {
-    navigate(frame);  // the start has used up none
   } else {
-    tell_state();
+    listener_.note("started after " + std::to_string(report.waited_s) + " s" +
+                   (report.missing.empty() ? "" : "; not known: " + report.missing));
   }
 }
 
-void OnlineNavigator::navigate(const StereoFrame& frame) {
+void ImageNavigator::tell_frame(const FrameReport& report) {
   Session& session = *session_;
-  session.feed(inputs_, *session.navigator, frame.t_ns);
-  inputs_.erase(inputs_.begin(), inputs_.begin() + static_cast<std::ptrdiff_t>(session.next));
-  session.next = 0;
-  const FrameReport report = session.navigator->process(frame);
-  session.is_lost = session.is_lost || report.reset;
-  tell_state();
   listener_.diagnostic(navigation_diagnostic(frame_row(report), session.is_lost));
   if (report.calibration && report.calibration != session.told) {
     session.told = report.calibration;
-    listener_.diagnostic(calibration_diagnostic(health_row(frame.t_ns, *report.calibration)));
+    listener_.diagnostic(calibration_diagnostic(health_row(report.t_ns, *report.calibration)));
   }
 }
 
-void OnlineNavigator::tell_state() {
-  const Estimate& estimate = session_->navigator->estimate();
+void ImageNavigator::tell_state() {
+  const Estimate& estimate = session_->navigator.estimate();
   const TrajectoryRow row = trajectory_row(estimate.nav, estimate.layout().motion,
                                            estimate.P.diagonal_block<StateLayout::kPoseSize>(0));
   if (!row.T_world_body.p.allFinite() || !row.T_world_body.R.allFinite() || !row.covariance->allFinite()) {
