@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/datasets/recording_place.hpp"
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <string_view>
@@ -24,15 +25,30 @@ bool is_truth(const fs::path& file) {
   return fs::is_regular_file(file) && detail::load_text(file).starts_with(calibration_truth_text({}));
 }
 
-bool is_mav0_by_limber(const fs::path& mav0) {
-  const fs::path yaml = mav0 / "cam0" / "sensor.yaml";
-  return fs::is_regular_file(yaml) &&
-         detail::load_text(yaml).find(detail::kIntrinsicsMark) != std::string::npos;
+bool holds_only(const fs::path& folder, const std::set<fs::path>& names) {
+  return fs::is_directory(folder) &&
+         std::all_of(fs::directory_iterator(folder), fs::directory_iterator(),
+                     [&](const fs::directory_entry& e) { return names.contains(e.path().filename()); });
 }
 
-bool holds_only(const fs::path& folder, const std::set<fs::path>& names) {
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (!names.contains(entry.path().filename())) {
+bool holds_only_pictures(const fs::path& folder) {
+  return !fs::exists(folder) ||
+         std::all_of(fs::directory_iterator(folder), fs::directory_iterator(),
+                     [](const fs::directory_entry& e) { return e.path().extension() == ".png"; });
+}
+
+/// By the mark in its calibration; and nothing of anybody else's in it.
+bool is_mav0_by_limber(const fs::path& mav0) {
+  const fs::path yaml = mav0 / "cam0" / "sensor.yaml";
+  if (!fs::is_regular_file(yaml) ||
+      detail::load_text(yaml).find(detail::kIntrinsicsMark) == std::string::npos ||
+      !holds_only(mav0, {"cam0", "cam1", "imu0", "odometry0", "tracks0", "landmarks0", "scene0", "mocap0",
+                         "state_groundtruth_estimate0", "calibration_truth0"})) {
+    return false;
+  }
+  for (const fs::directory_entry& sensor : fs::directory_iterator(mav0)) {
+    if (sensor.path().filename() != "scene0" && (!holds_only(sensor, {"data.csv", "sensor.yaml", "data"}) ||
+                                                 !holds_only_pictures(sensor.path() / "data"))) {
       return false;
     }
   }

@@ -10,7 +10,7 @@
 namespace limber::detail {
 
 /// Ends the line of the intrinsics: limber's hand.
-inline constexpr const char* kIntrinsicsMark = "  # fu, fv, cu, cv\n";
+inline constexpr const char* kIntrinsicsMark = "  # fu, fv, cu, cv; written by limber\n";
 
 /// "[1, 2, 3]", with all digits. @throws std::invalid_argument if one is not finite
 [[nodiscard]] std::string list_of(const double* begin, std::size_t count);

@@ -175,12 +175,38 @@ TEST_F(CarefulOutput, LeavesDevicesAndPipesAlone) {
 
 TEST_F(CarefulOutput, ReplacesNoTrackLogOfAnotherProgram) {
   const fs::path yaml = mav0() / "cam0" / "sensor.yaml";
-  write_text(yaml, testing::replaced(read_text(yaml), "  # fu, fv, cu, cv", ""));
+  // Others write what the numbers are, too: a log with that comment was deleted.
+  write_text(yaml, testing::replaced(read_text(yaml), "; written by limber", ""));
   const auto before = read_text(mav0() / "tracks0/data.csv");
-  const auto result = run_limber({"simulate", scenario().string(), "--out", log().string(), "--force"});
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("found something that limber did not write"));
-  EXPECT_EQ(read_text(mav0() / "tracks0/data.csv"), before);
+  const fs::path other = folder() / "other";
+  ASSERT_EQ(run_limber({"simulate", scenario().string(), "--out", other.string()}).exit_code, 0);
+  for (const auto& result :
+       {run_limber({"simulate", scenario().string(), "--out", log().string(), "--force"}),
+        run_limber({"convert", other.string(), "--out", log().string(), "--force"})}) {
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr("found something that limber did not write"));
+    EXPECT_EQ(read_text(mav0() / "tracks0/data.csv"), before);
+  }
+}
+
+TEST_F(CarefulOutput, ReplacesNothingOfOthersInARecordingOfItsOwn) {
+  const fs::path other = folder() / "other";
+  ASSERT_EQ(run_limber({"simulate", scenario().string(), "--out", other.string()}).exit_code, 0);
+  for (const char* name : {"mav0/notes.txt", "mav0/cam0/data/mine.txt", "mav0/cam2/data.csv"}) {
+    const fs::path mine = log() / name;
+    fs::create_directories(mine.parent_path());
+    write_text(mine, "mine");
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"simulate", scenario().string()}, {"convert", other.string()}}) {
+      std::vector<std::string> words = command;
+      words.insert(words.end(), {"--out", log().string(), "--force"});
+      EXPECT_EQ(run_limber(words).exit_code, 1) << name;
+      EXPECT_EQ(read_text(mine), "mine") << name;
+    }
+    fs::remove(mine);
+    fs::remove(log() / "mav0/cam2");
+    fs::remove(log() / "mav0/cam0/data");
+  }
 }
 
 TEST_F(CarefulOutput, EndsInOrderWhereMessagesCannotBeWritten) {
