@@ -113,6 +113,7 @@ struct SensorStart::Window {
   StartReport report{StartStatus::kWaiting, 0.0, kUnknown, kUnknown, "more frames", {}};
   double least_misfit = kUnknown;  // of all solutions, squared residuals over rows
   std::optional<Agreed> agreed;
+  bool failed_before = false;                     // the solution before disagreed
   std::optional<std::int64_t> stepped_before_ns;  // the biases, in the interval that holds this
   std::vector<StereoFrame> unused;                // after images and inputs agreed last
 
@@ -329,6 +330,9 @@ StartReport SensorStart::Window::solve_and_judge() {
     out = judged();
     failed = disagrees();
   }
+  // One solution alone may be stuck; the next one, with more frames, mostly is not.
+  const bool again = std::exchange(failed_before, failed);
+  failed = failed && (again || out.status != StartStatus::kWaiting);
   if (failed) {
     go_back();
     out = judged();

@@ -50,7 +50,9 @@ struct MotionPrior {
 struct InputPrior {
   MotionPrior angular, linear;
 };
+/// Of a hand-held IMU.
 inline constexpr InputPrior kImuPrior = {{0.5, 2.0, false}, {3.0, 20.0, true}};
+/// Of a vehicle's odometry.
 inline constexpr InputPrior kOdometryPrior = {{0.5, 2.0, true}, {2.0, 2.0, false}};
 
 /// @brief Holds input samples and cuts them into steps that end where the caller wants.
