@@ -17,13 +17,10 @@ import json
 import os
 import pathlib
 import shutil
-import subprocess
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-AXES = ["ax", "ay", "az", "tx", "ty", "tz"]
-VERDICTS = ["ok", "degraded", "decalibrated", "cannot tell"]
-UNITS = {"deg": 1.0, "mm": 1e-3}
+from verdict_table import AXES, ROOT, UNITS, VERDICTS, run
+
 MARGIN_NS = 200_000_000  # of what is no image: the piece's first and last frame lie within
 
 
@@ -53,7 +50,7 @@ def pieces_of(log, seconds):
 
 def health(limber, recording, error):
     added = ["--assume-error", error] if error else []
-    done = subprocess.run([limber, "health", recording, "--json", *added], capture_output=True, text=True, check=False)
+    done = run(limber, "health", recording, "--json", *added)
     return json.loads(done.stdout) if done.stdout else {"verdict": "refused", "health": None}
 
 

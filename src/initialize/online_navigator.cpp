@@ -39,13 +39,8 @@ std::int64_t time_of(const Input& input) {
   return std::visit([](const auto& sample) { return sample.t_ns; }, input);
 }
 
-bool is_finite(const ImuSample& sample) {
-  return sample.omega_imu.allFinite() && sample.accel_imu.allFinite();
-}
-
-bool is_finite(const OdometrySample& sample) {
-  return sample.v_body.allFinite() && sample.omega_body.allFinite();
-}
+InputSample input_of(const ImuSample& sample) { return {sample.t_ns, sample.omega_imu, sample.accel_imu}; }
+InputSample input_of(const OdometrySample& sample) { return {sample.t_ns, sample.omega_body, sample.v_body}; }
 
 MotionModel motion_of(const ImuSample&) { return MotionModel::kImu; }
 MotionModel motion_of(const OdometrySample&) { return MotionModel::kOdometry; }
@@ -64,13 +59,8 @@ void OnlineNavigator::check(const Input& input) const {
   if (std::visit([](const auto& sample) { return motion_of(sample); }, input) != options_.motion) {
     throw std::invalid_argument(what + "is not what the motion model takes");
   }
-  if (!std::visit([](const auto& sample) { return is_finite(sample); }, input)) {
-    throw std::invalid_argument(what + "is not finite");
-  }
-  if (!inputs_.empty() && time_of(input) <= time_of(inputs_.back())) {
-    throw std::invalid_argument(what + "does not come after the one at " +
-                                std::to_string(time_of(inputs_.back())) + " ns");
-  }
+  require_next(std::visit([](const auto& sample) { return input_of(sample); }, input),
+               inputs_.empty() ? std::nullopt : std::optional(time_of(inputs_.back())));
   if (last_frame_ns_ && seconds_between(*last_frame_ns_, time_of(input)) > detail::kLongestJump) {
     throw std::invalid_argument(what + "is hours ahead of the frames: is that another clock?");
   }

@@ -56,7 +56,7 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
       scale_(plausible_error(calibration.baseline())),
       estimate_(make_estimate(options_, calibration, initial)),
       inputs_(options.motion == MotionModel::kOdometry ? kOdometryPrior : kImuPrior),
-      checks_(options.motion == MotionModel::kOdometry ? kOdometryLimits : kImuLimits),
+      checks_(limits_of(options.motion)),
       sound_(initial) {
   check_parameters(options_, calibration);
   if (!has_more(options_)) {  // where more is estimated, the points would have to be correlated with it

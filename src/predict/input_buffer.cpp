@@ -30,19 +30,22 @@ Unknown unknown(const MotionSeen& seen, const MotionPrior& prior, double away, d
 
 }  // namespace
 
-void InputBuffer::add(const InputSample& sample) {
+void require_next(const InputSample& sample, std::optional<std::int64_t> newest_ns) {
+  const std::string what = "input sample at " + std::to_string(sample.t_ns) + " ns ";
   if (!sample.angular.allFinite() || !sample.linear.allFinite()) {
-    throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) + " ns is not finite");
+    throw std::invalid_argument(what + "is not finite");
   }
+  if (newest_ns && sample.t_ns <= *newest_ns) {
+    throw std::invalid_argument(what + "does not come after the one at " + std::to_string(*newest_ns) +
+                                " ns");
+  }
+}
+
+void InputBuffer::add(const InputSample& sample) {
+  require_next(sample, samples_.empty() ? std::nullopt : std::optional(samples_.back().t_ns));
   if (!samples_.empty()) {
-    const std::int64_t interval = sample.t_ns - samples_.back().t_ns;
-    if (interval <= 0) {
-      throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) +
-                                  " ns does not come after the one at " +
-                                  std::to_string(samples_.back().t_ns) + " ns");
-    }
     // The shortest of the recent intervals, allowed to grow slowly: robust to drops.
-    const double ns = static_cast<double>(interval);
+    const double ns = static_cast<double>(sample.t_ns - samples_.back().t_ns);
     usual_interval_ns_ = usual_interval_ns_ > 0.0 ? std::min(ns, 1.02 * usual_interval_ns_) : ns;
   }
   angular_seen_.add(sample.t_ns, sample.angular);

@@ -103,13 +103,7 @@ void InputChecks::add(const InputSample& sample, InputBuffer& buffer) {
   Six value;
   value << sample.angular, sample.linear;
   const bool first = !last_ && !held_ && varied_ == 0;
-  if (!value.allFinite()) {
-    throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) + " ns is not finite");
-  }
-  if (!first && sample.t_ns <= newest_ns_) {
-    throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) +
-                                " ns does not come after the one at " + std::to_string(newest_ns_) + " ns");
-  }
+  require_next(sample, first ? std::nullopt : std::optional(newest_ns_));
   newest_ns_ = sample.t_ns;
   for (std::size_t k = 0; k < 2; ++k) {
     if (part(sample, k).cwiseAbs().maxCoeff() > limits_.impossible[k]) {

@@ -62,7 +62,7 @@ void check(const SmootherInput& input, const SmootherOptions& options) {
 
 InputBuffer buffer_of(const SmootherInput& input, MotionModel motion) {
   InputBuffer out;
-  InputChecks checks(motion == MotionModel::kOdometry ? kOdometryLimits : kImuLimits);
+  InputChecks checks(limits_of(motion));
   if (motion == MotionModel::kImu) {
     for (const ImuSample& s : input.imu) {
       checks.add({s.t_ns, s.omega_imu, s.accel_imu}, out);

@@ -15,6 +15,10 @@
 
 namespace limber {
 
+namespace detail {
+struct StartWindow;
+}
+
 /// When a start from the sensors is good enough, and how long it may take.
 struct StartOptions {
   double longest_s = 8.0;  ///< then it goes on with what is known, as it is known
@@ -98,8 +102,7 @@ class SensorStart {
   [[nodiscard]] SensorStartResult result();
 
  private:
-  struct Window;
-  std::unique_ptr<Window> window_;
+  std::unique_ptr<detail::StartWindow> window_;
 };
 
 }  // namespace limber

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "limber/predict/motion_seen.hpp"
@@ -20,6 +21,10 @@ struct InputSample {
   /// sensor, a jump (InputChecks). Zero: nothing.
   double angular_density = 0.0, linear_density = 0.0;
 };
+
+/// @param newest_ns  of the samples before; nothing before the first
+/// @throws std::invalid_argument if the sample is not later, or a value is not finite
+void require_next(const InputSample& sample, std::optional<std::int64_t> newest_ns);
 
 /// What is not known of one of the two inputs in a step.
 struct Unknown {

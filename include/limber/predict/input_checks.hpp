@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "limber/predict/input_buffer.hpp"
+#include "limber/state/state.hpp"
 
 namespace limber {
 
@@ -42,6 +43,11 @@ struct InputLimits {
 inline constexpr InputLimits kImuLimits = {{200.0, 10000.0}, {2.0, 20.0}, {0.3, 12.0}};
 /// [rad/s], [m/s]
 inline constexpr InputLimits kOdometryLimits = {{200.0, 1000.0}, {2.0, 5.0}, {0.3, 1.0}};
+
+/// Of the samples that drive a motion model.
+[[nodiscard]] constexpr const InputLimits& limits_of(MotionModel motion) {
+  return motion == MotionModel::kOdometry ? kOdometryLimits : kImuLimits;
+}
 
 /// @brief Cheap checks of each sample against its neighbours, before it enters the buffer. Causal: a sample
 /// that jumps is held back until the next one says whether it was a spike.

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+// What a start's solution knows, and whether images and inputs still agree upon it.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "hand_over.hpp"
+#include "limber/core/median.hpp"
+#include "start_window.hpp"
+
+namespace limber::detail {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using L = StateLayout;
+
+namespace {
+
+constexpr double kSeenParallax = 0.02;  // [rad], of the usual point
+/// Misfit over the least of all solutions: of one that can be gone back to, of one that contradicts it.
+constexpr double kAgrees = 1.4, kDisagrees = 3.0;
+
+}  // namespace
+
+double StartWindow::tilt_sigma() const {
+  if (model.options.motion != MotionModel::kImu) {
+    return 0.0;
+  }
+  const Index last = static_cast<Index>(solution->frames.size() - 1) * model.frame_size() + L::kAttitude;
+  const Matrix3d& R = solution->frames.back().nav.T_world_body.R;
+  const Matrix3d P = R * covariance.block<3, 3>(last, last) * R.transpose();
+  return std::sqrt(std::max(P(0, 0), P(1, 1)));
+}
+
+/// Of the logarithm of what all inverse depths have in common.
+double StartWindow::scale_sigma() const {
+  const double information = scale_information(handed_over());
+  return information > 0.0 ? 1.0 / std::sqrt(information) : kUnknown;
+}
+
+/// What the solution knows of what was asked for.
+StartReport StartWindow::judged() const {
+  StartReport out;
+  out.waited_s = length();
+  out.tilt_sigma = solution ? tilt_sigma() : kUnknown;
+  out.scale_sigma = solution ? scale_sigma() : kUnknown;
+  const bool tilt = out.tilt_sigma <= options.tilt_sigma;
+  const bool scale =
+      out.scale_sigma <= (leaves_scale_open() ? options.open_scale_sigma : options.scale_sigma);
+  const bool settled = !solution || normal.left <= kSettled;
+  const bool moves = solution && parallax() > kSeenParallax;
+  if (!solution) {
+    out.missing = "a motion that images and inputs agree upon";
+  } else if (!scale) {
+    out.missing = moves ? "no acceleration yet that tells the scale" : "no parallax yet that tells the scale";
+  } else if (!settled && tilt) {
+    out.missing = "a solution that has settled";
+  }
+  if (solution && !tilt) {
+    out.missing += std::string(out.missing.empty() ? "" : "; ") +
+                   "no turn or acceleration yet that tells the tilt from a bias";
+  }
+  const bool may_be_told = moves && !scale && has_scale(model.options.motion);
+  const double longest_s = may_be_told ? options.longest_moving_s : options.longest_s;
+  out.status = tilt && scale && settled    ? StartStatus::kReady
+               : out.waited_s >= longest_s ? StartStatus::kTimedOut
+                                           : StartStatus::kWaiting;
+  return out;
+}
+
+StartReport StartWindow::solve_and_judge() {
+  solve();
+  StartReport out = judged();
+  bool failed = disagrees();
+  if ((failed || out.status != StartStatus::kWaiting) && explain_by_step()) {
+    out = judged();
+    failed = disagrees();
+  }
+  // One solution alone may be stuck; the next one, with more frames, mostly is not.
+  const bool again = std::exchange(failed_before, failed);
+  failed = failed && (again || out.status != StartStatus::kWaiting);
+  if (failed) {
+    go_back();
+    out = judged();
+    out.status = StartStatus::kTimedOut;
+    out.missing +=
+        std::string(out.missing.empty() ? "" : "; ") + "what happened then: images and inputs agree no more";
+  }
+  return out;
+}
+
+/// Once in a window the biases may step.
+bool StartWindow::explain_by_step() {
+  if (!solution || stepped_before_ns) {
+    return false;
+  }
+  std::optional<BiasStep> step = find_bias_step(model, *solution, normal);
+  if (!step) {
+    return false;
+  }
+  const MatrixXd of_step = frame_covariance(step->normal);
+  if (of_step.size() == 0) {
+    return false;
+  }
+  stepped_before_ns = step->before_ns;
+  solution = std::move(step->state);
+  normal = std::move(step->normal);
+  covariance = of_step;
+  return true;
+}
+
+/// Whatever pixels are worth, they are worth the same later on: a fault of the inputs makes the misfit grow.
+bool StartWindow::disagrees() {
+  if (!solution) {
+    return false;
+  }
+  const double misfit = normal.cost / expected_cost(model, *solution);
+  least_misfit = std::min(least_misfit, misfit);
+  if (misfit <= kAgrees * least_misfit) {
+    agreed = Agreed{frames.size(), *solution, normal, covariance};
+  }
+  return agreed && misfit > kDisagrees * least_misfit;
+}
+
+/// To where images and inputs agreed last.
+void StartWindow::go_back() {
+  solution = std::move(agreed->solution);
+  normal = std::move(agreed->normal);
+  covariance = std::move(agreed->covariance);
+  const auto end = static_cast<std::ptrdiff_t>(agreed->frames);
+  unused.assign(raw.begin() + end, raw.end());
+  raw.erase(raw.begin() + end, raw.end());
+  frames.erase(frames.begin() + end, frames.end());
+  solved_s = length();
+}
+
+/// The last frame and the map; of their scale no more than the motion can tell.
+InitialState StartWindow::handed_over() const {
+  InitialState out = hand_over(model, *solution, normal, covariance);
+  if (leaves_scale_open()) {
+    take_noise_from_scale(out);
+  }
+  return out;
+}
+
+/// Angle under which the usual point sees the way that the body went [rad].
+double StartWindow::parallax() const {
+  double way = 0.0;
+  for (const WindowFrame& frame : solution->frames) {
+    way = std::max(way, frame.nav.T_world_body.p.norm());
+  }
+  std::vector<double> rho = {0.0};
+  for (const WindowPoint& point : solution->points) {
+    rho.push_back(point.landmark.value.z());
+  }
+  return way * std::max(upper_median(std::move(rho)), 0.0);
+}
+
+}  // namespace limber::detail

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+#include "start_window.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "limber/core/time.hpp"
+#include "window_guess.hpp"
+
+namespace limber::detail {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kGrowth = 1.4;  // of the window, from one solution to the next
+constexpr int kStartIterations = 25;
+constexpr int kCleanings = 10;
+constexpr int kMoreIterations = 75;      // of a solution that fits and has not settled
+constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
+constexpr double kFits =
+    1.0;  // cost per degree of freedom (expected: 1/2) up to which no other guess is tried
+
+/// What of theta a method leaves free: nothing if it trusts the rig.
+MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibration& calibration) {
+  switch (options.method) {
+    case Method::kEkf:
+    case Method::kMonoLeft:
+      return MatrixXd(6, 0);
+    case Method::kLcekf:
+      return constraint_directions(options.constraints, calibration.theta);
+    case Method::kEkfFull:
+    case Method::kSoft:
+    case Method::kConsider:
+    case Method::kAdaptive:
+    case Method::kOracle:  // knows the truth of the frames to come, not of those before
+      break;
+  }
+  ConstraintSet all;
+  all.kind = has_scale(options.motion) ? ConstraintSet::Kind::kFull : ConstraintSet::Kind::kRotationDirection;
+  return constraint_directions(all, calibration.theta);
+}
+
+/// Which way is ahead is a convention, and has to be the same in each solution: all is turned about the
+/// vertical until the first attitude is as near to R as can be.
+void turn_to(const Matrix3d& R, WindowState& state) {
+  const Matrix3d M = R * state.frames.front().nav.T_world_body.R.transpose();
+  const Matrix3d turn = so3_exp(Vector3d(0.0, 0.0, std::atan2(M(1, 0) - M(0, 1), M(0, 0) + M(1, 1))));
+  for (WindowFrame& frame : state.frames) {
+    NavigationState& nav = frame.nav;
+    nav.T_world_body = {turn * nav.T_world_body.R, turn * nav.T_world_body.p};
+    nav.v_world_body = turn * nav.v_world_body;
+  }
+}
+
+}  // namespace
+
+StartWindow::StartWindow(const NavigatorOptions& navigator, const StereoCalibration& calibration,
+                         const StartOptions& start)
+    : options(start), checks(limits_of(navigator.motion)) {
+  check_calibration(calibration);
+  model.options = navigator;
+  model.calibration = calibration;
+  model.directions = free_directions(navigator, calibration);
+  model.right = navigator.method != Method::kMonoLeft;
+}
+
+Matrix3d StartWindow::assumed_attitude() const {
+  if (model.options.motion == MotionModel::kOdometry && model.calibration.body == BodyFrame::kImu) {
+    return Matrix3d::Identity();
+  }
+  Matrix3d R_world_cam0;
+  R_world_cam0 << 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0;
+  return R_world_cam0 * body_from_cam0(model.calibration).R.transpose();
+}
+
+InputReport StartWindow::push(const StereoFrame& frame) {
+  check_points(frame);
+  if (!raw.empty() && frame.t_ns <= raw.back().t_ns) {
+    throw std::invalid_argument("start: frame at " + std::to_string(frame.t_ns) +
+                                " ns is not later than the one before");
+  }
+  InputReport report = report_inputs(frame.t_ns);
+  WindowFrame next;
+  next.theta = VectorXd::Zero(model.directions.cols());
+  if (!raw.empty()) {
+    if (model.options.motion == MotionModel::kConstantVelocity) {
+      InputStep step;
+      step.t_end_ns = frame.t_ns;
+      step.dt = seconds_between(raw.back().t_ns, frame.t_ns);
+      next.steps = {step};
+    } else {
+      next.steps = inputs.steps(raw.back().t_ns, frame.t_ns);
+      if (!next.steps.empty()) {
+        next.omega = next.steps.back().angular;
+      }
+    }
+  }
+  next.nav.t_ns = frame.t_ns;
+  frames.push_back(std::move(next));
+  raw.push_back(frame);
+  return report;
+}
+
+/// Of the samples since the last frame.
+InputReport StartWindow::report_inputs(std::int64_t t_ns) {
+  if (model.options.motion == MotionModel::kConstantVelocity) {
+    return {};
+  }
+  return report_on(inputs, checks.take_counts(), raw.empty() ? t_ns : raw.back().t_ns, t_ns);
+}
+
+/// At most kMostFrames of the window, evenly spaced, the first and the last among them.
+StartWindow::Frames StartWindow::kept() const {
+  const std::size_t stride = (frames.size() + kMostFrames - 1) / kMostFrames;
+  Frames out;
+  std::vector<InputStep> steps;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    steps.insert(steps.end(), frames[k].steps.begin(), frames[k].steps.end());
+    if (k == 0 || (frames.size() - 1 - k) % stride == 0) {
+      out.frames.push_back(frames[k]);
+      WindowFrame& frame = out.frames.back();
+      frame.steps = std::exchange(steps, {});
+      if (stepped_before_ns && !out.raw.empty() && out.raw.back().t_ns < *stepped_before_ns &&
+          *stepped_before_ns <= frame.nav.t_ns) {
+        open_biases(frame);
+      }
+      out.raw.push_back(raw[k]);
+    }
+  }
+  return out;
+}
+
+/// The last solution carried on to frames and points that came since.
+std::optional<WindowState> StartWindow::continued(const Frames& now) const {
+  if (!solution) {
+    return std::nullopt;
+  }
+  WindowState out{now.frames, points_of(model, now.raw)};
+  auto known = solution->frames.begin();
+  for (std::size_t k = 0; k < out.frames.size(); ++k) {
+    WindowFrame& frame = out.frames[k];
+    while (known != solution->frames.end() && known->nav.t_ns < frame.nav.t_ns) {
+      ++known;
+    }
+    if (known != solution->frames.end() && known->nav.t_ns == frame.nav.t_ns) {
+      frame.nav = known->nav;
+      frame.theta = known->theta;
+    } else if (k > 0) {
+      frame.nav = out.frames[k - 1].nav;
+      frame.theta = out.frames[k - 1].theta;
+      (void)predict_over(model.options, frame, frame.nav);
+    }
+  }
+  for (WindowPoint& point : out.points) {
+    point.landmark.value.setZero();
+  }
+  fill_depths_from_motion(model, out);
+  return out;
+}
+
+/// Solved again where the window has grown enough, and at the end of its time.
+bool StartWindow::is_due(double waited_s) const {
+  const auto ends = [&](double longest_s) { return waited_s >= longest_s && solved_s < longest_s; };
+  return ends(options.longest_s) || ends(options.longest_moving_s) ||
+         (waited_s >= options.shortest_s && waited_s >= kGrowth * solved_s);
+}
+
+void StartWindow::solve() {
+  std::vector<WindowState> starts;
+  const Frames now = kept();
+  if (std::optional<WindowState> on = continued(now)) {
+    starts.push_back(std::move(*on));
+  }
+  if (model.options.motion == MotionModel::kConstantVelocity) {
+    model.R_first = assumed_attitude();
+  }
+  const std::vector<WindowState> fresh = guesses(model, now.frames, now.raw);
+  starts.insert(starts.end(), fresh.begin(), fresh.end());
+  solution.reset();
+  for (WindowState& start : starts) {
+    if (model.options.motion == MotionModel::kImu) {
+      model.R_first = start.frames.front().nav.T_world_body.R;
+    }
+    WindowNormal there = solve_window(model, start, kStartIterations);
+    const double fits = kFits * expected_cost(model, start) + 10.0;
+    if (there.cost < fits && there.left > kSettled) {
+      there = solve_window(model, start, kMoreIterations);
+    }
+    if (!solution || there.cost < normal.cost) {
+      normal = std::move(there);
+      solution = std::move(start);
+    }
+    if (normal.cost < fits) {
+      break;
+    }
+  }
+  if (R_first) {
+    turn_to(*R_first, *solution);
+  }
+  R_first = model.R_first = solution->frames.front().nav.T_world_body.R;
+  const double left = normal.left;
+  normal = linearise(model, *solution);
+  normal.left = left;
+  for (int round = 0; round < kCleanings && drop_mismatches(model, *solution) > 0; ++round) {
+    normal = solve_window(model, *solution, kStartIterations);
+  }
+  covariance = frame_covariance(normal);
+  if (covariance.size() == 0) {
+    solution.reset();
+  }
+  solved_s = length();
+}
+
+}  // namespace limber::detail

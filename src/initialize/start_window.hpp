@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "limber/initialize/sensor_start.hpp"
+#include "limber/predict/input_checks.hpp"
+#include "window_problem.hpp"
+
+namespace limber::detail {
+
+inline constexpr double kUnknown = std::numeric_limits<double>::infinity();
+/// Of the cost, still to come: no unknown is off by more than 0.2 sigma.
+inline constexpr double kSettled = 0.02;
+
+/// A solution that images and inputs agreed upon, and how many frames had been there.
+struct Agreed {
+  std::size_t frames = 0;
+  WindowState solution;
+  WindowNormal normal;
+  Eigen::MatrixXd covariance;
+};
+
+/// What a start has seen, and its solution so far.
+struct StartWindow {
+  StartWindow(const NavigatorOptions& options, const StereoCalibration& calibration,
+              const StartOptions& start);
+
+  WindowModel model;
+  StartOptions options;
+  InputBuffer inputs;
+  InputChecks checks;
+  std::vector<StereoFrame> raw;
+  std::vector<WindowFrame> frames;  // with inputs, without states
+  std::optional<WindowState> solution;
+  std::optional<Eigen::Matrix3d> R_first;  // of the last solution
+  WindowNormal normal;
+  Eigen::MatrixXd covariance;
+  double solved_s = 0.0;
+  StartReport report{StartStatus::kWaiting, 0.0, kUnknown, kUnknown, "more frames", {}};
+  double least_misfit = kUnknown;  // of all solutions, squared residuals over rows
+  std::optional<Agreed> agreed;
+  bool failed_before = false;                     // the solution before disagreed
+  std::optional<std::int64_t> stepped_before_ns;  // the biases, in the interval that holds this
+  std::vector<StereoFrame> unused;                // after images and inputs agreed last
+
+  /// Where the body is taken to stand if nothing tells: level, or the left camera looking horizontally.
+  [[nodiscard]] Eigen::Matrix3d assumed_attitude() const;
+  [[nodiscard]] bool is_due(double waited_s) const;
+  [[nodiscard]] double length() const {
+    return raw.empty() ? 0.0 : seconds_between(raw.front().t_ns, raw.back().t_ns);
+  }
+  /// @return on the inputs since the frame before
+  InputReport push(const StereoFrame& frame);
+  struct Frames {
+    std::vector<WindowFrame> frames;
+    std::vector<StereoFrame> raw;
+  };
+  [[nodiscard]] Frames kept() const;
+  [[nodiscard]] std::optional<WindowState> continued(const Frames& now) const;
+  [[nodiscard]] std::vector<SmoothedState> trajectory() const;
+  [[nodiscard]] SensorStartResult unsolved() const;
+  void solve();
+  /// The rig says nothing about how long a metre is.
+  [[nodiscard]] bool leaves_scale_open() const {
+    return !model.right ||
+           !(model.directions.bottomRows<3>().transpose() * model.calibration.theta.tail<3>()).isZero();
+  }
+  [[nodiscard]] StartReport judged() const;
+  StartReport solve_and_judge();
+  bool explain_by_step();
+  [[nodiscard]] bool disagrees();
+  void go_back();
+  [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);
+  [[nodiscard]] double tilt_sigma() const;
+  [[nodiscard]] InitialState handed_over() const;
+  [[nodiscard]] double scale_sigma() const;
+  [[nodiscard]] double parallax() const;
+};
+
+}  // namespace limber::detail
