@@ -48,6 +48,10 @@ void print_run_summary(const RunSummary& s, const RunRecord& record, const std::
   fmt::print(
       "  time            p50 {:.2f} ms, p99 {:.2f} ms, worst {:.2f} ms a frame, {:.1f} times real time\n",
       s.ms_per_frame_p50, s.ms_per_frame_p99, s.ms_per_frame_worst, s.realtime_factor);
+  if (s.start_ms) {
+    fmt::print("  start           {:.0f} ms, of which the longest frame took {:.0f} ms\n", *s.start_ms,
+               *s.start_worst_ms);
+  }
   if (const auto& f = s.frontend) {
     fmt::print(
         "  images          decoding p50 {:.2f} ms, p99 {:.2f} ms; tracking {:.2f} ms, {:.2f} ms; to the "

@@ -256,7 +256,7 @@ void ImageNavigator::tell_frame(const FrameReport& report) {
   listener_.diagnostic(navigation_diagnostic(frame_row(report), session.is_lost));
   if (report.calibration && report.calibration != session.told) {
     session.told = report.calibration;
-    listener_.diagnostic(calibration_diagnostic(health_row(report.t_ns, *report.calibration)));
+    listener_.diagnostic(calibration_diagnostic(health_row(*report.calibration)));
   }
 }
 

@@ -11,6 +11,20 @@ namespace limber {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+Covariance& Covariance::operator=(const Covariance& other) {
+  if (this == &other) {
+    return *this;
+  }
+  size_ = other.size_;
+  if (data_.rows() < size_) {
+    data_.resize(other.data_.rows(), other.data_.cols());
+  }
+  for (Index j = 0; j < size_; ++j) {
+    data_.col(j).segment(j, size_ - j) = other.data_.col(j).segment(j, size_ - j);
+  }
+  return *this;
+}
+
 MatrixXd Covariance::dense() const {
   MatrixXd full = data_.topLeftCorner(size_, size_);
   full.triangularView<Eigen::StrictlyUpper>() = full.transpose();

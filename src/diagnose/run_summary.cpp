@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "limber/core/median.hpp"
@@ -24,6 +25,26 @@ double quantile(std::vector<double> values, double share) {
   }
   const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
   return order_statistic(std::move(values), rank);
+}
+
+double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+/// The filter's times and those of the start, which is none of its frames.
+void summarize_times(const RunRecord& record, RunSummary& out) {
+  const auto begin = record.frame_ms.begin() + static_cast<std::ptrdiff_t>(record.frames_of_start);
+  const std::vector<double> start(record.frame_ms.begin(), begin);
+  const std::vector<double> filter(begin, record.frame_ms.end());
+  if (!start.empty()) {
+    out.start_ms = sum(start);
+    out.start_worst_ms = quantile(start, 1.0);
+  }
+  if (!filter.empty()) {
+    out.ms_per_frame_p50 = quantile(filter, 0.5);
+    out.ms_per_frame_p99 = quantile(filter, 0.99);
+    out.ms_per_frame_p999 = quantile(filter, 0.999);
+    out.ms_per_frame_worst = quantile(filter, 1.0);
+    out.ms_per_frame_mean = sum(filter) / static_cast<double>(filter.size());
+  }
 }
 
 double peak_rss_mb() {
@@ -186,17 +207,11 @@ RunSummary summarize(const Recording& recording, const RunOptions& options, cons
     out.nis_per_dof = out.nis / out.nis_dof;
   }
   out.points_per_frame = used / static_cast<double>(out.frames);
-  out.ms_per_frame_p50 = quantile(record.frame_ms, 0.5);
-  out.ms_per_frame_p99 = quantile(record.frame_ms, 0.99);
-  out.ms_per_frame_p999 = quantile(record.frame_ms, 0.999);
-  out.ms_per_frame_worst = quantile(record.frame_ms, 1.0);
-  const double filter_ms = std::accumulate(record.frame_ms.begin(), record.frame_ms.end(), 0.0);
-  out.ms_per_frame_mean = filter_ms / static_cast<double>(out.frames);
+  summarize_times(record, out);
   out.frontend = summarize_frontend(record);
   // Where the front end works beside the filter, the times of both do not add up.
   const double spent_ms =
-      record.frontend ? 1e3 * record.elapsed_s
-                      : filter_ms + std::accumulate(record.source_ms.begin(), record.source_ms.end(), 0.0);
+      record.frontend ? 1e3 * record.elapsed_s : sum(record.frame_ms) + sum(record.source_ms);
   out.realtime_factor = spent_ms > 0.0 ? 1e3 * out.duration_s / spent_ms : 0.0;
   out.peak_rss_mb = peak_rss_mb();
   out.inputs = summarize_inputs(record.frames);

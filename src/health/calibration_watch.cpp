@@ -226,35 +226,63 @@ CalibrationWatch::CalibrationWatch(const WatchOptions& options, const StereoCali
 
 void CalibrationWatch::add(const StereoFrame& frame, const Pose& T_world_cam0,
                            const TrajectoryQuality& quality) {
+  if (pending_) {
+    advance();
+  }
   collecting_.add(frame, T_world_cam0, quality.sound);
   speed_squared_ += quality.speed_squared;
   speed_variance_ += quality.speed_variance;
   const double age = seconds_between(collecting_.from_ns(), frame.t_ns);
   const bool ends = age >= options_.window_s;
   // The first window is also looked at while it grows: short recordings have no other.
-  const bool looks =
-      windows_.empty() && looks_ < kEarlyLooks.size() && age >= kEarlyLooks[looks_] * options_.window_s;
+  const bool looks = looks_ < kEarlyLooks.size() && age >= kEarlyLooks[looks_] * options_.window_s;
   if (!ends && !looks) {
     return;
   }
   ++looks_;
-  std::optional<RigEvidence> evidence = ends ? collecting_.close() : collecting_.evidence();
+  finish();
   const double variance =
       speed_squared_ > 0.0 ? std::min(speed_variance_ / speed_squared_, kLargestScale * kLargestScale) : 0.0;
+  pending_.emplace(Pending{ends ? collecting_.close() : collecting_.fit(), std::sqrt(variance), ends});
   if (ends) {
     speed_squared_ = speed_variance_ = 0.0;
+    looks_ = kEarlyLooks.size();
   }
-  if (!evidence) {
+}
+
+/// The next slice of what is being made of a window.
+void CalibrationWatch::advance() {
+  if (!pending_->fit.done()) {
+    pending_->fit.advance();
     return;
   }
-  evidence->scale_sigma = std::sqrt(variance);
-  if (ends) {
-    end_window(*evidence);
-  } else {
-    auto report = std::make_shared<CalibrationReport>();
-    report->state = report->window = state_of({*evidence}, theta_, metric_, options_);
-    report_ = std::move(report);
+  std::optional<RigEvidence> evidence = pending_->fit.evidence();
+  if (evidence) {
+    evidence->scale_sigma = pending_->scale_sigma;
+    if (pending_->ends) {
+      end_window(*evidence);
+    } else {
+      auto report = std::make_shared<CalibrationReport>();
+      report->state = report->window = state_of({*evidence}, theta_, metric_, options_);
+      report_ = std::move(report);
+    }
   }
+  pending_.reset();
+}
+
+void CalibrationWatch::finish() {
+  while (pending_) {
+    advance();
+  }
+}
+
+std::shared_ptr<const CalibrationReport> CalibrationWatch::report_at_once() const {
+  if (!pending_) {
+    return report_;
+  }
+  CalibrationWatch finished(*this);
+  finished.finish();
+  return finished.report_;
 }
 
 std::vector<std::size_t> CalibrationWatch::changes() const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "left_track.hpp"
+#include "limber/health/left_track.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

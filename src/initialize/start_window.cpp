@@ -85,7 +85,7 @@ InputReport StartWindow::push(const StereoFrame& frame) {
     throw std::invalid_argument("start: frame at " + std::to_string(frame.t_ns) +
                                 " ns is not later than the one before");
   }
-  InputReport report = report_inputs(frame.t_ns);
+  InputReport inputs_told = report_inputs(frame.t_ns);
   WindowFrame next;
   next.theta = VectorXd::Zero(model.directions.cols());
   if (!raw.empty()) {
@@ -104,7 +104,7 @@ InputReport StartWindow::push(const StereoFrame& frame) {
   next.nav.t_ns = frame.t_ns;
   frames.push_back(std::move(next));
   raw.push_back(frame);
-  return report;
+  return inputs_told;
 }
 
 /// Of the samples since the last frame.

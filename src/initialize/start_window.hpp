@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "limber/core/time.hpp"
 #include "limber/initialize/sensor_start.hpp"
 #include "limber/predict/input_checks.hpp"
 #include "window_problem.hpp"

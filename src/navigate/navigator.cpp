@@ -22,9 +22,9 @@ constexpr double kMapKnowsScale = 5.0;
 constexpr int kMostDoubts = 2;  // within that time
 /// Older events than this [s] need not be replayed, though no window of the alarm ended meanwhile.
 constexpr double kOldestCheckpoint = 5.0;
-/// Frames that are replayed while one comes in: a call costs about twice an ordinary one, and five seconds
-/// are caught up in two and a half.
-constexpr int kReplayedFrames = 3;
+/// Frames that are replayed while one comes in: a call costs half as much again as an ordinary one, and five
+/// seconds are caught up in five.
+constexpr int kReplayedFrames = 2;
 /// Frames in a row in which most points contradict the filter but not the constrained one beside it.
 constexpr int kMostOverruled = 5;
 
@@ -45,6 +45,11 @@ HealthOptions handover_alarm() {
   return options;
 }
 
+/// Whether an epoch of the map ended in the filter's last frame.
+bool ends_epoch(const StereoFilter& filter) {
+  return filter.estimate().epoch_began_ns() == filter.estimate().nav.t_ns;
+}
+
 }  // namespace
 
 Navigator::Navigator(const NavigatorOptions& options, const StereoCalibration& calibration,
@@ -59,13 +64,9 @@ Navigator::Navigator(const NavigatorOptions& options, const StereoCalibration& c
   }
   if (options.method == Method::kAdaptive) {
     const HealthMonitor alarm(handover_alarm(), baseline_);
-    supervision_.emplace(Supervision{StereoFilter(constrained(options), calibration, initial),
-                                     alarm,
-                                     alarm,
-                                     {filter_, initial.nav.t_ns, {}},
-                                     {filter_, initial.nav.t_ns, {}},
-                                     initial.nav.t_ns,
-                                     initial.nav.t_ns});
+    const Checkpoint begin{std::make_shared<const StereoFilter>(filter_), initial.nav.t_ns, {}};
+    supervision_.emplace(Supervision{StereoFilter(constrained(options), calibration, initial), alarm, alarm,
+                                     begin, begin, initial.nav.t_ns, initial.nav.t_ns});
   }
 }
 
@@ -131,21 +132,23 @@ bool Navigator::knows_scale(std::int64_t t_ns) const {
 void Navigator::go_back(const HealthReport& why) {
   Supervision& s = *supervision_;
   const CalibrationPrior prior = prior_after(why);
-  filter_ = std::move(s.older.filter);
+  filter_ = *s.older.filter;
   filter_.distrust(prior);
   s.replay.emplace(s.older.events.begin(), s.older.events.end());
   s.older.events.clear();
   s.recent.events.clear();
 }
 
-/// Some of what the filter has not seen yet; once that is all, it answers again.
+/// Some of what the filter has not seen yet; once that is all, it answers again. Where an epoch of the map
+/// ends, here or in the filter beside, one frame is enough for a call.
 void Navigator::replay() {
   Supervision& s = *supervision_;
-  for (int frames = 0; frames < kReplayedFrames && !s.replay->empty(); s.replay->pop_front()) {
+  int left = ends_epoch(s.parallel) ? 1 : kReplayedFrames;
+  for (; left > 0 && !s.replay->empty(); s.replay->pop_front()) {
     const Event& event = s.replay->front();
     if (const auto* frame = std::get_if<StereoFrame>(&event)) {
       (void)filter_.process(*frame);
-      ++frames;
+      left = ends_epoch(filter_) ? 0 : left - 1;
     } else if (const auto* imu = std::get_if<ImuSample>(&event)) {
       filter_.add_imu(*imu);
     } else {
@@ -162,7 +165,7 @@ void Navigator::replay() {
 void Navigator::watch_anew(std::int64_t t_ns) {
   supervision_->overruled = 0;
   supervision_->own_alarm = HealthMonitor(handover_alarm(), baseline_);
-  supervision_->recent = {filter_, t_ns, {}};
+  supervision_->recent = {std::make_shared<const StereoFilter>(filter_), t_ns, {}};
   supervision_->older = supervision_->recent;
 }
 
@@ -194,19 +197,23 @@ void Navigator::watch(const StereoFrame& frame, const StereoFilter& filter, cons
   watch_->add(frame, estimate.nav.T_world_body * T_body_cam0_, quality);
 }
 
+std::shared_ptr<const CalibrationReport> Navigator::known_calibration() const {
+  return watch_ ? watch_->report() : nullptr;
+}
+
 FrameReport Navigator::process(const StereoFrame& frame) {
   if (!supervision_) {
     FrameReport report = filter_.process(frame);
     health_ = report.health;
     watch(frame, filter_, report);
-    report.calibration = calibration_report();
+    report.calibration = known_calibration();
     return report;
   }
   Supervision& s = *supervision_;
   FrameReport parallel = s.parallel.process(frame);  // refuses a frame before anything has changed
   health_ = parallel.health;
   watch(frame, s.parallel, parallel);
-  parallel.calibration = calibration_report();
+  parallel.calibration = known_calibration();
   log(frame);
   if (s.replay && parallel.inputs.contradiction) {
     // What is replayed has an input in it that fails, which the filter beside saw and this one would follow.
@@ -216,6 +223,9 @@ FrameReport Navigator::process(const StereoFrame& frame) {
   if (s.replay) {
     replay();
     return parallel;
+  }
+  if (ends_epoch(s.parallel)) {
+    filter_.postpone_epoch();
   }
   FrameReport report = filter_.process(frame);
   if (!s.resigned) {
@@ -263,7 +273,7 @@ void Navigator::supervise(const FrameReport& report, const FrameReport& parallel
   if (!own.alarm && !parallel_rejects) {
     if (s.own_alarm.restarts() || seconds_between(s.recent.t_ns, report.t_ns) > kOldestCheckpoint) {
       s.older = std::move(s.recent);
-      s.recent = {filter_, report.t_ns, {}};
+      s.recent = {std::make_shared<const StereoFilter>(filter_), report.t_ns, {}};
     }
     return;
   }

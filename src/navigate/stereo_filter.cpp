@@ -5,6 +5,7 @@
 #include <array>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "check_inputs.hpp"
 #include "limber/core/time.hpp"
@@ -256,8 +257,9 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   if (pixel_noise_) {
     pixel_noise_->see(raw);
   }
-  predict_to(frame.t_ns);                                             // Eqs. (4), (7)
-  update_active_set(estimate_, frame, last_frame_ns_, options_.map);  // compressed filter
+  predict_to(frame.t_ns);  // Eqs. (4), (7)
+  update_active_set(estimate_, frame, last_frame_ns_, options_.map,
+                    !std::exchange(postpones_epoch_, false));  // compressed filter
   report.removed = was_blind && !images_alone ? forget_after_blindness(frame) : 0;
   const LinearizationPoint at = choose_linearization_point(frame);  // for Eq. (16)
   if (!images_alone) {

@@ -91,6 +91,9 @@ bool is_sane(const TrajectoryRow& row) {
 }
 
 void take_end(const Navigator& navigator, RunRecord& record) {
+  if (record.stopped && record.frames.size() > record.frames_of_start) {
+    record.frames.back().calibration = navigator.calibration_report();
+  }
   const Estimate& estimate = navigator.estimate();
   const std::vector<Eigen::Vector3d> positions = estimate.landmark_positions();
   for (std::size_t k = 0; k < positions.size(); ++k) {
@@ -129,6 +132,7 @@ void keep_window(const SensorWindow& window, const Navigator& navigator, RunReco
   if (window.frames.empty()) {
     return;
   }
+  record.frames_of_start = window.frames.size();
   const CalibrationEstimate calibration = navigator.calibration_estimate();
   for (std::size_t k = 0; k < window.frames.size(); ++k) {
     const SmoothedState& state = window.result.trajectory[k];
@@ -267,6 +271,9 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
       fail_diverged(options.method, n, frame.t_ns,
                     fmt::format("the state is not finite, or further than {:g} m away", kLargestPosition),
                     remarks);
+    }
+    if (n + 1 == frame_count(recording)) {  // nothing comes any more that the rest of the work could wait for
+      record.frames.back().calibration = navigator.calibration_report();
     }
     done(record.frames.size() - 1, &frame);
   }

@@ -109,10 +109,10 @@ HealthRow read_row(detail::TableReader& table) {
 
 }  // namespace
 
-HealthRow health_row(std::int64_t t_ns, const CalibrationReport& report) {
+HealthRow health_row(const CalibrationReport& report) {
   const CalibrationState &state = report.state, &window = report.window;
   HealthRow out;
-  out.t_ns = t_ns;
+  out.t_ns = report.window.to_ns;
   out.window_from_ns = window.from_ns;
   out.since_ns = state.from_ns;
   out.changed = !report.past.empty();
@@ -136,7 +136,7 @@ void write_health_csv(const std::filesystem::path& path, std::span<const FrameRe
   for (const FrameReport& frame : frames) {
     if (frame.calibration && frame.calibration.get() != last) {
       last = frame.calibration.get();
-      add_row(health_row(frame.t_ns, *last), table);
+      add_row(health_row(*last), table);
     }
   }
   write_file_atomically(path, table.text());

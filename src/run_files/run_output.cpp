@@ -138,6 +138,8 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
                           {"p99", s.ms_per_frame_p99},
                           {"p999", s.ms_per_frame_p999},
                           {"worst", s.ms_per_frame_worst}};
+  json["start_ms"] =
+      s.start_ms ? Json{{"all", *s.start_ms}, {"worst", or_null(s.start_worst_ms)}} : Json(nullptr);
   json["frontend"] = nullptr;
   if (const auto& f = s.frontend) {
     json["ms_per_frame"]["decode"] = to_json(f->decode);

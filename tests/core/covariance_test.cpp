@@ -121,6 +121,23 @@ TEST(Covariance, AppendingKeepsWhatIsThereWhileCapacityGrows) {
   }
 }
 
+TEST(Covariance, ACopyIsEqualAndOfItsOwn) {
+  Generator generator(9);
+  Pair pair(generator, kBody + 8 * kTriplet);
+  Pair other(generator, kBody + 2 * kTriplet);
+  Covariance& smaller = other.covariance;
+  smaller = pair.covariance;  // has not got the room
+  EXPECT_EQ(smaller.dense(), pair.covariance.dense());
+  const MatrixXd before = smaller.dense();
+  pair.covariance.subtract_outer(MatrixXd::Ones(pair.covariance.size(), 1));
+  pair.covariance.append(kTriplet);
+  EXPECT_EQ(smaller.dense(), before);
+  pair.covariance = smaller;  // has it
+  EXPECT_EQ(pair.covariance.dense(), before);
+  const Covariance copy(smaller);
+  EXPECT_EQ(copy.dense(), before);
+}
+
 TEST(Covariance, AppendingAfterRemovalStartsFromZeroAgain) {
   Generator generator(2);
   Pair pair(generator, 12);

@@ -159,6 +159,38 @@ TEST(CalibrationWatch, StandingStillItCannotTell) {
   EXPECT_EQ(judged.last->state.by_depth, kCannotTell);
 }
 
+/// A window's regression is spread over the frames after it: 1 + 4 (1 + 3) + 2 slices at most, and a verdict.
+TEST(CalibrationWatch, WhatAWindowSaysIsDoneInSlices) {
+  const World world = fly_past(with_step(8.0, 0.5));
+  CalibrationWatch watch({}, world.assumed, true);
+  std::shared_ptr<const CalibrationReport> at_once;
+  std::size_t waited = 0, longest = 0, ended = 0;
+  for (std::size_t k = 0; k < world.frames.size(); ++k) {
+    watch.add(world.frames[k], world.poses[k], {});
+    const auto known = watch.report_at_once();
+    if (watch.report() == known) {
+      waited = 0;
+      continue;
+    }
+    ++waited;
+    longest = std::max(longest, waited);
+    if (waited > 1) {
+      ASSERT_TRUE(at_once);
+      EXPECT_EQ(known->window.to_ns, at_once->window.to_ns);
+      EXPECT_EQ(known->state.whole.beta, at_once->state.whole.beta);
+    } else {
+      ++ended;
+    }
+    at_once = known;
+    if (watch.report()) {
+      EXPECT_LT(watch.report()->window.to_ns, known->window.to_ns);
+    }
+  }
+  EXPECT_GT(ended, 5U);
+  EXPECT_GT(longest, 5U);
+  EXPECT_LE(longest, 20U);
+}
+
 TEST(CalibrationWatch, AnAxisOfItsOwnToleranceCounts) {
   WatchOptions how;
   how.tolerance.axes[0] = Band{0.005 * kDegree, 0.02 * kDegree};

@@ -73,6 +73,14 @@ TEST(Summarize, CountsFramesPointsAndTime) {
   EXPECT_EQ(summary.ms_per_frame_p50, 2.0);
   EXPECT_GE(summary.ms_per_frame_p99, 2.0);
   EXPECT_NEAR(summary.realtime_factor, 2000.0 / (39 * 2.0 + 10.0 + 41 * 3.0), 1e-9);
+  EXPECT_FALSE(summary.start_ms);
+  run.record.frames_of_start = 6;  // no filter saw them
+  const RunSummary started = summarize(run.recording, run.options, run.record);
+  EXPECT_EQ(started.start_ms, 4 * 2.0 + 10.0);
+  EXPECT_EQ(started.start_worst_ms, 9.0);
+  EXPECT_EQ(started.ms_per_frame_worst, 2.0);
+  EXPECT_EQ(started.ms_per_frame_mean, 2.0);
+  EXPECT_EQ(started.realtime_factor, summary.realtime_factor);
   double used = 0.0;
   for (const FrameReport& frame : run.record.frames) {
     used += static_cast<double>(frame.used);

@@ -247,6 +247,13 @@ TEST(RestAndRecall, TheUnseenRestAndTheSeenComeBack) {
   EXPECT_FALSE(estimate.find(2)->passive);
   EXPECT_TRUE(estimate.find(3)->passive);
 
+  // Due, and put off for a frame.
+  estimate.nav.t_ns = 12 * second;
+  update_active_set(estimate, sees(estimate.nav.t_ns, {7}), 11 * second, options, false);
+  EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
+  update_active_set(estimate, sees(estimate.nav.t_ns, {7}), 11 * second, options);
+  EXPECT_EQ(estimate.epoch_began_ns(), 12 * second);
+
   options.rest_after_s = 1e9;
   Estimate sleepless = random_map(generator, kLandmarks);
   update_active_set(sleepless, sees(20 * second, {}), 11 * second, options);

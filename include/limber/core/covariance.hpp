@@ -16,6 +16,14 @@ inline constexpr Eigen::Index kTriplet = 3;
 /// products.
 class Covariance {
  public:
+  Covariance() = default;
+  /// Copies what is in use: a checkpoint of a map costs half a matrix, not its spare storage.
+  Covariance(const Covariance& other) { *this = other; }
+  Covariance& operator=(const Covariance& other);
+  Covariance(Covariance&&) = default;
+  Covariance& operator=(Covariance&&) = default;
+  ~Covariance() = default;
+
   [[nodiscard]] Eigen::Index size() const { return size_; }
 
   /// Full symmetric copy, n×n.

@@ -46,7 +46,10 @@ struct RunSummary {
   double nis = 0.0, nis_dof = 0.0;        ///< sums over all updates
   std::optional<double> nis_per_dof;
   double ms_per_frame_mean = 0.0, ms_per_frame_p50 = 0.0, ms_per_frame_p99 = 0.0, ms_per_frame_p999 = 0.0,
-         ms_per_frame_worst = 0.0;          ///< filter alone
+         ms_per_frame_worst = 0.0;  ///< filter alone, of the frames that it saw
+  /// Time that a start from the sensors took, in all and in the longest of its frames; nothing where no
+  /// frame was spent on one.
+  std::optional<double> start_ms, start_worst_ms;
   std::optional<FrontendSummary> frontend;  ///< nothing for matched points
   double realtime_factor = 0.0;             ///< duration over time spent, front end included
   double peak_rss_mb = 0.0;

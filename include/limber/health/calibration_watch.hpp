@@ -89,13 +89,27 @@ class CalibrationWatch {
   /// @throws std::invalid_argument if an option makes no sense
   CalibrationWatch(const WatchOptions& options, const StereoCalibration& assumed, bool metric);
 
+  /// @brief The next frame, and a slice of the work on the window before.
+  ///
+  /// What a window says is known a second or two after its end, so that no frame waits for it: with each of
+  /// the frames that follow half a millisecond of it is done.
   void add(const StereoFrame& frame, const Pose& T_world_cam0, const TrajectoryQuality& quality);
 
-  /// What the windows so far say; null before there is one. The first is also looked
-  /// at while it grows. The same object until more is known.
+  /// What the windows say whose slices are done; null before there is one. The first is also looked at while
+  /// it grows. The same object until more is known.
   [[nodiscard]] const std::shared_ptr<const CalibrationReport>& report() const { return report_; }
+  /// The same of all windows that are over: does what waits to be done first, some milliseconds.
+  [[nodiscard]] std::shared_ptr<const CalibrationReport> report_at_once() const;
 
  private:
+  struct Pending {
+    WindowFit fit;
+    double scale_sigma;
+    bool ends;  // the window is over; else an early look at it
+  };
+
+  void advance();
+  void finish();
   void end_window(const RigEvidence& evidence);
   /// First windows of the states since the first one.
   [[nodiscard]] std::vector<std::size_t> changes() const;
@@ -106,6 +120,7 @@ class CalibrationWatch {
   RigWindow collecting_;
   double speed_squared_ = 0.0, speed_variance_ = 0.0;  // sums over the window
   std::size_t looks_ = 0;                              // at the first window
+  std::optional<Pending> pending_;                     // what the last window, or the last look, says
   std::vector<RigEvidence> windows_;                   // since the last change
   std::shared_ptr<const CalibrationReport> report_;
 };

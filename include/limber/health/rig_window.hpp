@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <Eigen/Core>
-#include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
-#include <utility>
-#include <vector>
 
-#include "limber/core/pose.hpp"
-#include "limber/health/frame_halves.hpp"
+#include "limber/health/window_fit.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/sensors/samples.hpp"
 
@@ -18,33 +12,7 @@
 /// What the right pixels of a stretch of frames say of the rig, with errors that are not white.
 namespace limber {
 
-namespace detail {
-struct LeftPoint;
-}
-
-/// A stretch of frames, summed up.
-struct RigEvidence {
-  using Matrix = NormalEquations::Matrix;
-  std::int64_t from_ns = 0, to_ns = 0;
-  NormalEquations all;
-  std::map<int, NormalEquations> cells;  ///< by where in the right image
-  Matrix tracks = Matrix::Zero();        ///< sum over tracks of score scoreᵀ
-  Matrix both = Matrix::Zero();          ///< the same over tracks within cells
-  Matrix epipolar = Matrix::Zero();      ///< sum of J Jᵀ, J the px that a point leaves its epipolar line by
-  std::size_t points = 0, track_count = 0;
-  std::size_t deep = 0;             ///< points whose depth is known from motion
-  double scale_sigma = 0.0;         ///< relative standard deviation of the trajectory's scale
-  std::vector<FrameHalves> blocks;  ///< fifths of it
-};
-
-/// @brief Frames of one window, and their robust regression on the rig's error.
-///
-/// Two rows a stereo point: its distance from the epipolar line, which needs nothing else; and along the line
-/// its distance from where the depth puts it that the left camera alone has found from the motion. Linear
-/// about the rig that is found, not the assumed one: a baseline that is turned by 15 deg is no small error.
-/// Tukey's weights. Errors are alike along a track and at one place of the image: scores are kept by track
-/// and cell.
-/// @note docs/derivations/health.md
+/// The frames of one window.
 class RigWindow {
  public:
   explicit RigWindow(const StereoCalibration& calibration);
@@ -52,56 +20,17 @@ class RigWindow {
   /// @param follows  the pose can be trusted to have followed the motion since the frame before
   void add(const StereoFrame& frame, const Pose& T_world_cam0, bool follows);
 
-  [[nodiscard]] bool empty() const { return frames_.empty(); }
-  [[nodiscard]] std::int64_t from_ns() const { return from_ns_; }
+  [[nodiscard]] bool empty() const { return collected_.frames.empty(); }
+  [[nodiscard]] std::int64_t from_ns() const { return collected_.from_ns; }
 
-  /// Of the frames so far; nothing with fewer than 100 points.
-  [[nodiscard]] std::optional<RigEvidence> evidence() const;
+  /// The regression of the frames so far, not begun yet.
+  [[nodiscard]] WindowFit fit() const { return WindowFit(collected_); }
   /// The same, and begins the next window.
-  [[nodiscard]] std::optional<RigEvidence> close();
+  [[nodiscard]] WindowFit close();
 
  private:
-  /// A track, as far as the poses follow each other.
-  using TrackKey = std::pair<std::int64_t, int>;
-  struct Seen {
-    TrackKey track;
-    Eigen::Vector3d d0, d1;  // z = 1
-    int cell;
-  };
-  struct Frame {
-    Pose T_world_cam0;
-    std::vector<Seen> points;
-  };
-  struct Row {
-    NormalEquations::Vector J;
-    double y, noise, weight;  // noise: in units of the common one
-    std::int64_t track;
-    int cell;
-    bool along;
-    std::size_t frame;
-  };
-
-  struct Linearisation;
-
-  [[nodiscard]] std::map<TrackKey, detail::LeftPoint> points() const;
-  void add_across(const Linearisation& at, const Seen& seen, std::size_t frame, std::vector<Row>& rows) const;
-  void add_along(const Linearisation& at, const Seen& seen, std::size_t frame, const detail::LeftPoint& point,
-                 std::vector<Row>& rows) const;
-  [[nodiscard]] std::vector<Row> rows_at(const NormalEquations::Vector& beta,
-                                         const std::map<TrackKey, detail::LeftPoint>& points) const;
-  [[nodiscard]] static NormalEquations normal_equations(const std::vector<Row>& rows);
-  [[nodiscard]] static NormalEquations::Vector weigh(std::vector<Row>& rows);
-  [[nodiscard]] std::vector<Row> fit(NormalEquations::Vector& beta) const;
-  /// What the frames alone say, without the outliers of the whole window.
-  [[nodiscard]] std::vector<FrameHalves> blocks(const std::vector<Row>& rows) const;
-
-  StereoCalibration calibration_;
-  RigParameters scale_;  // one plausible error
-  double focal_px_;
-  std::int64_t from_ns_ = 0, last_ns_ = 0;
+  detail::WatchedFrames collected_;
   int stretch_ = 0;  // of poses that follow each other
-  std::size_t seen_ = 0;
-  std::vector<Frame> frames_;
 };
 
 }  // namespace limber

@@ -55,8 +55,10 @@ std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::
 /// @brief Every epoch_s makes landmarks passive that were not seen for a while; recalls at any time those
 /// that `frame` sees.
 /// @param previous_ns  time of the frame before
+/// @param may_end      whether an epoch that is old enough may end in this frame, which costs as much as
+///                     several others
 void update_active_set(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
-                       const MapManagementOptions& options);
+                       const MapManagementOptions& options, bool may_end = true);
 
 /// @brief Converts landmarks that became linear enough and removes those that broke a rule.
 /// Only landmarks seen in `t_ns` are looked at for conversion.

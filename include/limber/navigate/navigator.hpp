@@ -68,15 +68,18 @@ class Navigator {
   [[nodiscard]] std::size_t events_kept() const;
   /// What the alarm made of the last frame; nothing before it, or if the calibration is not watched.
   [[nodiscard]] const std::optional<HealthReport>& health() const { return health_; }
-  /// What is known of the calibration; null before the first window is over, or if it is not watched.
+  /// @brief What is known of the calibration; null before the first window is over, or if it is not watched.
+  ///
+  /// Of all frames so far. FrameReport::calibration has the same a second or two after a window's end: no
+  /// frame waits for it. What of it is not done yet is done here, and takes some milliseconds.
   [[nodiscard]] std::shared_ptr<const CalibrationReport> calibration_report() const {
-    return watch_ ? watch_->report() : nullptr;
+    return watch_ ? watch_->report_at_once() : nullptr;
   }
 
  private:
   using Event = std::variant<ImuSample, OdometrySample, StereoFrame>;
   struct Checkpoint {
-    StereoFilter filter;
+    std::shared_ptr<const StereoFilter> filter;
     std::int64_t t_ns;
     std::vector<Event> events;  // since
   };
@@ -106,6 +109,7 @@ class Navigator {
   [[nodiscard]] bool knows_scale(std::int64_t t_ns) const;
   void supervise(const FrameReport& report, const FrameReport& parallel);
 
+  [[nodiscard]] std::shared_ptr<const CalibrationReport> known_calibration() const;
   void watch(const StereoFrame& frame, const StereoFilter& filter, const FrameReport& report);
 
   double baseline_;  // of the assumed calibration [m]

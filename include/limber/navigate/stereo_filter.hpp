@@ -92,6 +92,10 @@ class StereoFilter {
   /// it astray. Theta stays what it was.
   void follow(const StereoFilter& constrained);
 
+  /// adaptive: an epoch of the map does not end in the next frame, because that of the filter beside ends
+  /// then.
+  void postpone_epoch() { postpones_epoch_ = true; }
+
   /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
   /// @throws std::invalid_argument if theta is part of the state, not finite, or has no baseline
   void assume_theta(const RigParameters& theta);
@@ -170,7 +174,8 @@ class StereoFilter {
   Estimate estimate_;
   InputBuffer inputs_;
   InputChecks checks_;
-  std::size_t late_ = 0;        // samples since the last frame
+  std::size_t late_ = 0;  // samples since the last frame
+  bool postpones_epoch_ = false;
   bool has_processed_ = false;  // a frame: from then on what is older than the state comes too late
   InputAlarm input_alarm_;
   MoreNoise distrust_;  // what the images said against the inputs, for a while

@@ -75,7 +75,8 @@ struct RunRecord {
   std::vector<TrajectoryRow> trajectory;  ///< after each frame
   std::vector<FrameReport> frames;        ///< one per row of the trajectory
   std::vector<double> frame_ms;           ///< filter time per frame [ms], without the frame source
-  std::vector<double> source_ms;          ///< time in the frame source per frame [ms]
+  std::size_t frames_of_start = 0;  ///< the first of them: no filter saw them, a start from the sensors did
+  std::vector<double> source_ms;    ///< time in the frame source per frame [ms]
   /// Where frames came from images: of all frames that were read, those that the run left out as well.
   std::optional<FrontendRecord> frontend;
   double elapsed_s = 0.0;                               ///< from the first frame read to the last state

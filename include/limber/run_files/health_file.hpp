@@ -26,7 +26,7 @@ struct HealthRow {
 };
 
 /// What health.csv says of the window that ends at a frame.
-[[nodiscard]] HealthRow health_row(std::int64_t t_ns, const CalibrationReport& report);
+[[nodiscard]] HealthRow health_row(const CalibrationReport& report);
 
 /// Columns: docs/formats.md. One row for each window.
 void write_health_csv(const std::filesystem::path& path, std::span<const FrameReport> frames);

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "limber/core/pose.hpp"
+#include "limber/health/frame_halves.hpp"
+#include "limber/health/left_track.hpp"
+#include "limber/health/rig_evidence.hpp"
+#include "limber/sensors/calibration.hpp"
+
+/// @file
+/// The robust regression of a window's pixels on the rig's error, in slices.
+namespace limber {
+
+namespace detail {
+
+/// A track, as far as the poses follow each other.
+using TrackStretch = std::pair<std::int64_t, int>;
+
+/// A stereo point of a frame.
+struct WatchedPoint {
+  TrackStretch track;
+  Eigen::Vector3d d0, d1;  ///< towards it from the left and the right camera, z = 1
+  int cell;                ///< of the right image
+};
+
+/// A frame: from where, and what it saw.
+struct WatchedFrame {
+  Pose T_world_cam0;
+  std::vector<WatchedPoint> points;
+};
+
+/// Frames of one window, and the calibration that is judged.
+struct WatchedFrames {
+  StereoCalibration calibration;
+  std::int64_t from_ns = 0, to_ns = 0;
+  std::size_t points = 0;
+  std::vector<WatchedFrame> frames{};
+};
+
+}  // namespace detail
+
+/// @brief The robust regression of a window on the rig's error.
+///
+/// Two rows a stereo point: its distance from the epipolar line, which needs nothing else; and along the line
+/// its distance from where the depth puts it that the left camera alone has found from the motion. Linear
+/// about the rig that is found, not the assumed one: a baseline that is turned by 15 deg is no small error.
+/// Tukey's weights. Errors are alike along a track and at one place of the image: scores are kept by track
+/// and cell.
+///
+/// It takes several milliseconds, which a filter has not got between two frames: each call of advance()
+/// does a slice of about half a millisecond, at most 23 in all.
+/// @note docs/derivations/health.md
+class WindowFit {
+ public:
+  explicit WindowFit(detail::WatchedFrames window);
+
+  /// Does the next slice; nothing once done.
+  void advance();
+  [[nodiscard]] bool done() const { return stage_ == Stage::kDone; }
+  /// What the window says; nothing with fewer than 100 points, or before it is done.
+  [[nodiscard]] const std::optional<RigEvidence>& evidence() const { return evidence_; }
+
+ private:
+  using Matrix = NormalEquations::Matrix;
+  using Vector = NormalEquations::Vector;
+  enum class Stage { kTracks, kRows, kWeights, kSums, kMovement, kDone };
+  struct Row {
+    Vector J;
+    double y, noise, weight;  // noise: in units of the common one
+    std::int64_t track;
+    int cell;
+    bool along;
+    std::size_t frame;
+  };
+  struct Linearisation;
+
+  void find_depths();
+  void make_rows();
+  void add_across(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame);
+  void add_along(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame,
+                 const detail::LeftPoint& point);
+  [[nodiscard]] NormalEquations normal_equations() const;
+  void weigh();
+  /// The rows are weighted: whether they were made near enough to what they say.
+  [[nodiscard]] bool is_linear_enough();
+  void sum_up();
+  /// What the frames alone say, without the outliers of the whole window.
+  [[nodiscard]] std::vector<FrameHalves> frame_halves() const;
+
+  detail::WatchedFrames window_;
+  RigParameters scale_;  // one plausible error
+  double focal_px_;
+  Stage stage_ = Stage::kTracks;
+  std::map<detail::TrackStretch, detail::LeftPoint> depths_;
+  std::vector<Row> rows_;
+  Vector at_ = Vector::Zero();    // where the rows are made, in plausible errors
+  Vector beta_ = Vector::Zero();  // what they say
+  int turns_ = 0;                 // linearisations so far
+  int weighted_ = 0;              // steps so far at this one
+  std::optional<RigEvidence> evidence_;
+};
+
+}  // namespace limber

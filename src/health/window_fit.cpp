@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+#include "limber/health/window_fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+#include "limber/core/factors.hpp"
+#include "limber/core/median.hpp"
+#include "limber/measure/epipolar.hpp"
+
+namespace limber {
+
+using Eigen::Vector3d;
+using Matrix = NormalEquations::Matrix;
+using Vector = NormalEquations::Vector;
+
+namespace {
+
+constexpr double kPrior = NormalEquations::kPrior;
+constexpr std::size_t kFewestPoints = 100;
+constexpr double kStep = 1e-6;         // of numerical derivatives [rad, m]
+constexpr double kMostDepthNoise = 2;  // px that the depth from motion adds, for 1 px of the left pixels
+constexpr double kHuberLimit = 1.345, kTukeyLimit = 4.685;
+constexpr double kLeastNoise_px = 0.02;
+constexpr Eigen::Index kVergence = NormalEquations::kVergence, kLens = NormalEquations::kLens;
+constexpr std::size_t kBlocks = 5;  // of a window
+constexpr int kFewestOfAHalf = 8;   // rows
+constexpr int kHuberSteps = 6, kTukeySteps = 4;
+constexpr int kStepsPerSlice = 4;
+constexpr int kMostLinearisations = 4;
+constexpr double kAsGood = 1.0;  // plausible errors from where the rows were made: linear enough
+
+Matrix solve(const NormalEquations& normal, Vector& beta) {
+  const Matrix inverse = Cholesky(normal.information).inverse();
+  beta = inverse * normal.vector;
+  return inverse;
+}
+
+}  // namespace
+
+struct WindowFit::Linearisation {
+  Vector beta;  // in plausible errors; of the lens what vergence does
+  Pose rig;
+  std::array<std::pair<Pose, Pose>, 6> moved;
+
+  Linearisation(const Vector& at, const RigParameters& assumed, const RigParameters& scale) : beta(at) {
+    beta(kLens) = beta(kVergence);
+    const RigParameters theta = assumed + at.head<6>().cwiseProduct(scale);
+    rig = pose_from_rig(theta);
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      const RigParameters step = kStep * RigParameters::Unit(k);
+      moved[static_cast<std::size_t>(k)] = {pose_from_rig(theta + step), pose_from_rig(theta - step)};
+    }
+  }
+
+  /// Of f(rig) by beta.
+  template <class F>
+  Vector derivative(const F& f, const RigParameters& scale) const {
+    Vector J = Vector::Zero();
+    for (Eigen::Index k = 0; k < 6; ++k) {
+      const auto& [above, below] = moved[static_cast<std::size_t>(k)];
+      J(k) = scale(k) * (f(above) - f(below)) / (2.0 * kStep);
+    }
+    return J;
+  }
+};
+
+WindowFit::WindowFit(detail::WatchedFrames window)
+    : window_(std::move(window)),
+      scale_(plausible_error(window_.calibration.baseline())),
+      focal_px_(window_.calibration.cam1.fu) {
+  if (window_.points < kFewestPoints) {
+    stage_ = Stage::kDone;
+  }
+}
+
+void WindowFit::advance() {
+  switch (stage_) {
+    case Stage::kTracks:
+      find_depths();
+      stage_ = Stage::kRows;
+      break;
+    case Stage::kRows:
+      make_rows();
+      stage_ = Stage::kWeights;
+      break;
+    case Stage::kWeights:
+      weigh();
+      if (weighted_ == kHuberSteps + kTukeySteps) {
+        stage_ = is_linear_enough() ? Stage::kSums : Stage::kRows;
+      }
+      break;
+    case Stage::kSums:
+      sum_up();
+      stage_ = Stage::kMovement;
+      break;
+    case Stage::kMovement:
+      evidence_->blocks = frame_halves();
+      stage_ = Stage::kDone;
+      break;
+    case Stage::kDone:
+      break;
+  }
+}
+
+/// Where the left camera alone, as it moved, sees each track; only where it moved enough.
+void WindowFit::find_depths() {
+  std::map<detail::TrackStretch, std::vector<detail::LeftView>> tracks;
+  for (const detail::WatchedFrame& frame : window_.frames) {
+    for (const detail::WatchedPoint& seen : frame.points) {
+      tracks[seen.track].push_back({frame.T_world_cam0, seen.d0});
+    }
+  }
+  for (const auto& [key, views] : tracks) {
+    if (const auto point = detail::triangulate(views, focal_px_)) {
+      depths_.emplace(key, *point);
+    }
+  }
+}
+
+void WindowFit::add_across(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame) {
+  const auto across = [&](const Pose& rig) {
+    return focal_px_ * detail::epipolar_line(seen.d0, rig).dot(seen.d1);
+  };
+  Vector J = -at.derivative(across, scale_);
+  std::swap(J(kVergence), J(kLens));
+  rows_.push_back({J, across(at.rig) + J.dot(at.beta), 1.0, 1.0, seen.track.first, seen.cell, false, frame});
+}
+
+void WindowFit::add_along(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame,
+                          const detail::LeftPoint& point) {
+  const Pose& T_world_cam0 = window_.frames[frame].T_world_cam0;
+  const Vector3d axis = T_world_cam0.R.col(2);
+  const double z = axis.dot(point.in_world - T_world_cam0.p);
+  const double rho_sigma = std::sqrt(std::max(axis.dot(point.covariance * axis), 0.0)) / (z * z);
+  const double noise = at.rig.p.norm() * rho_sigma;  // of the disparity, in those of the left pixel
+  if (!(z > 0.0) || !(noise < kMostDepthNoise)) {
+    return;
+  }
+  const Vector3d normal = detail::epipolar_line(seen.d0, at.rig);
+  const Vector3d along(normal.y(), -normal.x(), 0.0);
+  const auto predicted = [&](const Pose& rig) {
+    const Vector3d p = rig.R * seen.d0 + rig.p / z;
+    return focal_px_ * along.dot(p) / p.z();
+  };
+  const Vector J = at.derivative(predicted, scale_);
+  rows_.push_back({J, focal_px_ * along.dot(seen.d1) - predicted(at.rig) + J.head<6>().dot(at.beta.head<6>()),
+                   std::hypot(1.0, noise), 1.0, seen.track.first, seen.cell, true, frame});
+}
+
+void WindowFit::make_rows() {
+  const Linearisation at(at_, window_.calibration.theta, scale_);
+  ++turns_;
+  weighted_ = 0;
+  beta_.setZero();
+  rows_.clear();
+  rows_.reserve(2 * window_.points);
+  for (std::size_t n = 0; n < window_.frames.size(); ++n) {
+    for (const detail::WatchedPoint& seen : window_.frames[n].points) {
+      add_across(at, seen, n);
+      if (const auto point = depths_.find(seen.track); point != depths_.end()) {
+        add_along(at, seen, n, point->second);
+      }
+    }
+  }
+}
+
+NormalEquations WindowFit::normal_equations() const {
+  NormalEquations out;
+  out.information.diagonal().setConstant(kPrior);
+  for (const Row& row : rows_) {
+    out.information.noalias() += row.weight * row.J * row.J.transpose();
+    out.vector += row.weight * row.y * row.J;
+  }
+  return out;
+}
+
+/// Some steps of the reweighting.
+void WindowFit::weigh() {
+  const int last = std::min(weighted_ + kStepsPerSlice, kHuberSteps + kTukeySteps);
+  for (; weighted_ < last; ++weighted_) {
+    std::array<std::vector<double>, 2> off;
+    for (const Row& row : rows_) {
+      off[row.along].push_back(std::abs(row.y - row.J.dot(beta_)) / row.noise);
+    }
+    std::array<double, 2> noise{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      noise[k] = off[k].empty() ? 1.0 : std::max(1.4826 * upper_median(off[k]), kLeastNoise_px);
+    }
+    for (Row& row : rows_) {
+      const double sigma = noise[row.along] * row.noise;
+      const double u = std::abs(row.y - row.J.dot(beta_)) / sigma;
+      const double share = u / kTukeyLimit;
+      const double weight = weighted_ < kHuberSteps ? (u > kHuberLimit ? kHuberLimit / u : 1.0)
+                            : share < 1.0           ? (1.0 - share * share) * (1.0 - share * share)
+                                                    : 0.0;
+      row.weight = weight / (sigma * sigma);
+    }
+    solve(normal_equations(), beta_);
+  }
+}
+
+bool WindowFit::is_linear_enough() {
+  const Matrix information = normal_equations().information;
+  const Vector next = Cholesky(information + Matrix::Identity()).solve(information * beta_);
+  const bool enough = turns_ == kMostLinearisations || (next - at_).head<6>().cwiseAbs().maxCoeff() < kAsGood;
+  at_ = next;
+  return enough;
+}
+
+void WindowFit::sum_up() {
+  RigEvidence& out = evidence_.emplace();
+  out.from_ns = window_.from_ns;
+  out.to_ns = window_.to_ns;
+  std::unordered_map<std::int64_t, Vector> tracks;
+  std::map<std::pair<std::int64_t, int>, Vector> both;
+  for (const Row& row : rows_) {
+    const NormalEquations one{row.weight * row.J * row.J.transpose(), row.weight * row.y * row.J};
+    out.all += one;
+    out.cells[row.cell] += one;
+    const Vector score = one.score(beta_);
+    tracks.try_emplace(row.track, Vector::Zero()).first->second += score;
+    both.try_emplace({row.track, row.cell}, Vector::Zero()).first->second += score;
+    if (row.along) {
+      ++out.deep;
+    } else if (row.weight > 0.0) {
+      Vector of_the_rig = row.J;  // what the lens does is not the rig's error
+      std::swap(of_the_rig(kVergence), of_the_rig(kLens));
+      out.epipolar.noalias() += of_the_rig * of_the_rig.transpose();
+      ++out.points;
+    }
+  }
+  for (const auto& [id, score] : tracks) {
+    out.tracks.noalias() += score * score.transpose();
+  }
+  for (const auto& [id, score] : both) {
+    out.both.noalias() += score * score.transpose();
+  }
+  out.track_count = tracks.size();
+}
+
+std::vector<FrameHalves> WindowFit::frame_halves() const {
+  struct Half {
+    NormalEquations normal{kPrior * Matrix::Identity(), Vector::Zero()};
+    int rows = 0;
+  };
+  // Weights that fall with the distance from the mean would make every movement look smaller: all or nothing.
+  std::vector<std::array<Half, 2>> halves(window_.frames.size());
+  for (const Row& row : rows_) {
+    if (!row.along && row.weight > 0.0) {
+      Half& half = halves[row.frame][static_cast<std::size_t>(row.track & 1)];
+      half.normal += {row.J * row.J.transpose(), row.y * row.J};
+      ++half.rows;
+    }
+  }
+  std::vector<FrameHalves> out(kBlocks);
+  for (std::size_t n = 0; n < halves.size(); ++n) {
+    const auto& [a, b] = halves[n];
+    if (std::min(a.rows, b.rows) >= kFewestOfAHalf) {
+      Vector first, second;
+      solve(a.normal, first);
+      solve(b.normal, second);
+      out[n * kBlocks / halves.size()].add(first, second);
+    }
+  }
+  return out;
+}
+
+}  // namespace limber
