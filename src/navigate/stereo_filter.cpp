@@ -160,6 +160,17 @@ StackedFrame StereoFilter::stack(const StereoFrame& frame, const LinearizationPo
   return stacked;
 }
 
+/// In doubt about theta each point for itself may be anywhere, and only beside the others is it wrong: they
+/// are judged after what theta can explain of all of them.
+ParameterErrorModel StereoFilter::gate_model(const ParameterErrorModel& model) const {
+  ParameterErrorModel out = model;
+  if (!fresh_.is_zero()) {
+    out.constrained = MatrixXd::Zero(model.white_covariance.rows(), kBlockSize);
+    out.constrained.topRows<kBlockSize>() = scale_.asDiagonal();
+  }
+  return out;
+}
+
 std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const ParameterErrorModel& model,
                                             FrameReport& report) const {
   std::vector<bool> accepted(stacked.track_ids.size(), true);
@@ -167,7 +178,8 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const P
     return accepted;
   }
   const Innovation innovation = form_innovation(estimate_.P, stacked.measurement);
-  const GateReport gated = gate(innovation, stacked.measurement.groups, model, options_.gate_probability);
+  const GateReport gated =
+      gate(innovation, stacked.measurement.groups, gate_model(model), options_.gate_probability);
   report.gate_overruled = gated.overruled;
   for (std::size_t g = 0; g < accepted.size(); ++g) {
     accepted[g] = gated.accepted[g];

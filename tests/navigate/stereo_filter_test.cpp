@@ -448,5 +448,43 @@ TEST(StereoFilter, ParametersThatContradictEachOtherAreRefused) {
   EXPECT_THROW(StereoFilter(negative, scene.calibration, scene.initial), std::invalid_argument);
 }
 
+/// With a degree of doubt a right pixel that is 15 px off contradicts nothing but the other points.
+TEST(StereoFilter, InDoubtPointsAreJudgedBesideEachOther) {
+  SceneOptions options;
+  options.duration_s = 2.0;
+  options.theta_error = [](double t) {
+    return t < 1.0 ? RigParameters(RigParameters::Zero()) : testing::scene_theta_error();
+  };
+  const Scene scene = make_scene(options);
+  testing::Feeder feeder(scene, testing::with_method(scene, Method::kAdaptive));
+  std::size_t mismatched = 0, found = 0, others = 0;
+  for (std::size_t k = 0; k < scene.frames.size(); ++k) {
+    feeder.feed_inputs(scene.frames[k].t_ns);
+    if (k == 19) {
+      feeder.navigator.distrust(
+          {100.0 * Eigen::Matrix<double, 6, 6>::Identity(), WhiteSize::Vector6::Constant(10.0)});
+    }
+    StereoFrame frame = scene.frames[k];
+    std::vector<std::int64_t> wrong;
+    for (StereoObservation& o : frame.observations) {
+      if (k >= 22 && o.in_cam0 && o.in_cam1 && o.track_id % 8 == static_cast<std::int64_t>(k % 8) &&
+          feeder.navigator.estimate().find(o.track_id) != nullptr) {
+        o.uv_cam1.x() += 15.0;
+        wrong.push_back(o.track_id);
+      }
+    }
+    const FrameReport report = feeder.process(frame);
+    mismatched += wrong.size();
+    for (const Refusal& refusal : report.refused) {
+      const bool is_wrong = std::find(wrong.begin(), wrong.end(), refusal.track_id) != wrong.end();
+      found += is_wrong ? 1 : 0;
+      others += k >= 22 && !is_wrong ? 1 : 0;
+    }
+  }
+  ASSERT_GT(mismatched, 50U);
+  EXPECT_GE(static_cast<double>(found), 0.95 * static_cast<double>(mismatched));
+  EXPECT_LE(others, 2U);
+}
+
 }  // namespace
 }  // namespace limber

@@ -144,6 +144,7 @@ class StereoFilter {
   [[nodiscard]] StackedFrame stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
                                               NewLandmarks fresh, const ParameterErrorModel& model,
                                               FrameReport& report);
+  [[nodiscard]] ParameterErrorModel gate_model(const ParameterErrorModel& model) const;
   /// @return one flag per stacked point
   [[nodiscard]] std::vector<bool> gate_points(const StackedFrame& stacked, const ParameterErrorModel& model,
                                               FrameReport& report) const;
