@@ -29,7 +29,7 @@ struct FrontendSummary {
   double frames_per_track = 0.0;                 ///< mean
 };
 
-/// Figures of merit of a run; what is not known is empty. Definitions: docs/formats.md.
+/// Figures of merit of a run; what is not known is empty. Definitions: docs/formats-results.md.
 struct RunSummary {
   std::string method, dataset;
   std::size_t frames = 0;

@@ -28,7 +28,7 @@ struct HealthRow {
 /// What health.csv says of the window that ends at a frame.
 [[nodiscard]] HealthRow health_row(std::int64_t t_ns, const CalibrationReport& report);
 
-/// Columns: docs/formats.md. One row for each window.
+/// Columns: docs/formats-health.md. One row for each window.
 void write_health_csv(const std::filesystem::path& path, std::span<const FrameReport> frames);
 
 /// @throws DataError with file, line and what was expected

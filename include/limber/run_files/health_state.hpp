@@ -10,7 +10,7 @@
 #include "limber/sensors/calibration.hpp"
 
 /// @file
-/// health_state.json: what `limber health` keeps for `--since`. Format: docs/formats.md.
+/// health_state.json: what `limber health` keeps for `--since`. Format: docs/formats-health.md.
 namespace limber {
 
 inline constexpr std::string_view kHealthStateName = "health_state.json";  ///< in the folder of a run

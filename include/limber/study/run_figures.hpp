@@ -16,9 +16,9 @@ struct Divergence {
   std::string reason;  ///< in plain words
 };
 
-/// Figures of merit of one run of one method. Definitions as in summary.json, docs/formats.md: nothing is
-/// aligned after a start from the truth, the first pose after one from the sensors. What is not known is
-/// empty.
+/// Figures of merit of one run of one method. Definitions as in summary.json, docs/formats-results.md:
+/// nothing is aligned after a start from the truth, the first pose after one from the sensors. What is not
+/// known is empty.
 struct RunFigures {
   std::optional<double> position_rmse_m, attitude_rmse_deg;
   std::optional<double> position_final_m, attitude_final_deg;  ///< error after the last frame
