@@ -29,12 +29,14 @@ struct CleaningOptions {
 
 /// What was taken out of the frames so far.
 struct CleaningReport {
+  /// that went through
   std::size_t frames = 0;
   std::size_t exchanged_frames = 0;                ///< whose points are not used
   std::size_t put_back_frames = 0;                 ///< whose pictures the front end has put back
   std::size_t stale_frames = 0, stale_points = 0;  ///< see FrameCleaner
   std::size_t leapt_matches = 0;                   ///< tracks whose right pixels are not used any more
   std::size_t rig_jumps = 0;  ///< frames that leap as one change of the rig has them leap: left as they are
+  /// crowded frames, and what was left out of them
   std::size_t thinned_frames = 0, thinned_points = 0;
   std::size_t waiting_points =
       0;  ///< sightings left out: the first of a track whose rows have times of their own
@@ -64,6 +66,8 @@ struct CleaningReport {
 ///   moves as the left one does, and the reverse.
 class FrameCleaner {
  public:
+  /// @throws std::invalid_argument unless a frame may have a point.
+  /// @param assumed  the rig as it is believed to be
   FrameCleaner(const StereoCalibration& assumed, const CleaningOptions& options);
   ~FrameCleaner();
   FrameCleaner(const FrameCleaner&) = delete;
@@ -71,6 +75,7 @@ class FrameCleaner {
 
   /// @param frame  the next one in time
   [[nodiscard]] StereoFrame clean(StereoFrame frame);
+  /// Counts since the construction.
   [[nodiscard]] const CleaningReport& report() const { return report_; }
 
  private:

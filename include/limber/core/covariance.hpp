@@ -16,6 +16,7 @@ inline constexpr Eigen::Index kTriplet = 3;
 /// products.
 class Covariance {
  public:
+  /// Rows and columns, n.
   [[nodiscard]] Eigen::Index size() const { return size_; }
 
   /// Full symmetric copy, n×n.

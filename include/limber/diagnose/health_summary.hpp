@@ -21,7 +21,9 @@ struct HealthSummary {
   std::vector<CalibrationState> past;  ///< the stretches before, in order
   std::int64_t begin_ns = 0;           ///< first frame
 
+  /// Since the first frame [s].
   [[nodiscard]] double seconds(std::int64_t t_ns) const;
+  /// `ok` now, and back from degraded or decalibrated at least twice.
   [[nodiscard]] bool comes_and_goes() const;
   /// Degraded or decalibrated, before the present state.
   [[nodiscard]] bool was_wrong() const;

@@ -42,7 +42,9 @@ class StereoTracker {
   /// @throws std::invalid_argument if a resolution, a focal length or an option makes no sense
   explicit StereoTracker(const StereoCalibration& assumed, const TrackerOptions& options = {});
   ~StereoTracker();
+  /// The other one may then only be destroyed or assigned to.
   StereoTracker(StereoTracker&&) noexcept;
+  /// The other one may then only be destroyed or assigned to.
   StereoTracker& operator=(StereoTracker&&) noexcept;
 
   /// @brief Follows the points into the next stereo pair.

@@ -9,9 +9,12 @@ namespace limber {
 
 /// How a frame corrected the predicted pose.
 struct PoseCorrection {
+  /// position [m], attitude [rad]
   using Vector6 = Eigen::Matrix<double, 6, 1>;
+  /// covariance of a Vector6
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+  /// [ns], of the frame
   std::int64_t t_ns = 0;
   double dt = 0.0;     ///< since the frame before [s]
   Vector6 dx;          ///< position [m], attitude [rad]

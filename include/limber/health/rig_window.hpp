@@ -24,13 +24,17 @@ struct LeftPoint;
 
 /// A stretch of frames, summed up.
 struct RigEvidence {
+  /// over beta
   using Matrix = NormalEquations::Matrix;
+  /// first and last frame [ns]
   std::int64_t from_ns = 0, to_ns = 0;
+  /// of all rows
   NormalEquations all;
   std::map<int, NormalEquations> cells;  ///< by where in the right image
   Matrix tracks = Matrix::Zero();        ///< sum over tracks of score scoreᵀ
   Matrix both = Matrix::Zero();          ///< the same over tracks within cells
   Matrix epipolar = Matrix::Zero();      ///< sum of J Jᵀ, J the px that a point leaves its epipolar line by
+  /// stereo points, one a frame and track; tracks
   std::size_t points = 0, track_count = 0;
   std::size_t deep = 0;             ///< points whose depth is known from motion
   double scale_sigma = 0.0;         ///< relative standard deviation of the trajectory's scale
@@ -47,12 +51,15 @@ struct RigEvidence {
 /// @note docs/derivations/health.md
 class RigWindow {
  public:
+  /// @param calibration  as it is believed to be
   explicit RigWindow(const StereoCalibration& calibration);
 
   /// @param follows  the pose can be trusted to have followed the motion since the frame before
   void add(const StereoFrame& frame, const Pose& T_world_cam0, bool follows);
 
+  /// No frame since the window began.
   [[nodiscard]] bool empty() const { return frames_.empty(); }
+  /// Time of its first frame [ns]; only if there is one.
   [[nodiscard]] std::int64_t from_ns() const { return from_ns_; }
 
   /// Of the frames so far; nothing with fewer than 100 points.

@@ -13,7 +13,9 @@ namespace limber {
 
 /// From where, and when [s], light is taken in.
 struct View {
+  /// since the start of the recording [s]
   double t = 0.0;
+  /// of the camera then
   Pose T_world_cam;
 };
 
@@ -21,6 +23,7 @@ struct View {
 /// precision; the texture's pyramid keeps what is far from flickering.
 class PictureCamera {
  public:
+  /// @param camera  its lens and resolution
   explicit PictureCamera(const Camera& camera);
 
   /// Light at each pixel, row by row: grey levels, 0 where the lens shows nothing.
@@ -40,6 +43,7 @@ class PictureCamera {
 /// How light becomes grey values. Everything is off by default.
 struct SensorEffects {
   double noise = 0.0;  ///< sigma [grey levels]
+  /// grey level per unit of light [-]
   double gain = 1.0;
   double vignetting = 0.0;  ///< light lost in the corners, 0 to 1; grows with the square of the radius
 };

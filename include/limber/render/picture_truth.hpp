@@ -12,6 +12,7 @@ namespace limber {
 
 /// What pictures of a scenario are like. By default nothing disturbs them.
 struct PictureOptions {
+  /// which world
   SceneKind scene = SceneKind::kRoom;
   double noise = 0.0;  ///< sigma [grey levels]
   double gain_difference =
@@ -38,6 +39,7 @@ class PictureTruth {
   PictureTruth(const Scenario& scenario, const PictureOptions& options, std::uint64_t seed,
                std::uint64_t run);
 
+  /// The world with its boxes.
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const StereoCalibration& nominal() const { return calibration_; }  ///< as estimators know it
 

@@ -19,6 +19,7 @@ struct HealthRow {
   HealthVerdict verdict = HealthVerdict::kCannotTell;         ///< since then
   HealthVerdict window_verdict = HealthVerdict::kCannotTell;  ///< of this window alone
   SizeInterval epipolar_px, depth;                            ///< since then; depth as a share
+  /// measured minus true, as a share
   double depth_signed = 0.0;
   RigParameters delta, sigma;                ///< since then, true minus assumed theta [rad, m]
   RigParameters window_delta, window_sigma;  ///< of this window alone [rad, m]

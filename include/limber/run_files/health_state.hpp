@@ -17,8 +17,10 @@ inline constexpr std::string_view kHealthStateName = "health_state.json";  ///< 
 
 /// A rig's state with the recording and the cameras that it is of.
 struct HealthState {
+  /// its name
   std::string recording;
   std::array<std::string, 2> cameras;  ///< in words, see camera_in_words
+  /// estimate at the end of the recording
   RigRecord rig;
 };
 
