@@ -33,7 +33,7 @@ struct RigFit {
   /// [rad, m]; axes that were not seen as given
   RigParameters theta = RigParameters::Zero();
   /// By the noise of the sensors and `spread`, and no less in any direction than by leaving out one image
-  /// cell after the other (the jackknife of clusters, MacKinnon, Nielsen and Webb 2023: what a cell's points
+  /// cell after the other (the jackknife of clusters, [MacKinnon2023]: what a cell's points
   /// have in common in all windows, as errors of a lens model, does not average out), times the variance of
   /// Student's t with so few cells. Zero for axes that were not seen.
   RigMatrix covariance = RigMatrix::Zero();
