@@ -41,7 +41,7 @@ struct InputContradiction {
 /// which sees a small bias. Both are measured against the noise that the frame's other rows show (NIS / dof),
 /// if that is larger than assumed, with room for inputs that are noisier than their data sheet says and for
 /// pixel errors that stay while a track lives. For a filter that no calibration can lead astray.
-/// @note docs/faults.md
+/// @note docs/derivations/faults.md
 class InputAlarm {
  public:
   /// @return whether a test rejects; then `found` says by how much

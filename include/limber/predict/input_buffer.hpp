@@ -69,7 +69,7 @@ inline constexpr InputPrior kOdometryPrior = {{0.5, 2.0, true}, {2.0, 2.0, false
 ///
 /// Between samples inputs are interpolated linearly; before the first and after the last they are held. In a
 /// gap (more than 1.5 usual intervals) each step also says how much the input may have changed since the
-/// nearest sample, bounded by the motion seen (MotionSeen): see docs/faults.md.
+/// nearest sample, bounded by the motion seen (MotionSeen): see docs/derivations/faults.md.
 class InputBuffer {
  public:
   /// @param prior  what such an input does before any sample has shown it
