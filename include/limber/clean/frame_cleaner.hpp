@@ -16,7 +16,7 @@ namespace limber {
 
 /// What a cleaner looks for, and the most points that it leaves in a frame.
 struct CleaningOptions {
-  /// Exchanged pictures are not used; tracks that were not tracked and matches that leapt are ended. What a
+  /// Exchanged images are not used; tracks that were not tracked and matches that leapt are ended. What a
   /// jump of the rig explains never is.
   bool clean = true;
   /// Points of a frame beyond that many are left out, evenly over the image: the cost of a frame grows with
@@ -32,7 +32,7 @@ struct CleaningReport {
   /// that went through
   std::size_t frames = 0;
   std::size_t exchanged_frames = 0;                ///< whose points are not used
-  std::size_t put_back_frames = 0;                 ///< whose pictures the front end has put back
+  std::size_t put_back_frames = 0;                 ///< whose images the front end has put back
   std::size_t stale_frames = 0, stale_points = 0;  ///< see FrameCleaner
   std::size_t leapt_matches = 0;                   ///< tracks whose right pixels are not used any more
   std::size_t rig_jumps = 0;  ///< frames that leap as one change of the rig has them leap: left as they are
@@ -47,7 +47,7 @@ struct CleaningReport {
 
 /// @brief Cleans one frame after another.
 ///
-/// - Exchanged pictures: where the left pixels go on from the right ones of the last frame that was not
+/// - Exchanged images: where the left pixels go on from the right ones of the last frame that was not
 ///   exchanged, and these from the left ones, the frame loses its points; for a second at most. Any rig.
 /// - Stale tracks: where every point that a frame shares with the one before stands on the very same pixels,
 ///   noise and all, the front end has handed out the old positions once more; what it follows from there on

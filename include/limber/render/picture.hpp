@@ -19,7 +19,7 @@ struct View {
   Pose T_world_cam;
 };
 
-/// @brief Takes pictures of a scene: one ray through the centre of each pixel of any lens, exact to single
+/// @brief Takes images of a scene: one ray through the centre of each pixel of any lens, exact to single
 /// precision; the texture's pyramid keeps what is far from flickering.
 class PictureCamera {
  public:
@@ -48,7 +48,7 @@ struct SensorEffects {
   double vignetting = 0.0;  ///< light lost in the corners, 0 to 1; grows with the square of the radius
 };
 
-/// @param stream  tells pictures apart: of the noise
+/// @param stream  tells images apart: of the noise
 [[nodiscard]] std::vector<std::uint8_t> develop(const std::vector<float>& light, const Camera& camera,
                                                 const SensorEffects& effects, std::uint64_t stream);
 

@@ -42,7 +42,7 @@ struct StereoFrame {
   std::int64_t t_ns = 0;
   /// in no order
   std::vector<StereoObservation> observations;
-  bool put_back = false;  ///< the pictures came exchanged; the points are of those put back
+  bool put_back = false;  ///< the images came exchanged; the points are of those put back
 };
 
 /// @throws std::invalid_argument, which names the track, for a pixel that is not finite or a million pixels

@@ -187,10 +187,10 @@ class Estimate {
   [[nodiscard]] bool is_world_vector(StateBlock block) const;
   [[nodiscard]] std::vector<bool> anchors_in_use(const std::vector<bool>& resting) const;
   void carry_active(const std::vector<Move>& kept);
-  void carry_dormant(const std::vector<Move>& passive);
+  void carry_passive(const std::vector<Move>& passive);
   [[nodiscard]] std::vector<Eigen::Index> rows_of(const std::vector<std::int64_t>& passive) const;
-  [[nodiscard]] Eigen::Matrix3d joint_block(Eigen::Index row, bool row_dormant, Eigen::Index col,
-                                            bool col_dormant) const;
+  [[nodiscard]] Eigen::Matrix3d joint_block(Eigen::Index row, bool row_passive, Eigen::Index col,
+                                            bool col_passive) const;
   [[nodiscard]] Landmark current(const Landmark& landmark) const;
   [[nodiscard]] Anchor current(const Anchor& anchor) const;
   [[nodiscard]] Eigen::Vector3d passive_displacement(Eigen::Index row) const;
