@@ -82,7 +82,7 @@ class NumberOptions {
 
 void add_picture_options(CLI::App& command, SimulateArguments& arguments) {
   CLI::Option* images = command.add_flag("--images", arguments.images,
-                                         "Rendered pictures (EuRoC folder) in place of matched points");
+                                         "Rendered images (EuRoC folder) in place of matched points");
   command.add_option("--scene", arguments.scene, "What they show: room, hall or street")
       ->check(parsed_by(scene_from_string))
       ->needs(images)
@@ -107,8 +107,8 @@ void add_picture_options(CLI::App& command, SimulateArguments& arguments) {
       ->check(whole_number(0, 100))
       ->needs(images);
   numbers.add("--low-texture", p.low_texture, 1, "Share of the walls' area that is nearly plain");
-  numbers.add("--dropped", p.dropped, 1, "Share of frames without the picture of one of the cameras");
-  numbers.add("--swapped", p.swapped, 1, "Share of frames whose left and right pictures are exchanged");
+  numbers.add("--dropped", p.dropped, 1, "Share of frames without the image of one of the cameras");
+  numbers.add("--swapped", p.swapped, 1, "Share of frames whose left and right images are exchanged");
 }
 #endif
 

@@ -34,7 +34,7 @@ _SCENARIOS = _pathlib.Path(__file__).parent / "scenarios"
 
 
 def read(path, *, calib="", imu="", images="", topics="", readout_time=None):
-    """Reads a recording; its content tells the format (docs/formats.md).
+    """Reads a recording; its content tells the format (docs/formats-recordings.md).
 
     calib, imu, images, topics, readout_time: as --calib, --imu, --images, --topics and --readout-time of `limber run`;
     a bag needs calib.
@@ -234,4 +234,4 @@ def _trajectory(source):
 
 
 Run.summary = property(lambda self: _json.loads(self.summary_json),
-                       doc="Figures of merit, what summary.json holds: docs/formats.md.")
+                       doc="Figures of merit, what summary.json holds: docs/formats-results.md.")

@@ -63,11 +63,11 @@ std::vector<std::string> in_words(const CleaningReport& report) {
   std::vector<std::string> out;
   if (report.exchanged_frames > 0) {
     out.push_back("in " + std::to_string(report.exchanged_frames) + of_frames +
-                  " the left and the right picture are exchanged: their points are not used");
+                  " the left and the right image are exchanged: their points are not used");
   }
   if (report.put_back_frames > 0) {
     out.push_back("in " + std::to_string(report.put_back_frames) + of_frames +
-                  " the left and the right picture were exchanged: put back");
+                  " the left and the right image were exchanged: put back");
   }
   if (report.stale_points > 0) {
     out.push_back("in " + std::to_string(report.stale_frames) + of_frames +

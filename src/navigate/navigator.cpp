@@ -25,7 +25,7 @@ constexpr double kOldestCheckpoint = 5.0;
 /// Frames that are replayed while one comes in: a call costs half as much again as an ordinary one, and five
 /// seconds are caught up in five.
 constexpr int kReplayedFrames = 2;
-/// Frames in a row in which most points contradict the filter but not the constrained one beside it.
+/// Frames in a row in which most points contradict the filter but not the parallel one.
 constexpr int kMostOverruled = 5;
 
 NavigatorOptions constrained(NavigatorOptions options) {
@@ -169,7 +169,7 @@ void Navigator::watch_anew(std::int64_t t_ns) {
   supervision_->older = supervision_->recent;
 }
 
-/// In doubt from now on, with what the constrained filter beside knows.
+/// In doubt from now on, with what the parallel filter knows.
 void Navigator::take_over_from_parallel(std::int64_t t_ns) {
   Supervision& s = *supervision_;
   s.replay.reset();
@@ -216,7 +216,8 @@ FrameReport Navigator::process(const StereoFrame& frame) {
   parallel.calibration = known_calibration();
   log(frame);
   if (s.replay && parallel.inputs.contradiction) {
-    // What is replayed has an input in it that fails, which the filter beside saw and this one would follow.
+    // What is replayed has an input in it that fails, which the parallel filter saw and this one would
+    // follow.
     take_over_from_parallel(parallel.t_ns);
     return parallel;
   }

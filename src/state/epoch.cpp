@@ -59,11 +59,11 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
       kept.push_back({block, displacement});
     }
   }
-  const std::size_t slept_before = passive_blocks_.size();
+  const std::size_t passive_before = passive_blocks_.size();
   if (!passive_.change_epoch(P, layout_.map_begin(), change)) {
     throw DivergenceError("map: the covariance is not positive definite where an epoch ends");
   }
-  for (std::size_t k = 0; k < slept_before; ++k) {
+  for (std::size_t k = 0; k < passive_before; ++k) {
     retract_triplet(passive[k].block, passive[k].displacement);
   }
   const Index clones = passive_.z_size() > 0 ? layout_.map_begin() / kTriplet : 0;
@@ -76,7 +76,7 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
     move_in(passive[k].block, kTriplet * static_cast<Index>(k), true);
   }
   carry_active(kept);
-  carry_dormant(passive);
+  carry_passive(passive);
   frozen_end_ = passive_.z_size() > 0 ? P.size() : layout_.map_begin();
   drift_.setZero(frozen_end_ - layout_.map_begin());
   moved_ = drift_;
@@ -112,7 +112,7 @@ void Estimate::carry_active(const std::vector<Move>& kept) {
   add_couplings(U);
 }
 
-void Estimate::carry_dormant(const std::vector<Move>& passive) {
+void Estimate::carry_passive(const std::vector<Move>& passive) {
   for (std::size_t k = 0; k < passive.size(); ++k) {
     const Index row = kTriplet * static_cast<Index>(k);
     if (passive[k].block.owner == Owner::kAnchorAttitude) {
@@ -209,14 +209,14 @@ void Estimate::recall(const std::vector<std::int64_t>& recalled) {
   }
 }
 
-Matrix3d Estimate::joint_block(Index row, bool row_dormant, Index col, bool col_dormant) const {
-  if (row_dormant && col_dormant) {
+Matrix3d Estimate::joint_block(Index row, bool row_passive, Index col, bool col_passive) const {
+  if (row_passive && col_passive) {
     return passive_.triplet_block(P, layout_.map_begin(), row, col);
   }
-  if (row_dormant) {
+  if (row_passive) {
     return passive_.cross(P, layout_.map_begin(), row).middleCols<kTriplet>(col);
   }
-  return col_dormant ? joint_block(col, true, row, false).transpose() : P.triplet_block(row, col);
+  return col_passive ? joint_block(col, true, row, false).transpose() : P.triplet_block(row, col);
 }
 
 Landmark Estimate::corrected(Landmark landmark, const Vector3d& correction) {

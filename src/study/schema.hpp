@@ -8,7 +8,7 @@
 #include "io/sqlite.hpp"
 #include "limber/study/run_figures.hpp"
 
-/// The tables of a study. docs/study.md describes them.
+/// The tables of a study. docs/study-database.md describes them.
 namespace limber::detail {
 
 /// Goes up whenever tables or the meaning of a column change.

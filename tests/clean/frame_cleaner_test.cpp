@@ -143,7 +143,7 @@ TEST(FrameCleaner, UsesNoExchangedPictures) {
     }
     EXPECT_EQ(report.exchanged_frames, 3u);
     EXPECT_EQ(report.leapt_matches, 0u);
-    EXPECT_THAT(in_words(report), ElementsAre(HasSubstr("in 3 of 8 frames the left and the right picture")));
+    EXPECT_THAT(in_words(report), ElementsAre(HasSubstr("in 3 of 8 frames the left and the right image")));
   }
 }
 
@@ -153,8 +153,7 @@ TEST(FrameCleaner, CountsPicturesThatTheFrontEndPutBack) {
   const auto [frames, report] = cleaned(put_back, rig_of(0.1));
   EXPECT_EQ(frames[5].observations.size(), put_back[5].observations.size());
   EXPECT_EQ(report.put_back_frames, 1u);
-  EXPECT_THAT(in_words(report),
-              ElementsAre(HasSubstr("in 1 of 8 frames the left and the right picture were")));
+  EXPECT_THAT(in_words(report), ElementsAre(HasSubstr("in 1 of 8 frames the left and the right image were")));
 }
 
 TEST(FrameCleaner, TakesNoMotionForAnExchange) {

@@ -40,12 +40,15 @@ def dead_links(file, root):
             yield f"{file.relative_to(root)}: no heading {target}"
 
 
+def pages_of(root):
+    alone = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "scenarios/README.md", "ros/README.md", "benchmarks/peers/README.md"]
+    return [page for page in [*(root / name for name in alone), *sorted((root / "docs").rglob("*.md"))] if page.exists()]
+
+
 def main():
     root = Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else SOURCE
-    pages = [root / "README.md", root / "CONTRIBUTING.md", root / "CHANGELOG.md", root / "scenarios/README.md",
-             root / "benchmarks/peers/README.md",
-             *sorted((root / "docs").rglob("*.md"))]
-    dead = [link for page in pages if page.exists() for link in dead_links(page, root)]
+    pages = pages_of(root)
+    dead = [link for page in pages for link in dead_links(page, root)]
     print(f"{len(pages)} pages, {len(dead)} dead links")
     sys.exit("\n".join(dead) if dead else 0)
 

@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Every link of a built docs site leads to a file of it, and to an anchor of that: site_links.py HTML_FOLDER"""
+"""Every link of a built docs site leads to a file of it, and to an anchor of that; none was left as text.
+
+    site_links.py HTML_FOLDER
+"""
 import re
 import sys
 from functools import cache
@@ -15,7 +18,10 @@ def anchors_of(file):
 
 
 def dead_links(file, folder):
-    for link in re.findall(r'<a [^>]*href="([^"]+)"', file.read_text(errors="replace")):
+    text = file.read_text(errors="replace")
+    for link in re.findall(r"\]\([\w./-]+\)", text):
+        yield f"{file.name}: left as text: {link}"
+    for link in re.findall(r'<a [^>]*href="([^"]+)"', text):
         path, _, anchor = link.partition("#")
         there = folder / path if path else file
         if re.match(r"\w+:", link) or link in OF_DOXYGEN:

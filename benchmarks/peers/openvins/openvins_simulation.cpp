@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Writes what OpenVINS' own simulator measures as a track log (docs/formats.md), by its public API, without
-// ROS. benchmarks/peers/README.md says more.
+// Writes what OpenVINS' own simulator measures as a track log (docs/formats-recordings.md), by its public
+// API, without ROS. benchmarks/peers/README.md says more.
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -15,7 +15,9 @@ namespace limber {
 /// One topic of a bag, all but its pixels. The vectors are in the order of the file, one entry a readable
 /// message.
 struct BagStream {
+  /// as the bag describes it
   BagTopic topic;
+  /// what its type says it holds
   MessageKind kind = MessageKind::kOther;
   std::size_t messages = 0;               ///< readable or not
   std::size_t unreadable = 0;             ///< not what their type says, or with numbers that are not finite
@@ -24,17 +26,23 @@ struct BagStream {
   bool stamped = true;  ///< false: of a type that limber does not read, or all stamps are zero
 
   // By kind; the other ones are empty.
+  /// of images: what the others are compared with
   std::optional<ImageHeader> first_image;
   std::size_t other_images = 0;  ///< of another size or encoding than the first
   std::vector<BagPlace> places;  ///< of images
+  /// kImu
   std::vector<ImuMessage> imu;
+  /// kPose and kOdometry: T_world_body
   std::vector<StampedPose> poses;
+  /// kTwist and kOdometry: velocities in the frame of the body
   std::vector<OdometrySample> twists;
 };
 
 /// What a scan of a bag found.
 struct BagContents {
+  /// as BagFile::format
   std::string format;
+  /// in the order of their first appearance
   std::vector<BagStream> streams;
   std::vector<std::string> damages;  ///< what could not be read, and where
 };
@@ -47,6 +55,7 @@ struct BagContents {
 
 /// What the times of a stream say.
 struct Timing {
+  /// times
   std::size_t count = 0;
   std::int64_t first_ns = 0, last_ns = 0;  ///< smallest and largest
   double median_interval_s = 0.0;          ///< 0 for fewer than two
@@ -54,10 +63,13 @@ struct Timing {
   double longest_gap_s = 0.0;              ///< the longest interval
   std::int64_t longest_gap_at_ns = 0;      ///< where it begins
   std::size_t backward = 0;                ///< times that lie before an earlier one
+  /// from one time to the next in the file [s]; 0: none
   double largest_step_back_s = 0.0;
   std::size_t repeated = 0;  ///< the same time again
 
+  /// From the smallest to the largest time [s].
   [[nodiscard]] double duration_s() const { return static_cast<double>(last_ns - first_ns) * 1e-9; }
+  /// One over the median interval [Hz]; 0 for fewer than two times.
   [[nodiscard]] double rate_hz() const { return median_interval_s > 0.0 ? 1.0 / median_interval_s : 0.0; }
 };
 /// Of times in the order of the file.

@@ -20,6 +20,7 @@ enum class Serialization { kRos1, kCdr, kOther };
 struct BagTopic {
   std::string name;  ///< "/cam0/image_raw"
   std::string type;  ///< "sensor_msgs/Image": ROS 2's "/msg/" is left out
+  /// how the bytes of its messages are to be read
   Serialization serialization = Serialization::kOther;
   std::string serialization_name;  ///< as the file has it
 };
@@ -38,6 +39,7 @@ struct BagPlace {
 struct BagMessage {
   std::size_t topic = 0;  ///< index into topics()
   std::int64_t t_ns = 0;  ///< when it was recorded: bag time, not the stamp in its header
+  /// where the whole message lies
   BagPlace place;
   std::span<const std::uint8_t> data;  ///< its beginning, as much as was wanted; valid during the call
 };
@@ -51,6 +53,7 @@ class BagFile {
 
   /// How many bytes of each message of a topic the visitor wants; 0: none, and the message is only counted.
   using Wanted = std::function<std::size_t(const BagTopic&)>;
+  /// Called for every message; what it throws ends the walk and passes through.
   using Visitor = std::function<void(const BagMessage&)>;
 
   /// @brief Visits all messages in the order of the file.

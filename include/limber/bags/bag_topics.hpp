@@ -12,10 +12,12 @@ namespace limber {
 /// Which topic of a bag is what. Empty: none, or not said.
 struct BagTopics {
   std::string left, right;  ///< images
+  /// angular rates and specific forces of the body
   std::string imu;
   std::string odometry;  ///< velocities of the body
   std::string truth;     ///< poses of the body, for evaluation only
 
+  /// Whether every role has the same topic.
   bool operator==(const BagTopics&) const = default;
 };
 

@@ -30,6 +30,7 @@ enum class MessageKind { kImage, kCompressedImage, kImu, kOdometry, kPose, kTwis
 
 /// sensor_msgs/Image or sensor_msgs/CompressedImage without its pixels.
 struct ImageHeader {
+  /// stamp of the header [ns]
   std::int64_t t_ns = 0;
   EncodedImage image;         ///< of an Image; data is empty
   std::string format;         ///< of a CompressedImage
@@ -48,6 +49,7 @@ struct ImageHeader {
 
 /// sensor_msgs/Imu.
 struct ImuMessage {
+  /// t_ns is the header's stamp
   ImuSample sample;
   bool has_rates = true, has_accelerations = true;  ///< false: the first covariance is -1
 };
@@ -57,7 +59,9 @@ struct ImuMessage {
 
 /// nav_msgs/Odometry: pose of the child frame, and its velocities in the child frame.
 struct OdometryMessage {
+  /// T_world_body, stamped by the header
   StampedPose pose;
+  /// velocities in the frame of the body
   OdometrySample twist;
 };
 /// Pose and velocities; covariances are left alone.

@@ -25,7 +25,9 @@ enum class BagFormat {
 
 /// A file of messages to write.
 struct BagOutput {
+  /// of the file to write
   std::filesystem::path path;
+  /// of the file to write
   BagFormat format = BagFormat::kMcap;
   std::string compression;  ///< one of compressions_of(format); empty: the default
 };

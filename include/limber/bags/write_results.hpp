@@ -15,6 +15,7 @@ namespace limber {
 
 /// What came of a run.
 struct RunResults {
+  /// one row a frame, in order of time
   std::vector<TrajectoryRow> trajectory;
   std::vector<StampedPose> truth;                     ///< in the world of the trajectory; may be empty
   std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< track_id -> p_world_landmark [m]; may be empty

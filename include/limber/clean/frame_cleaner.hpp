@@ -16,7 +16,7 @@ namespace limber {
 
 /// What a cleaner looks for, and the most points that it leaves in a frame.
 struct CleaningOptions {
-  /// Exchanged pictures are not used; tracks that were not tracked and matches that leapt are ended. What a
+  /// Exchanged images are not used; tracks that were not tracked and matches that leapt are ended. What a
   /// jump of the rig explains never is.
   bool clean = true;
   /// Points of a frame beyond that many are left out, evenly over the image: the cost of a frame grows with
@@ -29,12 +29,14 @@ struct CleaningOptions {
 
 /// What was taken out of the frames so far.
 struct CleaningReport {
+  /// that went through
   std::size_t frames = 0;
   std::size_t exchanged_frames = 0;                ///< whose points are not used
-  std::size_t put_back_frames = 0;                 ///< whose pictures the front end has put back
+  std::size_t put_back_frames = 0;                 ///< whose images the front end has put back
   std::size_t stale_frames = 0, stale_points = 0;  ///< see FrameCleaner
   std::size_t leapt_matches = 0;                   ///< tracks whose right pixels are not used any more
   std::size_t rig_jumps = 0;  ///< frames that leap as one change of the rig has them leap: left as they are
+  /// crowded frames, and what was left out of them
   std::size_t thinned_frames = 0, thinned_points = 0;
   std::size_t waiting_points =
       0;  ///< sightings left out: the first of a track whose rows have times of their own
@@ -45,7 +47,7 @@ struct CleaningReport {
 
 /// @brief Cleans one frame after another.
 ///
-/// - Exchanged pictures: where the left pixels go on from the right ones of the last frame that was not
+/// - Exchanged images: where the left pixels go on from the right ones of the last frame that was not
 ///   exchanged, and these from the left ones, the frame loses its points; for a second at most. Any rig.
 /// - Stale tracks: where every point that a frame shares with the one before stands on the very same pixels,
 ///   noise and all, the front end has handed out the old positions once more; what it follows from there on
@@ -64,6 +66,8 @@ struct CleaningReport {
 ///   moves as the left one does, and the reverse.
 class FrameCleaner {
  public:
+  /// @throws std::invalid_argument unless a frame may have a point.
+  /// @param assumed  the rig as it is believed to be
   FrameCleaner(const StereoCalibration& assumed, const CleaningOptions& options);
   ~FrameCleaner();
   FrameCleaner(const FrameCleaner&) = delete;
@@ -71,6 +75,7 @@ class FrameCleaner {
 
   /// @param frame  the next one in time
   [[nodiscard]] StereoFrame clean(StereoFrame frame);
+  /// Counts since the construction.
   [[nodiscard]] const CleaningReport& report() const { return report_; }
 
  private:

@@ -35,13 +35,18 @@ enum class RunEnd : std::uint8_t {
 
 /// A run with what its files say; what is not known is empty.
 struct ComparedRun {
+  /// that the run wrote
   std::filesystem::path folder;
   std::string label;  ///< unique: the method, or the folder where methods repeat
+  /// names, as in summary.json
   std::string recording, method;
+  /// how the run ended
   RunEnd end = RunEnd::kDone;
   std::optional<double> lost_since_s;  ///< since the first frame
+  /// of the run, and what a whole run of the recording would have had
   std::size_t frames = 0, frames_of_recording = 0;
   double duration_s = 0.0, path_length_m = 0.0;  ///< of the truth if known, else of the estimate
+  /// false: what needs the truth is empty
   bool has_truth = false;
   /// After the rigid fit of all positions (ATE); of a path that determines none, after that of the run.
   std::optional<double> ate_m, attitude_rmse_deg;
@@ -83,6 +88,7 @@ struct RunDifference {
 
 /// What compare_runs finds.
 struct RunComparison {
+  /// in the order given
   std::vector<ComparedRun> runs;
   std::vector<RunDifference> differences;  ///< each run but the first of its recording
   std::vector<std::string> notes;          ///< what was not compared, and why

@@ -24,6 +24,7 @@ class Covariance {
   Covariance& operator=(Covariance&&) = default;
   ~Covariance() = default;
 
+  /// Rows and columns, n.
   [[nodiscard]] Eigen::Index size() const { return size_; }
 
   /// Full symmetric copy, n×n.

@@ -18,6 +18,7 @@ using MatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
 
 /// Aᵀ as an argument; A has to outlive the call.
 struct Transposed {
+  /// A itself, not transposed
   MatrixRef matrix;
 };
 /// Aᵀ.

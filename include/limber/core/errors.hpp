@@ -11,9 +11,12 @@ namespace limber {
 /// what() reads "FILE:LINE: expected EXPECTED, found FOUND".
 class DataError : public std::runtime_error {
  public:
+  /// @param line  1 is the first; 0: the whole file
   DataError(std::string file, std::size_t line, const std::string& expected, const std::string& found);
 
+  /// As it was opened.
   [[nodiscard]] const std::string& file() const { return file_; }
+  /// 1 is the first; 0: the whole file.
   [[nodiscard]] std::size_t line() const { return line_; }
 
  private:

@@ -14,6 +14,7 @@ namespace limber {
 /// A = L Lᵀ. Of A: n×n symmetric the lower triangle is read.
 class Cholesky {
  public:
+  /// Factors A, n×n; see succeeded().
   explicit Cholesky(Eigen::MatrixXd A);
 
   /// Whether A is positive definite; else nothing below means anything. NaN passes for positive.
@@ -32,6 +33,7 @@ class Cholesky {
       return solved(B);
     }
   }
+  /// A⁻¹: n×n.
   [[nodiscard]] Eigen::MatrixXd inverse() const;
 
  private:
@@ -65,6 +67,7 @@ struct HouseholderQr {
   [[nodiscard]] Eigen::MatrixXd Q() const;
   /// X := Qᵀ X, X: m×k.
   void apply_Qt(Eigen::Ref<Eigen::MatrixXd> X) const;
+  /// x := Qᵀ x, x: m.
   void apply_Qt(Eigen::VectorXd& x) const;
 };
 /// A: m×n, not empty.
@@ -72,9 +75,12 @@ struct HouseholderQr {
 
 /// A Pi = Q R, the diagonal of R as large as can be in each step.
 struct PivotedQr {
+  /// of A Pi
   HouseholderQr qr;
+  /// n×n, turns columns into the order of the pivots
   Eigen::PermutationMatrix<Eigen::Dynamic> Pi;
   Eigen::Index rank = 0;  ///< up to rounding
+  /// absolute value of R's first diagonal entry [unit of A]
   double largest_pivot = 0.0;
 
   /// The first rows of R Piᵀ: rows×n, rows <= min(m, n).

@@ -15,8 +15,10 @@ struct SparseJacobian {
   struct Block {
     Eigen::Index row = 0;  ///< the first
     Eigen::Index col = 0;  ///< the first of three
+    /// rows×3
     Eigen::Matrix<double, Eigen::Dynamic, kTriplet, Eigen::ColMajor, kTriplet, kTriplet> value;
   };
+  /// in no order
   std::vector<Block> blocks;
 
   /// m×n matrix, for tests and small problems.
@@ -25,6 +27,7 @@ struct SparseJacobian {
 
 /// Consecutive rows that stand or fall together (one point): the unit of gating.
 struct RowGroup {
+  /// the first
   Eigen::Index row = 0;
   Eigen::Index rows = 0;  ///< even
   Eigen::Index own = -1;  ///< first column of the point's triplet; -1: they see no point of their own
@@ -40,6 +43,7 @@ struct StatelessRows {
 /// Rows that were taken out of a measurement because they are noise alone: they move nothing, but they count
 /// in the NIS.
 struct NoiseRows {
+  /// how many were taken out
   Eigen::Index rows = 0;
   double squared_norm = 0.0;  ///< of their whitened residuals [-]
 };
@@ -54,6 +58,7 @@ struct LinearMeasurement {
   StatelessRows stateless;       ///< what compression set apart
   NoiseRows noise;               ///< what compression took out
 
+  /// m.
   [[nodiscard]] Eigen::Index rows() const { return residual.size(); }
 
   /// The measurement without the groups that are not `kept` (one flag per group).

@@ -13,8 +13,11 @@ struct Pose {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  ///< R_a_b
   Eigen::Vector3d p = Eigen::Vector3d::Zero();      ///< origin of b in a [m]
 
+  /// T_b_a.
   [[nodiscard]] Pose inverse() const;
+  /// p_a of a point p_b.
   [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& point) const;
+  /// T_a_c of another T_b_c.
   [[nodiscard]] Pose operator*(const Pose& other) const;
 };
 
@@ -24,7 +27,9 @@ struct Pose {
 
 /// A pose with its time: `T_world_body` at `t_ns` [ns].
 struct StampedPose {
+  /// [ns]
   std::int64_t t_ns = 0;
+  /// of the body in the world
   Pose T_world_body;
 };
 

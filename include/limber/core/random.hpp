@@ -21,14 +21,17 @@ namespace limber {
 /// independent. Each draw is addressed by `i`, and by `j` where one index is not enough.
 class RandomStream {
  public:
+  /// @param name  of the source of randomness: "pixels", "imu", ...
   RandomStream(std::uint64_t seed, std::uint64_t run, std::string_view name);
 
   /// Uniform in the open interval (0, 1).
   [[nodiscard]] double uniform(std::uint64_t i, std::uint32_t j = 0) const;
+  /// Three of them, independent.
   [[nodiscard]] Eigen::Vector3d uniform3(std::uint64_t i, std::uint32_t j = 0) const;
 
   /// Standard normal (Box-Muller), independent components.
   [[nodiscard]] Eigen::Vector2d normal2(std::uint64_t i, std::uint32_t j = 0) const;
+  /// Three of them, independent.
   [[nodiscard]] Eigen::Vector3d normal3(std::uint64_t i, std::uint32_t j = 0) const;
 
  private:

@@ -25,6 +25,7 @@ enum class TrajectoryFormat {
 
 /// Poses of a file.
 struct Trajectory {
+  /// that the content showed
   TrajectoryFormat format = TrajectoryFormat::kTum;
   bool has_time = true;            ///< false: StampedPose::t_ns is the index of the pose (KITTI)
   std::vector<StampedPose> poses;  ///< strictly increasing time, at least one
@@ -48,8 +49,11 @@ void write_kitti_poses(const std::filesystem::path& path, const std::vector<Stam
 
 /// EuRoC ground truth: 8 (pose), 11 (with velocity) or 17 columns (with biases).
 struct GroundTruth {
+  /// strictly increasing time
   std::vector<GroundTruthState> states;
+  /// false: velocities are zero
   bool has_velocity = false;
+  /// false: biases are zero
   bool has_biases = false;
 };
 /// Reads a ground truth of EuRoC. @throws DataError naming file and line
@@ -57,7 +61,9 @@ struct GroundTruth {
 
 /// One line of trajectory.csv. What is unknown is an empty cell.
 struct TrajectoryRow {
+  /// [ns]
   std::int64_t t_ns = 0;
+  /// of the body in the world
   Pose T_world_body;
   std::optional<Eigen::Vector3d> v_world_body;  ///< [m/s]
   std::optional<Eigen::Vector3d> bias_gyro;     ///< [rad/s]

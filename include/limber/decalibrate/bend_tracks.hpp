@@ -7,6 +7,7 @@ namespace limber {
 
 /// What bend_tracks could not move.
 struct TrackBending {
+  /// with the moved pixels and the true theta(t)
   Recording recording;
   std::size_t points = 0;      ///< right pixels that were moved
   std::size_t left_image = 0;  ///< right pixels that moved out of the image: now in the left one alone

@@ -21,7 +21,9 @@ struct HealthSummary {
   std::vector<CalibrationState> past;  ///< the stretches before, in order
   std::int64_t begin_ns = 0;           ///< first frame
 
+  /// Since the first frame [s].
   [[nodiscard]] double seconds(std::int64_t t_ns) const;
+  /// `ok` now, and back from degraded or decalibrated at least twice.
   [[nodiscard]] bool comes_and_goes() const;
   /// Degraded or decalibrated, before the present state.
   [[nodiscard]] bool was_wrong() const;
@@ -30,7 +32,7 @@ struct HealthSummary {
 /// @return nothing if no window was judged
 [[nodiscard]] std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frames);
 
-/// As in summary.json, degrees and mm: docs/formats.md.
+/// As in summary.json, degrees and mm: docs/formats-health.md.
 [[nodiscard]] std::string to_json(const HealthSummary& summary, const WatchOptions& options);
 
 /// "vergence, about y" for ay.
@@ -42,7 +44,7 @@ struct HealthSummary {
 /// @brief The same of how the rig moved from one recording to the next, see change_between.
 [[nodiscard]] std::string change_in_words(const CalibrationState& change, const Tolerance& tolerance);
 
-/// As `since` of `limber health --json`, degrees and mm: docs/formats.md.
+/// As `since` of `limber health --json`, degrees and mm: docs/formats-health.md.
 [[nodiscard]] std::string change_json(const CalibrationState& change, const Tolerance& tolerance);
 
 /// From radians and metres to degrees and millimetres.

@@ -12,6 +12,7 @@ namespace limber {
 
 /// How long the left camera takes from the first row of an image to its last.
 struct ReadoutTime {
+  /// from the first row to the last [s], and its standard deviation
   double seconds = 0.0, sigma = 0.0;
   double explains = 0.0;  ///< share of the squared residuals with the assumed one that it explains, up to 1
 };
@@ -28,9 +29,12 @@ struct ReadoutTime {
 /// of 0.5 px and slow turns, by 2 % with what a tracker gives.
 class ReadoutWatch {
  public:
+  /// @param assumed  the rig as it is believed to be
   explicit ReadoutWatch(const StereoCalibration& assumed);
   ~ReadoutWatch();
+  /// The other one may then only be destroyed or assigned to.
   ReadoutWatch(ReadoutWatch&&) noexcept;
+  /// The other one may then only be destroyed or assigned to.
   ReadoutWatch& operator=(ReadoutWatch&&) noexcept;
 
   /// @param frame  as the front end gives it, the next in time

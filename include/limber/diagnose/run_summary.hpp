@@ -18,32 +18,41 @@ namespace limber {
 
 /// Quantiles of a time per frame [ms].
 struct FrameTime {
+  /// median, 99 % quantile and maximum [ms]
   double p50 = 0.0, p99 = 0.0, worst = 0.0;
 };
 
 /// What an image front end did in a run. End to end: reading, tracking and filtering a frame, one after the
 /// other.
 struct FrontendSummary {
+  /// reading, following and matching, all with the filter
   FrameTime decode, track, end_to_end;
   double left_points = 0.0, right_points = 0.0;  ///< per frame
   double frames_per_track = 0.0;                 ///< mean
 };
 
-/// Figures of merit of a run; what is not known is empty. Definitions: docs/formats.md.
+/// Figures of merit of a run; what is not known is empty. Definitions: docs/formats-results.md.
 struct RunSummary {
+  /// names
   std::string method, dataset;
+  /// that the run went through
   std::size_t frames = 0;
+  /// from the first to the last of them [s]
   double duration_s = 0.0;
   double path_length_m = 0.0;  ///< of the truth if known, else of the estimate
+  /// RMSE of position [m] without alignment, after SE(3), after Sim(3), and the latter's scale [-]
   std::optional<double> ate_none_m, ate_se3_m, ate_sim3_m, scale;
+  /// over all frames, after `alignment`
   std::optional<double> position_rmse_m, attitude_rmse_deg;
   std::optional<double> position_final_m, attitude_final_deg;  ///< after the last frame, aligned as the RMSE
   std::optional<double> position_max_m, attitude_max_deg;      ///< of any frame
+  /// NEES per d.o.f. of pose, position, attitude; 1 = consistent
   std::optional<double> anees, anees_position, anees_attitude;
   std::optional<double> anees_scale;      ///< of the distance from the begin, see distance_nees
   std::optional<double> share_within_95;  ///< of the frames of anees, see Consistency
   std::size_t frames_refused = 0;         ///< of those frames: pose covariance not positive definite
   double nis = 0.0, nis_dof = 0.0;        ///< sums over all updates
+  /// their quotient; 1 = consistent
   std::optional<double> nis_per_dof;
   double ms_per_frame_mean = 0.0, ms_per_frame_p50 = 0.0, ms_per_frame_p99 = 0.0, ms_per_frame_p999 = 0.0,
          ms_per_frame_worst = 0.0;  ///< filter alone, of the frames that it saw
@@ -52,9 +61,13 @@ struct RunSummary {
   std::optional<double> start_ms, start_worst_ms;
   std::optional<FrontendSummary> frontend;  ///< nothing for matched points
   double realtime_factor = 0.0;             ///< duration over time spent, front end included
+  /// largest resident memory of the process [MB]
   double peak_rss_mb = 0.0;
+  /// over all frames
   std::size_t points_refused = 0;
+  /// mean
   double points_per_frame = 0.0;
+  /// statuses and events
   InputSummary inputs;
   std::optional<HealthSummary> health;  ///< nothing where nothing was watched (mono-left)
   std::optional<ReadoutTime> readout;   ///< as the frames show it; nothing where they do not, see add_readout
@@ -71,6 +84,7 @@ struct RunSummary {
 /// What is taken out of an estimate before its errors are counted, and how that is called.
 struct StartAlignment {
   Alignment alignment;  ///< rigid
+  /// "nothing", "position and yaw of the first pose" or "whole first pose"
   std::string in_words;
 };
 

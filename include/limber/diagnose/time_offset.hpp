@@ -14,6 +14,7 @@ namespace limber {
 
 /// How much later than stamped something was taken, and its standard deviation [s].
 struct TimeOffset {
+  /// how much later than stamped [s], and its standard deviation
   double seconds = 0.0, sigma = 0.0;
 };
 

@@ -28,10 +28,13 @@ enum class AlignmentStatus {
 
 /// p_world_true = scale * R * p_world_est + p; attitudes are turned by R. The scale multiplies the estimate.
 struct Alignment {
+  /// unless kAligned the others mean nothing
   AlignmentStatus status = AlignmentStatus::kAligned;
   Pose T_true_est;  ///< between the worlds of truth and estimate
+  /// multiplies the estimate [-]
   double scale = 1.0;
 
+  /// A pose of the estimate in the world of the truth; its attitude is turned, its position scaled as well.
   [[nodiscard]] Pose operator*(const Pose& T_world_body) const {
     return {T_true_est.R * T_world_body.R, scale * (T_true_est.R * T_world_body.p) + T_true_est.p};
   }

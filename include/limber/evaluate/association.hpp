@@ -12,9 +12,12 @@ namespace limber {
 
 /// An estimated pose and the truth at the same time, both `T_world_body`.
 struct MatchedPose {
+  /// [ns], of the estimate
   std::int64_t t_ns = 0;
   std::size_t index = 0;  ///< of the estimate in the list it came from
+  /// T_world_body in the world of the estimate
   Pose estimate;
+  /// T_world_body in the world of the truth, at the same time
   Pose truth;
 };
 

@@ -26,8 +26,11 @@ using PoseCovariance = Eigen::Matrix<double, 6, 6>;
 /// Normalised estimation errors squared e' P^-1 e: chi-square with 6, 3 and 3 d.o.f. where the filter is
 /// consistent.
 struct PoseNees {
+  /// 6 d.o.f.
   double pose = 0.0;
+  /// 3 d.o.f.
   double position = 0.0;
+  /// 3 d.o.f., of the local attitude error
   double attitude = 0.0;
 };
 
@@ -71,7 +74,9 @@ inline constexpr double kNeesSkip = 1.0;
 
 /// A closed interval of real numbers.
 struct Interval {
+  /// part of the interval
   double lower = 0.0;
+  /// part of the interval
   double upper = 0.0;
 };
 
@@ -83,12 +88,14 @@ struct Interval {
 
 /// One update's normalised innovation squared r' S^-1 r.
 struct NisSample {
+  /// chi-square with `dof`
   double nis = 0.0;
   double dof = 0.0;  ///< rows that entered
 };
 
 /// All updates of a run together: innovations of a consistent filter are white, so their sum is chi-square.
 struct NisAverage {
+  /// how many samples entered
   std::size_t updates = 0;
   double dof = 0.0;      ///< in total
   double per_dof = 0.0;  ///< 1 = consistent

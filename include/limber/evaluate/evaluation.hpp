@@ -13,7 +13,9 @@ namespace limber {
 
 /// Absolute errors after one kind of alignment; without errors where the alignment is not determined.
 struct AlignedErrors {
+  /// what was taken out
   Alignment alignment;
+  /// position [m] and attitude [rad]; nothing unless it is determined
   std::optional<PoseErrorStatistics> errors;
 };
 
@@ -29,6 +31,7 @@ struct TrajectoryEvaluation {
   double duration = 0.0;              ///< first to last matched pose [s]
   double path_length = 0.0;           ///< of the truth [m]
   double path_length_estimate = 0.0;  ///< [m]
+  /// by what is taken out: nothing, position and yaw of the first pose, a rigid transform, one with a scale
   AlignedErrors none, first_pose, se3, sim3;
   std::optional<PoseErrorStatistics> relative_1_frame;   ///< nothing with a single pose
   std::optional<PoseErrorStatistics> relative_distance;  ///< nothing on a path shorter than the distance

@@ -9,13 +9,18 @@ namespace limber {
 
 /// What is said of a list of errors, in the unit of the errors. The same seven numbers as the tool evo.
 struct Statistics {
+  /// root of the mean square
   double rmse = 0.0;
+  /// of the values
   double mean = 0.0;
   double median = 0.0;  ///< of an even count: the mean of the middle two
   double std = 0.0;     ///< about the mean, divided by the count
+  /// smallest value
   double min = 0.0;
+  /// largest value
   double max = 0.0;
   double sse = 0.0;  ///< sum of squares [unit²]
+  /// how many values
   std::size_t count = 0;
 };
 
@@ -38,9 +43,11 @@ struct MedianInterval {
 
 /// The mean of a sequence, and what may be said of the mean of what it was drawn from.
 struct MeanInterval {
+  /// of the values
   double mean = 0.0;
   std::optional<double> lower, upper;  ///< hold the true mean with 95 %; fewer than five values: none
   double correlation = 0.0;            ///< of neighbours, as it was allowed for [-]
+  /// how many values
   std::size_t count = 0;
 };
 

@@ -45,6 +45,7 @@ using IndexPair = std::pair<std::size_t, std::size_t>;
 
 /// A relative error.
 struct RelativeError {
+  /// lengths of the translation and of the rotation that the estimate is off by over a piece
   double position_m = 0.0, attitude_deg = 0.0;
 };
 

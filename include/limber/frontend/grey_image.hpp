@@ -12,14 +12,17 @@ namespace limber {
 struct GreyImage {
   int width = 0, height = 0;  ///< [px]
   std::ptrdiff_t stride = 0;  ///< bytes from one row to the next, at least width
+  /// of pixel (0, 0)
   const std::uint8_t* data = nullptr;
 };
 
 /// One that owns its pixels, row by row without gaps.
 struct GreyPixels {
   int width = 0, height = 0;  ///< [px]
+  /// width × height grey levels
   std::vector<std::uint8_t> data;
 
+  /// The same image; valid as long as this one lives.
   [[nodiscard]] GreyImage view() const { return {width, height, width, data.data()}; }
 };
 

@@ -14,6 +14,7 @@ namespace limber {
 /// far.
 class ImageReader {
  public:
+  /// @param camera  whose resolution the images must have
   explicit ImageReader(Camera camera) : camera_(std::move(camera)) {}
 
   /// @throws DataError if the file cannot be read as an image, or has not the camera's resolution

@@ -33,7 +33,7 @@ struct TrackerOptions {
 /// The left track uses the left camera's intrinsics only. The right match is a search in two dimensions,
 /// accepted by correlation, by the way back, and by agreement with the left-right geometry that the matches
 /// of this and recent frames themselves show. The assumed extrinsics only place the search window.
-/// Where the left picture goes on from the right one before, and the right from the left, the two are put
+/// Where the left image goes on from the right one before, and the right from the left, the two are put
 /// back (StereoFrame::put_back); for a second at most, and not among the first three pairs. Deterministic:
 /// the same images give the same bits, on any number of threads.
 class StereoTracker {
@@ -42,7 +42,9 @@ class StereoTracker {
   /// @throws std::invalid_argument if a resolution, a focal length or an option makes no sense
   explicit StereoTracker(const StereoCalibration& assumed, const TrackerOptions& options = {});
   ~StereoTracker();
+  /// The other one may then only be destroyed or assigned to.
   StereoTracker(StereoTracker&&) noexcept;
+  /// The other one may then only be destroyed or assigned to.
   StereoTracker& operator=(StereoTracker&&) noexcept;
 
   /// @brief Follows the points into the next stereo pair.

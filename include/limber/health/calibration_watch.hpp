@@ -15,6 +15,7 @@ namespace limber {
 
 /// How a calibration is judged.
 struct WatchOptions {
+  /// what is ok, and what is of no use any more
   Tolerance tolerance{};
   double window_s = 2.5;               ///< > 0
   double false_alarms_per_hour = 0.1;  ///< of changes, of a rig that does not change; > 0
@@ -30,18 +31,24 @@ struct RigDrift {
 /// What is known of the calibration since it changed last.
 struct CalibrationState {
   std::int64_t from_ns = 0, to_ns = 0;  ///< first and last frame
+  /// the worst of what follows
   HealthVerdict verdict = HealthVerdict::kCannotTell;
+  /// from the two effects alone
   HealthVerdict by_epipolar = HealthVerdict::kCannotTell, by_depth = HealthVerdict::kCannotTell;
   std::array<HealthVerdict, 6> axes{};  ///< ax, ay, az, tx, ty, tz
   std::array<Band, 6> bands{};          ///< of the axes [rad, m]
   std::optional<std::size_t> named;     ///< the axis that explains best what is degraded or decalibrated
+  /// true minus assumed theta, with its covariance
   RigEstimate estimate;
   BetaEstimate whole;  ///< what `estimate` is a part of
+  /// what that does to points and depths
   CalibrationEffect effect;
   /// The error grew from the first window on, beyond doubt; `estimate` is that of the last one.
   std::optional<RigDrift> drift;
   RigMovement movement;  ///< about the mean, from frame to frame
+  /// from the movement alone
   HealthVerdict by_movement = HealthVerdict::kCannotTell;
+  /// what the estimate rests on; deep: points whose depth is known from motion
   std::size_t windows = 0, tracks = 0, points = 0, deep = 0;
 
   /// From frame to frame, by more than what is ok.
@@ -93,6 +100,8 @@ class CalibrationWatch {
   ///
   /// What a window says is known a second or two after its end, so that no frame waits for it: with each of
   /// the frames that follow half a millisecond of it is done.
+  /// @param T_world_cam0  of the filter that watches
+  /// @param quality       of that pose
   void add(const StereoFrame& frame, const Pose& T_world_cam0, const TrajectoryQuality& quality);
 
   /// What the windows say whose slices are done; null before there is one. The first is also looked at while

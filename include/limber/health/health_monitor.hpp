@@ -34,13 +34,16 @@ struct HealthOptions {
 
 /// What one frame told the monitor.
 struct HealthReport {
+  /// [ns]
   std::int64_t t_ns = 0;
+  /// of this frame and of what was gathered
   HealthVerdict verdict = HealthVerdict::kCannotTell;
   std::array<HealthVerdict, 6> axes{};          ///< ax, ay, az, tx, ty, tz
   RigParameters delta = RigParameters::Zero();  ///< true minus assumed theta, from this frame alone [rad, m]
   RigParameters sigma = RigParameters::Zero();  ///< its standard deviation [rad, m]
   RigParameters gathered_delta = RigParameters::Zero();  ///< since `gathered_since_ns` [rad, m]
   RigParameters gathered_sigma = RigParameters::Zero();  ///< its standard deviation [rad, m]
+  /// first frame of that [ns]
   std::int64_t gathered_since_ns = 0;
   double p_value = 1.0;                    ///< of this frame alone
   double gathered_p_value = 1.0;           ///< of what was gathered
@@ -50,6 +53,7 @@ struct HealthReport {
 
 /// What a filter hands over after a frame.
 struct HealthInput {
+  /// [ns], of the frame
   std::int64_t t_ns = 0;
   Eigen::MatrixXd directions;  ///< B: 6×k, columns of one plausible error each
   ParameterEvidence frame;     ///< about beta, from this frame's innovation
@@ -74,6 +78,7 @@ class HealthMonitor {
   /// @throws std::invalid_argument if a number is not positive and finite
   explicit HealthMonitor(const HealthOptions& options, double baseline);
 
+  /// The next frame in time; says what the alarm makes of it, and whether the gathered evidence restarts().
   [[nodiscard]] HealthReport judge(const HealthInput& input);
 
   /// The gathered evidence is to be begun anew: after a window or an alarm.

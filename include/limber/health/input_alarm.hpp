@@ -9,9 +9,12 @@ namespace limber {
 
 /// How a frame corrected the predicted pose.
 struct PoseCorrection {
+  /// position [m], attitude [rad]
   using Vector6 = Eigen::Matrix<double, 6, 1>;
+  /// covariance of a Vector6
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+  /// [ns], of the frame
   std::int64_t t_ns = 0;
   double dt = 0.0;     ///< since the frame before [s]
   Vector6 dx;          ///< position [m], attitude [rad]
@@ -38,7 +41,7 @@ struct InputContradiction {
 /// which sees a small bias. Both are measured against the noise that the frame's other rows show (NIS / dof),
 /// if that is larger than assumed, with room for inputs that are noisier than their data sheet says and for
 /// pixel errors that stay while a track lives. For a filter that no calibration can lead astray.
-/// @note docs/faults.md
+/// @note docs/derivations/faults.md
 class InputAlarm {
  public:
   /// @return whether a test rejects; then `found` says by how much

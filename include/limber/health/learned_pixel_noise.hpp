@@ -36,6 +36,7 @@ class LearnedPixelNoise {
 
   /// Of u0, v0, u1, v1 [px]: to be assumed.
   [[nodiscard]] PixelNoise sigma_px() const { return begin_ * share_; }
+  /// What has been learned so far.
   [[nodiscard]] PixelNoiseReport report() const;
   /// Variance that white noise needs, over that of a single frame: 1 for white errors.
   [[nodiscard]] double persistence() const;

@@ -15,12 +15,15 @@ namespace limber {
 /// The frames of one window.
 class RigWindow {
  public:
+  /// @param calibration  as it is believed to be
   explicit RigWindow(const StereoCalibration& calibration);
 
   /// @param follows  the pose can be trusted to have followed the motion since the frame before
   void add(const StereoFrame& frame, const Pose& T_world_cam0, bool follows);
 
+  /// No frame since the window began.
   [[nodiscard]] bool empty() const { return collected_.frames.empty(); }
+  /// Time of its first frame [ns]; only if there is one.
   [[nodiscard]] std::int64_t from_ns() const { return collected_.from_ns; }
 
   /// The regression of the frames so far, not begun yet.

@@ -13,18 +13,25 @@ namespace limber {
 /// The rig's error, true minus assumed theta [rad, m], and a covariance that counts tracks and places in the
 /// image, not pixels.
 struct RigEstimate {
+  /// [rad, m]
   RigParameters delta = RigParameters::Zero();
+  /// of delta [rad², rad m, m²]
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  /// Roots of the covariance's diagonal [rad, m].
   [[nodiscard]] RigParameters sigma() const;
 };
 
 /// The same with all of beta, and what it does to the points that were seen.
 struct BetaEstimate {
+  /// [plausible errors]
   NormalEquations::Vector beta = NormalEquations::Vector::Zero();
+  /// of beta
   NormalEquations::Matrix covariance = NormalEquations::Matrix::Zero();
   /// betaᵀ epipolar beta: mean square of the distance to the epipolar line [px^2].
   NormalEquations::Matrix epipolar = NormalEquations::Matrix::Zero();
 
+  /// The six of the rig in units of theta: without the lens.
+  /// @param theta  assumed, tells one plausible error
   [[nodiscard]] RigEstimate rig(const RigParameters& theta) const;
 };
 
@@ -38,6 +45,7 @@ struct BetaEstimate {
 /// A rig that drifts: the error at the end of the last window, and how it changed from the middle of the
 /// first window to that of the last.
 struct BetaTrend {
+  /// at the end of the last window; over `seconds`
   BetaEstimate now, change;
   NormalEquations::Matrix covariance = NormalEquations::Matrix::Zero();  ///< of now and change
   double seconds = 0.0;  ///< between the middles of the first and the last window

@@ -27,12 +27,14 @@ enum class HealthVerdict : std::uint8_t {
 
 /// How wrong a calibration may be: up to `ok`, and from `wrong` on it is not to be used.
 struct Band {
+  /// in the unit of what is judged; ok <= wrong
   double ok = 0.0, wrong = 0.0;
 };
 
 /// By effect, in two places: how far points lie from their epipolar lines (root mean square over the points
 /// seen), and by how much a depth straight ahead is wrong.
 struct Tolerance {
+  /// root mean square of the distances [px]
   Band epipolar_px{0.3, 1.0};
   Band depth{0.05, 0.10};   ///< share of the depth
   double baselines = 90.0;  ///< the depth where `depth` holds
@@ -45,6 +47,7 @@ struct Tolerance {
 
 /// A size, never negative, and the interval that holds it with 95 %.
 struct SizeInterval {
+  /// in the unit of what is judged
   double size = 0.0, low = 0.0, high = 0.0;
 };
 
@@ -53,6 +56,7 @@ struct SizeInterval {
 
 /// What a rig's error does.
 struct CalibrationEffect {
+  /// root mean square over the points seen [px]
   SizeInterval epipolar_px;
   SizeInterval depth;         ///< share of the depth at `Tolerance::baselines`, to first order
   double depth_signed = 0.0;  ///< measured minus true

@@ -16,6 +16,7 @@ namespace limber {
 /// @note docs/derivations/adaptive.md
 class WhiteSize {
  public:
+  /// by axis: ax, ay, az, tx, ty, tz
   using Vector6 = Eigen::Matrix<double, 6, 1>;
 
   /// Nothing is fresh: the size is zero and stays so until begin().

@@ -14,6 +14,7 @@ struct Picture {
   int width = 0, height = 0;  ///< [px]
   int channels = 1;           ///< 1: grey, 3: red, green, blue
   int bits = 8;               ///< of a number: 8 or 16
+  /// rows from the top, without gaps
   std::vector<std::uint8_t> data;
 
   /// Bytes of a row.
@@ -24,8 +25,10 @@ struct Picture {
 
 /// Pixels that someone else owns, as Picture's; PNG files may also have 4 channels (the last one: alpha).
 struct PictureView {
+  /// [px]; 1, 3 or 4 numbers a pixel; 8 or 16 bits a number
   int width = 0, height = 0, channels = 1, bits = 8;
   std::size_t stride = 0;  ///< bytes from one row to the next
+  /// of the first row
   const std::uint8_t* data = nullptr;
 };
 

@@ -14,6 +14,7 @@ namespace limber {
 
 /// What became of one frame, before the start or after it.
 struct OnlineReport {
+  /// [ns], of the frame
   std::int64_t t_ns = 0;
   /// How far the start has come, and what it still waits for; nothing in the frames after the one that ends
   /// it.
@@ -45,6 +46,7 @@ class OnlineNavigator {
 
   /// @throws std::invalid_argument as StereoFilter::add_imu
   void add_imu(const ImuSample& sample);
+  /// As add_imu, in the place of an IMU.
   void add_odometry(const OdometrySample& sample);
 
   /// @brief One frame, to the start or to the filter. A call in which the start solves its window takes as
@@ -80,6 +82,7 @@ class OnlineNavigator {
   [[nodiscard]] const StereoCalibration& calibration() const;
   /// What has been learned of it; nothing before the start.
   [[nodiscard]] CalibrationEstimate calibration_estimate() const;
+  /// As they were given.
   [[nodiscard]] const NavigatorOptions& options() const { return options_; }
 
   /// All else that there is to know once started. Invalidated by reset.

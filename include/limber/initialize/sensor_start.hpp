@@ -42,6 +42,7 @@ enum class StartStatus : std::uint8_t {
 
 /// How far a start has come. What is known is that by the last solution; there are fewer and fewer of them.
 struct StartReport {
+  /// whether it may be used
   StartStatus status = StartStatus::kWaiting;
   double waited_s = 0.0;     ///< since the first frame
   double tilt_sigma = 0.0;   ///< [rad], the worse axis; infinite before the first solution, 0 without gravity
@@ -52,7 +53,9 @@ struct StartReport {
 
 /// A state of the window with the covariance of its pose (position, attitude).
 struct SmoothedState {
+  /// at the time of its frame
   NavigationState nav;
+  /// position in the world [m], local attitude [rad]
   Eigen::Matrix<double, 6, 6> pose_covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
@@ -85,13 +88,16 @@ class SensorStart {
   /// @throws std::invalid_argument as check_calibration
   SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,
               const StartOptions& start = {});
+  /// The other one may then only be destroyed or assigned to.
   SensorStart(SensorStart&&) noexcept;
+  /// The other one may then only be destroyed or assigned to.
   SensorStart& operator=(SensorStart&&) noexcept;
   ~SensorStart();
 
   /// Samples that cannot be right are left out or doubted (InputChecks).
   /// @throws std::invalid_argument if time does not increase or a value is not finite
   void add_imu(const ImuSample& sample);
+  /// As add_imu, in the place of an IMU.
   void add_odometry(const OdometrySample& sample);
   /// Once the start is ready, more frames change nothing but what result() says of the frames so far.
   /// @throws std::invalid_argument if time does not increase, a pixel is not finite or a million pixels away

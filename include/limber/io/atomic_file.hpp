@@ -23,6 +23,7 @@ class Temporary {
   Temporary(const Temporary&) = delete;
   Temporary& operator=(const Temporary&) = delete;
 
+  /// Its temporary name.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] int descriptor() const { return descriptor_; }  ///< kFile: open for writing
   void release();                                               ///< it has got its final name
@@ -39,6 +40,7 @@ class Temporary {
 /// @throws DataError from every member if the place cannot be written; the message names the path.
 class AtomicFile {
  public:
+  /// @param path  final name; its folder must exist
   explicit AtomicFile(std::filesystem::path path);
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -72,6 +74,7 @@ void write_staged_file(const std::filesystem::path& path, std::string_view conte
 /// @throws std::filesystem::filesystem_error if it cannot be made
 class FolderUnlessEmpty {
  public:
+  /// Makes what is missing of it.
   explicit FolderUnlessEmpty(const std::filesystem::path& path);
   ~FolderUnlessEmpty();
   FolderUnlessEmpty(const FolderUnlessEmpty&) = delete;
@@ -88,6 +91,7 @@ class FolderUnlessEmpty {
 /// @throws std::filesystem::filesystem_error from every member if the place cannot be written
 class StagedFolder {
  public:
+  /// @param final_name  its parents are made where they are missing
   explicit StagedFolder(std::filesystem::path final_name);
   StagedFolder(const StagedFolder&) = delete;
   StagedFolder& operator=(const StagedFolder&) = delete;

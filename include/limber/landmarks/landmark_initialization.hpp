@@ -18,7 +18,9 @@ enum class LandmarkInitMode : std::uint8_t {
 
 /// Numbers of the initialisation.
 struct LandmarkInitOptions {
+  /// which pixels are spent at once
   LandmarkInitMode mode = LandmarkInitMode::kDiffuse;
+  /// how the new point's triplet is to be read
   LandmarkKind kind = LandmarkKind::kInverseDepth;
   /// Diffuse: standard deviation of the inverse depth, in units of one over the baseline [-].
   double inverse_depth_sigma_baselines = 0.5;
@@ -26,6 +28,7 @@ struct LandmarkInitOptions {
   double cartesian_sigma = 1000.0;
   /// Seen by the left camera alone: prior of the inverse depth [1/m].
   double mono_inverse_depth = 0.1;
+  /// standard deviation of that [1/m]
   double mono_inverse_depth_sigma = 0.5;
 };
 

@@ -11,12 +11,16 @@ namespace limber {
 
 /// Where a camera is when it takes an image, and how that depends on the state.
 struct CameraPose {
+  /// of the camera when it takes the image
   Pose T_world_cam;
   /// Rows: position (world), attitude (local, R_true = R Exp(dtheta)). Columns: a triplet of the error state.
   struct Block {
+    /// first of three columns in the error state
     Eigen::Index col = 0;
+    /// 6×3
     Eigen::Matrix<double, 6, kTriplet> value;
   };
+  /// in no order; columns that are not named are zero
   std::vector<Block> blocks;
 };
 

@@ -13,6 +13,7 @@ namespace limber {
 
 /// Undistorted directions of one point, scaled to z = 1.
 struct StereoBearings {
+  /// z = 1, in the axes of each camera
   Eigen::Vector3d cam0, cam1;
 };
 

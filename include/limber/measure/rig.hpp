@@ -19,15 +19,20 @@ struct BodyMotion {
 /// One camera as the body carries it, and how its place depends on theta.
 struct MountedCamera {
   ParameterBlock own = ParameterBlock::kCam0;  ///< which parameters are those of this camera alone
+  /// intrinsics and distortion, as assumed
   Camera camera;
+  /// of the body at the stamp of an image
   Pose T_cam_body;
   /// With dtheta: T_cam_body becomes (Exp(J_rotation dtheta) R, p + J_translation dtheta). Zero where theta
   /// has no say.
   Eigen::Matrix<double, 3, 6> J_rotation = Eigen::Matrix<double, 3, 6>::Zero();
+  /// [m per rad, m per m]
   Eigen::Matrix<double, 3, 6> J_translation = Eigen::Matrix<double, 3, 6>::Zero();
+  /// whether theta moves it against the body
   bool depends_on_theta = false;
   /// The same for an error of the mount (limber/sensors/parameters.hpp).
   Eigen::Matrix<double, 3, 6> J_rotation_mount = Eigen::Matrix<double, 3, 6>::Zero();
+  /// of the translation, as J_translation
   Eigen::Matrix<double, 3, 6> J_translation_mount = Eigen::Matrix<double, 3, 6>::Zero();
   double time_offset_s = 0.0;    ///< its images are that much later than their stamps
   BodyMotion motion;             ///< at the stamp; needed for time offsets alone

@@ -38,6 +38,7 @@ enum class InputStatus : std::uint8_t {
 
 /// The inputs since the frame before.
 struct InputReport {
+  /// the worst that holds since the frame before
   InputStatus status = InputStatus::kNotNeeded;
   double gap_s = 0.0;       ///< longest gap that the frame lies in or after, as far as it is known
   InputFaultCounts faults;  ///< samples with each fault
@@ -50,19 +51,24 @@ struct InputReport {
 
 /// What became of one frame.
 struct FrameReport {
+  /// [ns]
   std::int64_t t_ns = 0;
   UpdateStatus status = UpdateStatus::kEmpty;  ///< unless it is kUpdated, the frame corrected nothing
+  /// since the frame before
   InputReport inputs;
   bool reset = false;     ///< the filter had broken down and began anew, see StereoFilter::process
   double nis = 0.0;       ///< of the projected rows [-]
   Eigen::Index dof = 0;   ///< of nis
   Eigen::Index rank = 0;  ///< constrained directions that this frame's geometry can see
+  /// points that came with the frame
   std::size_t observed = 0;
   std::size_t used = 0;         ///< points of the update; zero if there was none
   std::size_t initialized = 0;  ///< new in the map
+  /// landmarks that left the map
   std::size_t removed = 0;
   bool gate_overruled =
       false;  ///< the gate would have refused most points, so it refused none but gross outliers
+  /// points that were not used, and why
   std::vector<Refusal> refused;
   std::optional<HealthReport> health;  ///< of the alarm, if watched; the verdict is `calibration`
   /// What is known of the calibration, if watched and a window is over; the same object until the next is.

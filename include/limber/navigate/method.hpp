@@ -42,14 +42,17 @@ struct ConstraintSet {
     kRotationDirection,  ///< all but the length of the baseline
     kListed              ///< those in `listed`
   };
+  /// which directions of theta
   Kind kind = Kind::kFull;
   ParameterSet listed{};  ///< of theta read for kListed only
 
+  /// Whether any direction of theta is constrained.
   [[nodiscard]] bool has_theta() const {
     return kind != Kind::kListed || (listed & parameters_of(ParameterBlock::kTheta)).any();
   }
   /// Those listed beyond theta.
   [[nodiscard]] ParameterSet more() const { return listed & ~parameters_of(ParameterBlock::kTheta); }
+  /// Whether nothing is constrained.
   [[nodiscard]] bool empty() const { return !has_theta() && listed.none(); }
 };
 

@@ -38,6 +38,7 @@ class Navigator {
 
   /// @throws std::invalid_argument as StereoFilter::add_imu
   void add_imu(const ImuSample& sample);
+  /// As add_imu, in the place of an IMU.
   void add_odometry(const OdometrySample& sample);
 
   /// @brief Advances the state to the frame and corrects it.
@@ -58,7 +59,9 @@ class Navigator {
   [[nodiscard]] const Estimate& estimate() const { return answering().estimate(); }
   /// The calibration that the filter takes for true: what was given, with what has been estimated.
   [[nodiscard]] const StereoCalibration& calibration() const { return filter_.calibration(); }
+  /// What has been learned of the calibration; zero where nothing is estimated.
   [[nodiscard]] CalibrationEstimate calibration_estimate() const { return filter_.calibration_estimate(); }
+  /// As they were given at the construction.
   [[nodiscard]] const NavigatorOptions& options() const { return filter_.options(); }
   /// What is learned of the pixels; null unless it is asked for. Invalidated by the next call.
   [[nodiscard]] const LearnedPixelNoise* pixel_noise() const { return answering().pixel_noise(); }

@@ -22,6 +22,7 @@ namespace limber {
 
 /// Everything a navigator is told before it starts. Defaults are those of a small visual-inertial rig.
 struct NavigatorOptions {
+  /// what the filter makes of theta
   Method method = Method::kLcekf;
   ConstraintSet constraints;  ///< lcekf only
   /// Standard deviations of parameters that are estimated beside what the method does with theta; zero: not.
@@ -30,13 +31,17 @@ struct NavigatorOptions {
   /// Standard deviations of errors that are fresh in every frame (time-white), beside theta of soft; zero:
   /// none.
   ParameterVector softened = ParameterVector::Zero();
+  /// what drives the prediction
   MotionModel motion = MotionModel::kImu;
 
+  /// kImu: continuous densities
   ImuNoise imu_noise;
   OdometryNoise odometry_noise;  ///< per sample
   /// odometry_noise is but where to begin: it is learned from the samples (LearnedOdometryNoise).
   bool learn_odometry_noise = false;
+  /// kConstantVelocity: continuous densities
   ConstantVelocityNoise constant_velocity_noise;
+  /// u0, v0, u1, v1: white, per coordinate [px]
   PixelNoise sigma_px = PixelNoise::Constant(0.5);
   /// sigma_px is but where to begin: what has to be assumed is learned (LearnedPixelNoise).
   bool learn_pixel_noise = false;
@@ -48,9 +53,12 @@ struct NavigatorOptions {
   /// ekf-full: random walk of theta, variance per second [rad^2/s, m^2/s]. Nothing: default_theta_walk.
   std::optional<RigParameters> theta_walk;
 
+  /// how points stand in the state
   LandmarkKind landmarks = LandmarkKind::kInverseDepth;
   LandmarkInitOptions landmark_init;  ///< mode and kind are set from method and landmarks
+  /// its size, and what leaves it
   MapManagementOptions map;
+  /// refuse points whose projected residual is too large
   bool gate = true;
   double gate_probability = 0.999;  ///< chance that a good point passes
   /// Watches the calibration; nothing: off. mono-left has nothing to watch.

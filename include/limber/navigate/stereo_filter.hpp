@@ -37,6 +37,7 @@ struct CalibrationPrior {
 
 /// The body at a time that no frame has: mean, and covariance of its error state.
 struct PredictedState {
+  /// mean at the time asked for
   NavigationState nav;
   Eigen::MatrixXd body_covariance;  ///< StateLayout::body_size() wide
 };
@@ -58,6 +59,7 @@ class StereoFilter {
   /// report.
   /// @throws std::invalid_argument if time does not increase, lies hours ahead, or a value is not finite
   void add_imu(const ImuSample& sample);
+  /// As add_imu, in the place of an IMU.
   void add_odometry(const OdometrySample& sample);
 
   /// Advances the state to t_ns with the inputs so far; nothing happens if t_ns is not later.
@@ -102,11 +104,14 @@ class StereoFilter {
 
   /// The calibration that the filter takes for true: what was given, with what has been estimated.
   [[nodiscard]] const StereoCalibration& calibration() const { return calibration_; }
+  /// What has been learned of the calibration; zero where nothing is estimated.
   [[nodiscard]] CalibrationEstimate calibration_estimate() const;
   /// What was given, whatever has been estimated or assumed since.
   [[nodiscard]] const StereoCalibration& given_calibration() const { return given_; }
 
+  /// Mean and covariance. Invalidated by the next call that is not const.
   [[nodiscard]] const Estimate& estimate() const { return estimate_; }
+  /// As they were given at the construction.
   [[nodiscard]] const NavigatorOptions& options() const { return options_; }
   /// What is learned of the pixels; null unless it is asked for.
   [[nodiscard]] const LearnedPixelNoise* pixel_noise() const {

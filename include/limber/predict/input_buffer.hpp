@@ -13,6 +13,7 @@ namespace limber {
 
 /// What drives the prediction at one time, in the body frame.
 struct InputSample {
+  /// [ns]
   std::int64_t t_ns = 0;
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  ///< rate [rad/s]
   Eigen::Vector3d linear =
@@ -34,9 +35,12 @@ struct Unknown {
 
 /// One step of the prediction: means of the inputs over (t_begin, t_end].
 struct InputStep {
+  /// [ns]
   std::int64_t t_end_ns = 0;
   double dt = 0.0;  ///< [s]
+  /// mean rate [rad/s]
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();
+  /// mean specific force [m/s^2] or velocity [m/s]
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
   /// How much longer than usual the samples on both sides stand apart, >= 1: the noise of what is
   /// interpolated grows by this factor (in variance).
@@ -53,6 +57,7 @@ struct MotionPrior {
 };
 /// Of both inputs.
 struct InputPrior {
+  /// [rad/s], and [m/s^2] of an IMU or [m/s] of odometry
   MotionPrior angular, linear;
 };
 /// Of a hand-held IMU.
@@ -64,9 +69,10 @@ inline constexpr InputPrior kOdometryPrior = {{0.5, 2.0, true}, {2.0, 2.0, false
 ///
 /// Between samples inputs are interpolated linearly; before the first and after the last they are held. In a
 /// gap (more than 1.5 usual intervals) each step also says how much the input may have changed since the
-/// nearest sample, bounded by the motion seen (MotionSeen): see docs/faults.md.
+/// nearest sample, bounded by the motion seen (MotionSeen): see docs/derivations/faults.md.
 class InputBuffer {
  public:
+  /// @param prior  what such an input does before any sample has shown it
   explicit InputBuffer(const InputPrior& prior = kImuPrior)
       : prior_(prior),
         angular_seen_(prior.angular.spread, prior.angular.rate),
@@ -82,7 +88,9 @@ class InputBuffer {
   /// Forgets the samples that no step from `begin_ns` on needs.
   void forget_before(std::int64_t begin_ns);
 
+  /// There is no sample.
   [[nodiscard]] bool empty() const { return samples_.empty(); }
+  /// Samples that are held.
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
 
   /// Time of the newest sample; only if there is one.

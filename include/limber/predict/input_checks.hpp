@@ -24,18 +24,23 @@ inline constexpr std::size_t kInputFaults = 5;  ///< kinds of faults
 
 /// Samples with each fault.
 struct InputFaultCounts {
+  /// by InputFault
   std::array<std::size_t, kInputFaults> count{};
 
+  /// How many with that fault.
   [[nodiscard]] std::size_t operator[](InputFault fault) const {
     return count[static_cast<std::size_t>(fault)];
   }
+  /// The same, to change it.
   std::size_t& operator[](InputFault fault) { return count[static_cast<std::size_t>(fault)]; }
+  /// Whether there was a fault at all.
   [[nodiscard]] bool any() const;
 };
 
 /// What a sensor cannot show, and jumps that are worth a second look; per axis, of the angular and the
 /// linear input.
 struct InputLimits {
+  /// [rad/s]; [m/s^2] of an IMU or [m/s] of odometry
   std::array<double, 2> impossible, jump, saturation;
 };
 /// [rad/s], [m/s^2]: twice the widest MEMS ranges; jumps of 2 rad/s and 2 g in one sample; nothing saturates
@@ -54,6 +59,7 @@ inline constexpr InputLimits kOdometryLimits = {{200.0, 1000.0}, {2.0, 5.0}, {0.
 /// @note docs/faults.md
 class InputChecks {
  public:
+  /// @param limits  of the stream's sensor, see limits_of
   explicit InputChecks(const InputLimits& limits) : limits_(limits) {}
 
   /// Puts what may be used of the stream so far into the buffer.

@@ -13,12 +13,15 @@ namespace limber {
 
 /// Variance densities beside what a step says of itself, per axis [unit^2 s].
 struct MoreNoise {
+  /// [rad²/s], and [m²/s^3] of an IMU or [m²/s] of odometry
   double angular = 0.0, linear = 0.0;
 };
 
 /// The means over a step that predict_imu may use, and their noise.
 struct ImuStep {
+  /// angular rate [rad/s] and specific force [m/s^2], in the frame of the IMU
   Eigen::Vector3d omega, accel;
+  /// densities with what the step adds to them
   ImuNoise noise;
 };
 

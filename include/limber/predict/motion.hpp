@@ -11,7 +11,9 @@ namespace limber {
 
 /// Linearised step of the body's error state: dx' = Phi dx + w, w ~ N(0, Q). Both are body_size() wide.
 struct Transition {
+  /// n×n, of the body's error state
   Eigen::MatrixXd Phi;
+  /// n×n, covariance of what the step adds
   Eigen::MatrixXd Q;
 };
 

@@ -19,6 +19,8 @@ class MotionSeen {
   /// @param rate    prior rate of change per axis [unit/s]
   MotionSeen(double spread, double rate);
 
+  /// One value more, later than those before.
+  /// @param value  per axis [unit]
   void add(std::int64_t t_ns, const Eigen::Vector3d& value);
 
   [[nodiscard]] double spread() const;  ///< about the mean [unit]

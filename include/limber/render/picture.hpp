@@ -13,14 +13,17 @@ namespace limber {
 
 /// From where, and when [s], light is taken in.
 struct View {
+  /// since the start of the recording [s]
   double t = 0.0;
+  /// of the camera then
   Pose T_world_cam;
 };
 
-/// @brief Takes pictures of a scene: one ray through the centre of each pixel of any lens, exact to single
+/// @brief Takes images of a scene: one ray through the centre of each pixel of any lens, exact to single
 /// precision; the texture's pyramid keeps what is far from flickering.
 class PictureCamera {
  public:
+  /// @param camera  its lens and resolution
   explicit PictureCamera(const Camera& camera);
 
   /// Light at each pixel, row by row: grey levels, 0 where the lens shows nothing.
@@ -40,11 +43,12 @@ class PictureCamera {
 /// How light becomes grey values. Everything is off by default.
 struct SensorEffects {
   double noise = 0.0;  ///< sigma [grey levels]
+  /// grey level per unit of light [-]
   double gain = 1.0;
   double vignetting = 0.0;  ///< light lost in the corners, 0 to 1; grows with the square of the radius
 };
 
-/// @param stream  tells pictures apart: of the noise
+/// @param stream  tells images apart: of the noise
 [[nodiscard]] std::vector<std::uint8_t> develop(const std::vector<float>& light, const Camera& camera,
                                                 const SensorEffects& effects, std::uint64_t stream);
 

@@ -10,8 +10,9 @@
 
 namespace limber {
 
-/// What pictures of a scenario are like. By default nothing disturbs them.
+/// What images of a scenario are like. By default nothing disturbs them.
 struct PictureOptions {
+  /// which world
   SceneKind scene = SceneKind::kRoom;
   double noise = 0.0;  ///< sigma [grey levels]
   double gain_difference =
@@ -24,12 +25,12 @@ struct PictureOptions {
       false;                 ///< the recording's calibration says rolling_shutter; else it says nothing of it
   int moving_objects = 0;    ///< boxes that move
   double low_texture = 0.0;  ///< share of the area of all walls that is nearly plain, 0 to 1
-  double dropped = 0.0;      ///< share of frames without the picture of one camera; never the first frame
-  double swapped = 0.0;      ///< share of frames whose pictures are exchanged
+  double dropped = 0.0;      ///< share of frames without the image of one camera; never the first frame
+  double swapped = 0.0;      ///< share of frames whose images are exchanged
 };
 
-/// @brief What the pictures of a scenario show, exactly: where the cameras are at any time, what is at any
-/// pixel, and where it is in any other picture. Cameras: 0 is left, 1 right. Times count from the start of
+/// @brief What the images of a scenario show, exactly: where the cameras are at any time, what is at any
+/// pixel, and where it is in any other image. Cameras: 0 is left, 1 right. Times count from the start of
 /// the recording; before it and after its end the rig stands still.
 class PictureTruth {
  public:
@@ -38,10 +39,11 @@ class PictureTruth {
   PictureTruth(const Scenario& scenario, const PictureOptions& options, std::uint64_t seed,
                std::uint64_t run);
 
+  /// The world with its boxes.
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const StereoCalibration& nominal() const { return calibration_; }  ///< as estimators know it
 
-  /// When row v of a picture is exposed (its middle) [s]: stamp + (v / height - 1/2) rolling_shutter.
+  /// When row v of an image is exposed (its middle) [s]: stamp + (v / height - 1/2) rolling_shutter.
   [[nodiscard]] double time_of_row(std::size_t camera, std::int64_t stamp_ns, double v) const;
 
   /// T_world_cam at t [s]; the rig is bent as it is then.
@@ -51,7 +53,7 @@ class PictureTruth {
   [[nodiscard]] std::optional<Place> place(std::size_t camera, std::int64_t stamp_ns,
                                            const Eigen::Vector2d& uv) const;
 
-  /// The pixel at which a picture shows a place, if nothing hides it (compare with `place` of that pixel);
+  /// The pixel at which an image shows a place, if nothing hides it (compare with `place` of that pixel);
   /// it may lie outside of the image. Nothing where the lens does not show it.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel(std::size_t camera, std::int64_t stamp_ns,
                                                      const Place& place) const;

@@ -8,8 +8,8 @@
 
 namespace limber {
 
-/// @brief Writes what `simulate` makes as an EuRoC folder with pictures in place of matched points. The rig
-/// bends between the pictures; where they are blurred or their shutter rolls, during the exposure too.
+/// @brief Writes what `simulate` makes as an EuRoC folder with images in place of matched points. The rig
+/// bends between the images; where they are blurred or their shutter rolls, during the exposure too.
 /// @param folder    is filled with mav0; should be a StagedFolder
 /// @param progress  told the number of pairs done; may be empty
 /// @param stop      asked before every pair: true ends the work by std::runtime_error; may be empty

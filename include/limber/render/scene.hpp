@@ -19,6 +19,7 @@ struct Wall {
   Eigen::Vector3d corner;            ///< [m]
   Eigen::Vector3d u, v;              ///< unit vectors, orthogonal; u x v points to the side that is seen
   double width = 0.0, height = 0.0;  ///< [m]
+  /// index into Scene::textures()
   std::size_t texture = 0;
   Eigen::Vector2d offset = Eigen::Vector2d::Zero();  ///< of the texture [texels]
 };
@@ -61,6 +62,7 @@ class Scene {
   /// @param low_texture  share of the area whose walls are nearly plain, 0 to 1
   Scene(SceneKind kind, const Eigen::AlignedBox3d& free, std::uint64_t seed, double low_texture = 0.0);
 
+  /// One box more, painted from the seed.
   void add(const MovingBox& box);
 
   /// Where a ray from `origin` along `direction` (any length) first meets a wall at time t [s]; nothing for
@@ -72,8 +74,11 @@ class Scene {
   [[nodiscard]] Eigen::Vector3d moved(const Place& place, double t) const;
 
   [[nodiscard]] const std::vector<Wall>& walls() const { return walls_; }  ///< those that stand
+  /// In the order in which they were added.
   [[nodiscard]] const std::vector<MovingBox>& boxes() const { return boxes_; }
+  /// Of boxes()[box], in the frame of that box.
   [[nodiscard]] const std::vector<Wall>& walls_of_box(std::size_t box) const { return box_walls_[box]; }
+  /// Those that Wall::texture counts.
   [[nodiscard]] const std::vector<Texture>& textures() const { return textures_; }
   [[nodiscard]] double texel() const { return texel_; }  ///< [m]
   [[nodiscard]] bool is_plain(const Wall& wall) const;   ///< has nearly no texture

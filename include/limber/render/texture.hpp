@@ -12,6 +12,7 @@ class Texture {
  public:
   static constexpr int kSide = 1024;  ///< texels
 
+  /// @param seed  the same one makes the same picture
   explicit Texture(std::uint64_t seed);
 
   /// The same picture with its contrast times `contrast`, around the grey level `mean`.

@@ -14,6 +14,7 @@ namespace limber {
 
 /// A name and a value, e.g. {"position RMSE", "0.041 m"}.
 struct ReportFact {
+  /// value: with its unit
   std::string name, value;
 };
 
@@ -31,6 +32,7 @@ struct ReportTrace {
   /// colon, "lcekf:rotation"), "truth", "landmarks", "band", "wide" (pale, to lie below another), or "series
   /// 1" to "series 4".
   std::string style;
+  /// how it is drawn
   TraceShape shape = TraceShape::kLine;
   std::vector<double> x, y, z;  ///< equally long; z in figures of kind kSpace only, else empty
   std::size_t panel = 0;        ///< which of the figure's y axes
@@ -38,6 +40,7 @@ struct ReportTrace {
 
 /// What an axis shows, and in which unit.
 struct ReportAxis {
+  /// e.g. "position error" and "m"
   std::string title, unit;
 };
 
@@ -50,21 +53,27 @@ enum class FigureKind : std::uint8_t {
 
 /// One of several looks at a figure, e.g. {"without ekf", {"ekf"}}: the paper's (b).
 struct FigureVariant {
+  /// on its button
   std::string label;
+  /// styles of the traces that it leaves out
   std::vector<std::string> hidden_styles;
 };
 
 /// A figure with its traces.
 struct ReportFigure {
   std::string id;  ///< unique in the document; names the anchor and the file of an export
+  /// caption: under the figure; may be empty
   std::string title, caption;
+  /// what its axes mean
   FigureKind kind = FigureKind::kCurves;
+  /// of all panels; kTopView and kSpace: the first coordinate
   ReportAxis x;
   std::vector<ReportAxis> y;            ///< one per panel, from top to bottom; kTopView: one; kSpace: y and z
   bool log_switch = false;              ///< offer a logarithmic y axis
   bool starts_in_log = false;           ///< and begin with it
   bool half_width = false;              ///< two of them stand side by side where there is room
   std::vector<FigureVariant> variants;  ///< to choose from, the first at first; may be empty
+  /// later ones lie over earlier ones
   std::vector<ReportTrace> traces;
 };
 
@@ -72,14 +81,18 @@ struct ReportFigure {
 struct TableCell {
   /// Why a cell stands out.
   enum class Mark : std::uint8_t { kNone, kBest, kBad };
+  /// as it is shown
   std::string text;
+  /// kNone: not at all
   Mark mark = Mark::kNone;
 };
 
 /// A table; every row has a cell per column.
 struct ReportTable {
+  /// over the table
   std::string title;
   std::vector<std::string> columns;  ///< heads, with unit; the first column names the row
+  /// in order, each as long as `columns`
   std::vector<std::vector<TableCell>> rows;
   std::string note;  ///< under the table; may be empty
 };
@@ -91,10 +104,12 @@ enum class Verdict : std::uint8_t { kAgrees, kDisagrees, kNotMeasured };
 
 /// A statement that somebody made, and what was measured.
 struct ReportClaim {
+  /// as it was made, in words
   std::string statement;
   std::string source;     ///< e.g. "4.3.1, Figure 5"
   std::string criterion;  ///< the rule that turned `measured` into `verdict`
   std::string measured;   ///< may have several lines
+  /// what the criterion made of it
   Verdict verdict = Verdict::kNotMeasured;
 };
 
@@ -104,16 +119,21 @@ struct ReportText {
 };
 /// Names and values under one heading.
 struct ReportFacts {
+  /// the heading
   std::string title;
+  /// in order
   std::vector<ReportFact> facts;
 };
 /// Preformatted text behind a line that opens it, e.g. a scenario file.
 struct ReportListing {
+  /// title: the line that opens it
   std::string title, text;
 };
 /// Claims with their verdicts under one heading.
 struct ReportClaims {
+  /// the heading
   std::string title;
+  /// in order
   std::vector<ReportClaim> claims;
   bool brief = false;  ///< statements and verdicts alone
 };
@@ -125,13 +145,16 @@ using ReportBlock =
 /// A part of the page with an anchor.
 struct ReportSection {
   std::string id, title;  ///< id: unique in the document
+  /// in order
   std::vector<ReportBlock> blocks;
 };
 
 /// A whole page.
 struct ReportDocument {
+  /// subtitle: may be empty
   std::string title, subtitle;
   std::vector<ReportFact> facts;  ///< what a reader wants to know first
+  /// in order
   std::vector<ReportSection> sections;
   std::string footer;  ///< e.g. the program and its version
 };

@@ -28,7 +28,9 @@ struct RigFile {
   /// body: kImu if the file places the cameras on an IMU, else kCam0. Width and height 0: the file does not
   /// say.
   StereoCalibration calibration;
+  /// continuous densities; nothing: the file does not say
   std::optional<ImuNoise> imu_noise;
+  /// which images it belongs to
   ImageKind images = ImageKind::kRaw;
   std::vector<std::string> notes;  ///< what was chosen or left out, in plain words
 };

@@ -15,6 +15,7 @@ namespace limber {
 struct RunEvent {
   std::string
       what;  ///< "gap", "stuck", "spike", "saturated", "impossible", "late", "contradicted", "reset", ...
+  /// first and last frame with it [ns]
   std::int64_t from_ns = 0, to_ns = 0;
   std::size_t frames = 0, samples = 0;  ///< samples: those with the fault; zero where it has none
   double longest_s = 0.0;               ///< gap: the longest time without a sample

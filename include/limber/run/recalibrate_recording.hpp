@@ -28,20 +28,25 @@ enum class RecalibrationVerdict : std::uint8_t {
 /// What is assumed, how a recording is cut up, what is asked for.
 struct RecalibrateOptions {
   RunOptions run;  ///< what is assumed, and how the filter starts that gives the first guess
+  /// length of a part that is solved on its own [s]
   double window_s = 10.0;
   std::size_t most_windows = 12;  ///< of a long recording those are taken that lie evenly in it
+  /// frames that are taken of a window [1/s]
   double keyframes_per_s = 5.0;
   std::size_t points = 120;  ///< of a keyframe at most
   /// An axis is seen if its standard deviation is below: 0.2 deg, 5 % of the baseline.
   double seen_angle = 0.2 * 3.14159265358979323846 / 180.0, seen_share = 0.05;
   // Within tolerance is what moves points by less from their epipolar lines (rms) and changes depths by less.
+  /// [px], and as a share of the depth
   double tolerance_px = 0.3, tolerance_depth = 0.05;
   double baselines = 90.0;  ///< the depth where tolerance_depth holds
+  /// of the solver
   int threads = 1;
 };
 
 /// A number before and after.
 struct BeforeAfter {
+  /// with the given rig and with the fitted one, in the unit of what is compared
   double given = 0.0, fitted = 0.0;
 };
 
@@ -53,8 +58,11 @@ struct DepthChange {
 
 /// What was found, before and after, and the verdict.
 struct Recalibration {
+  /// whether the fitted one is to be preferred
   RecalibrationVerdict verdict = RecalibrationVerdict::kCannotTell;
+  /// given: as assumed; fitted: with the theta that was found
   StereoCalibration given, fitted;
+  /// theta and its covariance
   RigFit fit;
   bool length_seen = true;          ///< false: nothing but the baseline's length fixes the scale
   BeforeAfter epipolar_px;          ///< root mean square over the points of the keyframes (outliers clipped)
@@ -62,9 +70,13 @@ struct Recalibration {
   double epipolar_sigma_px = 0.0;   ///< of that, by the covariance
   DepthChange at_tolerance;         ///< at `baselines`
   std::vector<DepthChange> depths;  ///< at 5, 10, 20 m
+  /// windows judged by a rig that they had no part in
   HeldOut held_out;
+  /// those that were solved, in order of time
   std::vector<RigPart> windows;
+  /// over all windows
   std::size_t keyframes = 0;
+  /// windows that were left out, choices, in plain words
   std::vector<std::string> notes;
 };
 

@@ -20,7 +20,9 @@ using RigAxes = std::bitset<6>;                 ///< ax, ay, az, tx, ty, tz
 
 /// What one part of a recording says of theta: the minimum of its least squares and their curvature.
 struct RigPart {
+  /// first and last keyframe [ns]
   std::int64_t from_ns = 0, to_ns = 0;
+  /// [rad, m]
   RigParameters theta = RigParameters::Zero();
   RigMatrix information = RigMatrix::Zero();  ///< inverse covariance by the noise of the sensors alone
   std::map<int, CellScore> scores;            ///< by image_cell
@@ -28,9 +30,10 @@ struct RigPart {
 
 /// A rig with its covariance.
 struct RigFit {
+  /// [rad, m]; axes that were not seen as given
   RigParameters theta = RigParameters::Zero();
   /// By the noise of the sensors and `spread`, and no less in any direction than by leaving out one image
-  /// cell after the other (the jackknife of clusters, MacKinnon, Nielsen and Webb 2023: what a cell's points
+  /// cell after the other (the jackknife of clusters, [MacKinnon2023]: what a cell's points
   /// have in common in all windows, as errors of a lens model, does not average out), times the variance of
   /// Student's t with so few cells. Zero for axes that were not seen.
   RigMatrix covariance = RigMatrix::Zero();

@@ -27,18 +27,23 @@ enum class StartMode : std::uint8_t {
 
 /// What a user chooses for a run; everything else follows from the recording.
 struct RunOptions {
+  /// what the filter makes of theta
   Method method = Method::kLcekf;
   std::optional<ConstraintSet> constraints;  ///< lcekf; nothing: the default for the recording's sensors
   ParameterVector assume_error = ParameterVector::Zero();  ///< added to the assumed calibration
   ParameterVector estimated = ParameterVector::Zero();     ///< see NavigatorOptions
   ParameterVector softened = ParameterVector::Zero();      ///< see NavigatorOptions
   std::optional<double> sigma_px;                          ///< nothing: the recording's, or the default
+  /// sensors or truth
   StartMode start = StartMode::kAuto;
   InitialSigma initial;  ///< kGroundTruth: what the estimator assumes of its start
   std::optional<InitialSigma>
       initial_error;  ///< kGroundTruth: what the start error is drawn from; nothing: `initial`
+  /// how points stand in the state
   LandmarkKind landmarks = LandmarkKind::kInverseDepth;
+  /// refuse points whose projected residual is too large
   bool gate = true;
+  /// of the map; those unseen for longest go
   std::size_t max_landmarks = 300;
   CleaningOptions cleaning;  ///< of every frame, before the navigator sees it
   std::optional<RigParameters>
@@ -49,6 +54,7 @@ struct RunOptions {
   double gravity = 9.81;                                                 ///< [m/s^2]
   double false_alarms_per_hour = HealthOptions{}.false_alarms_per_hour;  ///< of the health monitor; > 0
   Tolerance tolerance{};                                                 ///< of the calibration's verdict
+  /// of the start error
   std::uint64_t seed = 0;
   std::uint64_t run = 0;        ///< which draw of the start error
   bool stop_when_lost = false;  ///< a filter that broke down ends the run (studies) instead of beginning anew
@@ -61,8 +67,10 @@ struct RunOptions {
 /// A navigator's options for a recording, and every choice that was made on the user's behalf, in plain
 /// words.
 struct RunSetup {
+  /// as the recording and the user have it
   NavigatorOptions navigator;
   StereoCalibration calibration;  ///< with assume_error
+  /// choices made on the user's behalf
   std::vector<std::string> notes;
 };
 

@@ -28,7 +28,9 @@ using FrameSource = std::function<StereoFrame(std::size_t)>;
 
 /// A frame of a run that is done.
 struct ObservedFrame {
+  /// pose and covariance after the frame
   const TrajectoryRow& row;
+  /// what became of the frame
   const FrameReport& report;
   /// As it stands after the frame; null for the frames that a start from the sensors has used up, which no
   /// filter went through.
@@ -55,7 +57,9 @@ struct RunCallbacks {
 
 /// What a filter took for the calibration after a frame.
 struct CalibrationRow {
+  /// [ns]
   std::int64_t t_ns = 0;
+  /// true minus assumed, with its standard deviation
   CalibrationEstimate estimate;
 };
 
@@ -67,6 +71,8 @@ struct FrontendRecord {
   std::set<std::int64_t> tracks;                  ///< track_ids
   double earlier_ms = 0.0;                        ///< of these times: for a run before, which left its frames
 
+  /// One frame more.
+  /// @param decoding_ms,tracking_ms  time spent on its pair [ms]
   void add(const StereoFrame& frame, double decoding_ms, double tracking_ms);
 };
 
@@ -85,6 +91,7 @@ struct RunRecord {
   RigParameters theta_assumed = RigParameters::Zero();  ///< what it was told of the rig [rad, m]
   std::vector<CalibrationRow> calibration;              ///< one per row of the trajectory, if it is estimated
   std::vector<std::string> notes;                       ///< choices made on the user's behalf, in plain words
+  /// what drove the prediction
   MotionModel motion = MotionModel::kImu;
   InitialState start;                       ///< what the filter was told of its first state
   std::optional<StartReport> sensor_start;  ///< StartMode::kAuto: what was known by then, and when that was
@@ -92,6 +99,7 @@ struct RunRecord {
   std::optional<PixelNoiseReport> pixel_noise;
   std::optional<OdometryNoise> odometry_noise;  ///< the same of odometry: white, per sample
   CleaningReport cleaning;  ///< what was taken out of the frames before the navigator saw them
+  /// that a whole run would have had
   std::size_t frames_of_recording = 0;
   bool stopped = false;  ///< before the last frame, because the caller asked to
 };

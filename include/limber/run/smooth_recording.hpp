@@ -16,18 +16,23 @@ namespace limber {
 /// run.
 struct SmoothOptions {
   RunOptions run;  ///< what is assumed, and how the filters that give the first guess start
+  /// what theta does over time
   RigModel rig = RigModel::kFree;
   double piece_s = 5.0;  ///< kPiecewise [s]
+  /// of each pixel
   RobustLoss loss = RobustLoss::kHuber;
   /// The filter whose trajectory is the first guess; nothing: ekf and lcekf, the one that explains the pixels
   /// better.
   std::optional<Method> guess;
+  /// of the solver
   int threads = 1;
 };
 
 /// What to do with theta, as on the command line: trusted, constant, piecewise:SECONDS, walk or free.
 struct RigModelText {
+  /// what theta does over time
   RigModel rig = RigModel::kFree;
+  /// kPiecewise: length of a piece [s]
   double piece_s = 5.0;
 };
 /// @throws std::invalid_argument for anything else

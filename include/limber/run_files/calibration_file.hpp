@@ -9,7 +9,8 @@
 namespace limber {
 
 /// @brief Writes calibration.csv: for every parameter true minus assumed and the standard deviation of that;
-/// degrees, metres, pixels, seconds; cells of what is not estimated are empty. Columns: docs/formats.md.
+/// degrees, metres, pixels, seconds; cells of what is not estimated are empty. Columns:
+/// docs/formats-results.md.
 /// @throws DataError if the file cannot be written
 void write_calibration_csv(const std::filesystem::path& path, const std::vector<CalibrationRow>& rows);
 

@@ -12,13 +12,17 @@ namespace limber {
 
 /// One line of a run's frames.csv.
 struct FrameRow {
+  /// [ns]
   std::int64_t t_ns = 0;
   std::size_t observed = 0, used = 0, initialized = 0, removed = 0, refused = 0;  ///< points
+  /// see FrameReport::gate_overruled
   bool gate_overruled = false;
   double nis = 0.0;      ///< of the rows that entered [-]
   std::size_t dof = 0;   ///< of nis
   std::size_t rank = 0;  ///< constrained directions
+  /// of the update
   UpdateStatus status = UpdateStatus::kEmpty;
+  /// what the prediction rested on
   InputStatus inputs = InputStatus::kNotNeeded;
   double gap_s = 0.0;                       ///< longest gap of the inputs
   bool reset = false;                       ///< the filter had broken down

@@ -19,6 +19,7 @@ struct HealthRow {
   HealthVerdict verdict = HealthVerdict::kCannotTell;         ///< since then
   HealthVerdict window_verdict = HealthVerdict::kCannotTell;  ///< of this window alone
   SizeInterval epipolar_px, depth;                            ///< since then; depth as a share
+  /// measured minus true, as a share
   double depth_signed = 0.0;
   RigParameters delta, sigma;                ///< since then, true minus assumed theta [rad, m]
   RigParameters window_delta, window_sigma;  ///< of this window alone [rad, m]
@@ -28,7 +29,7 @@ struct HealthRow {
 /// What health.csv says of the window that ends at a frame.
 [[nodiscard]] HealthRow health_row(const CalibrationReport& report);
 
-/// Columns: docs/formats.md. One row for each window.
+/// Columns: docs/formats-health.md. One row for each window.
 void write_health_csv(const std::filesystem::path& path, std::span<const FrameReport> frames);
 
 /// @throws DataError with file, line and what was expected

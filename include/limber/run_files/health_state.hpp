@@ -10,15 +10,17 @@
 #include "limber/sensors/calibration.hpp"
 
 /// @file
-/// health_state.json: what `limber health` keeps for `--since`. Format: docs/formats.md.
+/// health_state.json: what `limber health` keeps for `--since`. Format: docs/formats-health.md.
 namespace limber {
 
 inline constexpr std::string_view kHealthStateName = "health_state.json";  ///< in the folder of a run
 
 /// A rig's state with the recording and the cameras that it is of.
 struct HealthState {
+  /// its name
   std::string recording;
   std::array<std::string, 2> cameras;  ///< in words, see camera_in_words
+  /// estimate at the end of the recording
   RigRecord rig;
 };
 

@@ -13,7 +13,7 @@ namespace limber {
 /// Names of all files that write_run_output may make.
 [[nodiscard]] const std::vector<std::string>& run_file_names();
 
-/// The text of summary.json: docs/formats.md.
+/// The text of summary.json: docs/formats-results.md.
 [[nodiscard]] std::string summary_json(const RunOptions& options, const RunRecord& record,
                                        const RunSummary& summary);
 

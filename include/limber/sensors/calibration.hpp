@@ -27,8 +27,11 @@ enum class BodyFrame {
 
 /// What an estimator may assume about a stereo rig. Never the truth.
 struct StereoCalibration {
+  /// left and right camera
   Camera cam0, cam1;
+  /// assumed [rad, m]
   RigParameters theta = RigParameters::Zero();
+  /// what the state's pose is the pose of
   BodyFrame body = BodyFrame::kImu;
   Pose T_body_cam0;  ///< used for kImu; identity for kCam0, derived from theta for kMiddleOfBaseline
   /// How much later than its stamp an image of cam0, cam1 was taken [s], by the clock of IMU or odometry.
@@ -66,7 +69,9 @@ struct ImuNoise {
 
 /// Odometry noise per sample: standard deviations of body velocity [m/s] and rate [rad/s].
 struct OdometryNoise {
+  /// x, y, z of the body [m/s]
   Eigen::Vector3d sigma_v = Eigen::Vector3d::Constant(0.1);
+  /// x, y, z of the body [rad/s]
   Eigen::Vector3d sigma_omega = Eigen::Vector3d::Constant(0.02);
 };
 

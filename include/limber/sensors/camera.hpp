@@ -13,11 +13,13 @@ struct NoDistortion {};
 
 /// Radial-tangential ("plumb bob"): k1, k2, p1, p2 as in EuRoC and OpenCV.
 struct RadialTangential {
+  /// [-]
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0;
 };
 
 /// Equidistant ("fisheye", Kannala-Brandt): theta_d = theta (1 + k1 theta^2 + ... + k4 theta^8).
 struct Equidistant {
+  /// [-]
   double k1 = 0.0, k2 = 0.0, k3 = 0.0, k4 = 0.0;
 };
 
@@ -29,6 +31,7 @@ struct Camera {
   double fu = 1.0, fv = 1.0;  ///< focal lengths [px]
   double cu = 0.0, cv = 0.0;  ///< principal point [px]
   int width = 0, height = 0;  ///< resolution [px]
+  /// of the normalised coordinates
   Distortion distortion = NoDistortion{};
 };
 

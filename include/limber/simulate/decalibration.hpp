@@ -65,6 +65,7 @@ using DecalibrationShape = std::variant<ConstantShape, SinusShape, StepsShape, S
 /// How the rig departs from its calibration: an amplitude times a shape over time.
 struct DecalibrationSignal {
   RigParameters amplitude = RigParameters::Zero();  ///< [rad, m]
+  /// over time
   DecalibrationShape shape;
 };
 

@@ -46,6 +46,7 @@ struct FigureEightTrajectory {
 /// Poses of the body in a z-up world, from a TUM file; between them a cubic spline that uses them as control
 /// poses, so that it smooths them.
 struct FileTrajectory {
+  /// TUM file, relative to the scenario's folder
   std::filesystem::path path;
   double start = 0.0;         ///< time since the file's first pose at which the recording starts [s]
   double knot_spacing = 0.1;  ///< [s]
@@ -70,7 +71,9 @@ struct MovingBodyScenario {
 
 /// Where the points of the world are, and from how far they are seen.
 struct WorldScenario {
+  /// in the world
   int points = 380;
+  /// how they are put there
   PointPlacement placement = PointPlacement::kAround;
   double min_distance = 4.0;                      ///< from the body, or depth, at the drawn instant [m]
   double max_distance = 80.0;                     ///< [m]
@@ -78,12 +81,15 @@ struct WorldScenario {
   double min_range = 0.5;                         ///< a camera sees points at depths (z) between the two [m]
   double max_range = 100.0;                       ///< [m]
   bool left_only = false;  ///< also report points that the left camera alone sees; else both must see a point
+  /// nothing: all points stand still
   std::optional<MovingBodyScenario> moving_body;
 };
 
 /// The nominal rig, which estimators may assume.
 struct RigScenario {
+  /// left camera, nominal
   Camera cam0{300.0, 300.0, 240.0, 320.0, 480, 640, NoDistortion{}};
+  /// right camera, nominal
   Camera cam1{300.0, 300.0, 240.0, 320.0, 480, 640, NoDistortion{}};
   RigParameters theta = (RigParameters() << 0.0, 0.0, 0.0, -2.0, 0.0, 0.0).finished();  ///< [rad, m]
   BodyFrame body = BodyFrame::kImu;  ///< what the trajectory moves, where IMU and odometry sit
@@ -131,6 +137,7 @@ struct DropoutScenario {
 
 /// What estimators should assume in this scenario.
 struct FilterScenario {
+  /// standard deviations of the first state
   InitialSigma initial;
   RigParameters theta_sigma = plausible_error(2.0);  ///< ekf-full, soft, consider: initial sigma [rad, m]
   /// ekf-full: random walk of theta, variance per second [rad^2/s, m^2/s]. Table 1, 'well estimated': 1e-6
@@ -144,6 +151,7 @@ struct FilterScenario {
 
 /// Everything that a simulated recording follows from, but for seed and run.
 struct Scenario {
+  /// unique in a study
   std::string name = "paper_i";
   double duration = 35.0;               ///< [s]
   double imu_rate = 100.0;              ///< IMU samples, ground truth and prediction steps [Hz]
@@ -151,16 +159,25 @@ struct Scenario {
   bool use_imu = true;                  ///< false: vision only, or with odometry
   bool same_world_in_all_runs = false;  ///< trajectory and points depend on the seed alone, not on the run
   double gravity = 9.81;                ///< [m/s^2], along -z of the world
+  /// of the body
   TrajectoryScenario trajectory = RandomSplineTrajectory{};
+  /// its points
   WorldScenario world;
+  /// nominal; `decalibration` bends it
   RigScenario rig;
+  /// of IMU and pixels
   NoiseScenario noise;
+  /// nothing: there is no odometer
   std::optional<OdometryScenario> odometry;
   InitialSigma initial;  ///< true biases at the start and errors of the initial state are drawn from these
+  /// what goes missing
   DropoutScenario dropout;
+  /// errors of pixels beyond white noise
   PixelScenario pixels;
+  /// of the inputs, in the order of their kinds
   std::vector<Fault> faults;
   std::vector<DecalibrationSignal> decalibration;  ///< theta_true(t) - rig.theta
+  /// what estimators are told
   FilterScenario filter;
 };
 

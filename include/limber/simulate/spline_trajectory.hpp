@@ -10,6 +10,7 @@ namespace limber {
 
 /// Pose of the body and its derivatives at one instant.
 struct Kinematics {
+  /// of the body
   Pose T_world_body;
   Eigen::Vector3d v_world_body = Eigen::Vector3d::Zero();  ///< velocity, in the world frame [m/s]
   Eigen::Vector3d a_world_body = Eigen::Vector3d::Zero();  ///< acceleration, in the world frame [m/s^2]
@@ -38,6 +39,7 @@ class SplineTrajectory {
   /// @throws std::invalid_argument if t [s] is outside [0, duration()]
   [[nodiscard]] Kinematics at(double t) const;
 
+  /// Of the spline, `knot_spacing` apart.
   [[nodiscard]] const std::vector<Pose>& control_poses() const { return control_poses_; }
 
  private:

@@ -16,8 +16,10 @@ namespace limber {
 
 /// Noise of whatever drives the prediction; the motion model says which is used.
 struct MotionNoise {
+  /// kImu: continuous densities
   ImuNoise imu;
   OdometryNoise odometry;  ///< per sample
+  /// kConstantVelocity: continuous densities
   ConstantVelocityNoise constant_velocity;
 };
 
@@ -25,6 +27,7 @@ struct MotionNoise {
 /// world without gravity, in the axes of the first body frame. [Forster2017], Sec. VI, by the filter's own
 /// prediction.
 struct MotionBetween {
+  /// what summed it up
   MotionModel motion = MotionModel::kImu;
   double dt = 0.0;        ///< [s]
   NavigationState delta;  ///< its biases are those that it was summed up with

@@ -37,11 +37,15 @@ enum class RobustLoss : std::uint8_t { kNone, kHuber, kCauchy };
 
 /// What a problem takes for given, leaves free, and how long it is worked on.
 struct SmootherOptions {
+  /// what drives the prediction
   MotionModel motion = MotionModel::kImu;
+  /// of the inputs
   MotionNoise noise;
+  /// u0, v0, u1, v1: white, per coordinate [px]
   PixelNoise sigma_px = PixelNoise::Constant(0.5);
   double gravity = 9.81;  ///< [m/s^2]
 
+  /// what theta does over time
   RigModel rig = RigModel::kFree;
   double piece_s = 5.0;  ///< kPiecewise [s]
   /// The baseline is as long as the calibration says: for recordings in which nothing else fixes the scale.
@@ -56,8 +60,11 @@ struct SmootherOptions {
   RobustLoss loss = RobustLoss::kHuber;  ///< of each pixel; with kNone no pixel is refused either
   double gate_probability = 0.9999;      ///< chance that a good pixel is kept
   double forget_after_s = 3.0;           ///< a track that was away for longer is another point
+  /// of each solution; there are up to five, under one loss after the other
   int max_iterations = 50;
+  /// whether covariances are wanted; else they are zero
   bool covariance = true;
+  /// of the solver
   int threads = 1;
 };
 
@@ -72,6 +79,7 @@ struct SmootherInput {
 
 /// What the smoother says of one frame.
 struct SmoothedFrame {
+  /// of the body
   NavigationState nav;
   Eigen::Matrix<double, 6, 6> pose_covariance;   ///< position in the world, attitude local
   RigParameters theta = RigParameters::Zero();   ///< the rig in this frame
@@ -83,24 +91,32 @@ struct SmoothedFrame {
 
 /// A pixel that was left out.
 struct RefusedPixel {
+  /// index into SmootherInput::frames
   std::size_t frame = 0;
+  /// of the point
   std::int64_t track_id = 0;
+  /// 0: left, 1: right
   int camera = 0;
   double distance = 0.0;  ///< squared, whitened [-]
 };
 
 /// The solution with its marginal covariances.
 struct SmootherResult {
+  /// one per frame of the input
   std::vector<SmoothedFrame> frames;
   std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< p_world_landmark [m]
   ParameterVector error = ParameterVector::Zero();    ///< true minus given, beyond theta
+  /// standard deviation of `error`; zero where it is not estimated
   ParameterVector error_sigma = ParameterVector::Zero();
   /// Of a constant rig, by image_cell of a point's first left pixel.
   std::map<int, CellScore> theta_scores;
+  /// pixels that were left out
   std::vector<RefusedPixel> refused;
   double squared_residuals = 0.0;  ///< of all rows, whitened [-]
   std::ptrdiff_t dof = 0;          ///< rows less unknowns
+  /// of all rounds together
   int iterations = 0;
+  /// the last solution ended before its last iteration
   bool converged = false;
 };
 

@@ -21,7 +21,9 @@ enum class RefusalReason : std::uint8_t {
 
 /// One refused point.
 struct Refusal {
+  /// of the point
   std::int64_t track_id = 0;
+  /// why it was not used
   RefusalReason reason = RefusalReason::kGate;
   double distance = 0.0;   ///< squared Mahalanobis distance [-]; kGate only
   double threshold = 0.0;  ///< what it exceeded [-]; kGate only
@@ -29,6 +31,7 @@ struct Refusal {
 
 /// All usable rows of a frame, one group per point.
 struct StackedFrame {
+  /// of the groups' rows, in order
   LinearMeasurement measurement;
   std::vector<std::int64_t> track_ids;  ///< one per group
 };

@@ -30,12 +30,18 @@ class Estimate {
   Estimate(StateLayout layout, const NavigationState& nav, const Eigen::MatrixXd& body_covariance,
            const RigParameters& theta, const Eigen::Matrix<double, 6, 6>& theta_covariance);
 
+  /// Where things stand in the error state.
   [[nodiscard]] const StateLayout& layout() const { return layout_; }
+  /// Size n of the error state that P covers; passive landmarks are not in it.
   [[nodiscard]] Eigen::Index size() const { return P.size(); }
+  /// Of the whole map, active and passive, in no order.
   [[nodiscard]] const std::vector<Landmark>& landmarks() const { return landmarks_; }
+  /// The same, to change them; who moves one has to keep P right.
   [[nodiscard]] std::vector<Landmark>& landmarks() { return landmarks_; }
 
+  /// The landmark of a track; null if it is not in the map. Invalidated where the map changes.
   [[nodiscard]] const Landmark* find(std::int64_t track_id) const;
+  /// The same, to change it.
   [[nodiscard]] Landmark* find(std::int64_t track_id);
   /// The landmark's anchor; null for Cartesian landmarks.
   [[nodiscard]] const Anchor* anchor_of(const Landmark& landmark) const;
@@ -113,11 +119,13 @@ class Estimate {
   /// Positions of all landmarks [m], in the order of landmarks(); cheaper than one by one.
   [[nodiscard]] std::vector<Eigen::Vector3d> landmark_positions() const;
 
+  /// mean of the body's state
   NavigationState nav;
   RigParameters theta;  ///< what the filter takes for the rig: an estimate if in the state, else assumed
   /// Parameters beyond theta, true minus assumed, as far as they are in the state.
   Eigen::Matrix<double, kMoreParameters, 1> more = Eigen::Matrix<double, kMoreParameters, 1>::Zero();
   Eigen::Matrix<double, 6, 1> witness = Eigen::Matrix<double, 6, 1>::Zero();  ///< [plausible errors]
+  /// covariance of the error state: n×n, in the order of layout(), then the map
   Covariance P;
 
  private:
@@ -179,10 +187,10 @@ class Estimate {
   [[nodiscard]] bool is_world_vector(StateBlock block) const;
   [[nodiscard]] std::vector<bool> anchors_in_use(const std::vector<bool>& resting) const;
   void carry_active(const std::vector<Move>& kept);
-  void carry_dormant(const std::vector<Move>& passive);
+  void carry_passive(const std::vector<Move>& passive);
   [[nodiscard]] std::vector<Eigen::Index> rows_of(const std::vector<std::int64_t>& passive) const;
-  [[nodiscard]] Eigen::Matrix3d joint_block(Eigen::Index row, bool row_dormant, Eigen::Index col,
-                                            bool col_dormant) const;
+  [[nodiscard]] Eigen::Matrix3d joint_block(Eigen::Index row, bool row_passive, Eigen::Index col,
+                                            bool col_passive) const;
   [[nodiscard]] Landmark current(const Landmark& landmark) const;
   [[nodiscard]] Anchor current(const Anchor& anchor) const;
   [[nodiscard]] Eigen::Vector3d passive_displacement(Eigen::Index row) const;

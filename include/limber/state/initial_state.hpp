@@ -12,6 +12,7 @@ namespace limber {
 
 /// Where to start.
 struct InitialState {
+  /// mean; its time may be 0: that of the first sample or frame
   NavigationState nav;
   Eigen::MatrixXd body_covariance;  ///< StateLayout::body_size() wide
   /// A first map, if there is one: n inverse-depth points, anchored in the left camera at `nav`.

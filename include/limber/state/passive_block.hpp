@@ -31,6 +31,7 @@ class PassiveBlock {
  public:
   /// Number of scalar states, three per triplet.
   [[nodiscard]] Eigen::Index size() const { return E_.size(); }
+  /// There is no passive landmark.
   [[nodiscard]] bool empty() const { return size() == 0; }
   /// Size of z; zero outside of an epoch.
   [[nodiscard]] Eigen::Index z_size() const { return Gt_.rows(); }

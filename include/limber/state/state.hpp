@@ -34,7 +34,9 @@ enum class MotionModel : std::uint8_t {
 
 /// Mean of the body's state. Fields that the motion model does not use stay as they are.
 struct NavigationState {
+  /// [ns]
   std::int64_t t_ns = 0;
+  /// of the body in the world
   Pose T_world_body;
   Eigen::Vector3d v_world_body = Eigen::Vector3d::Zero();  ///< [m/s], in the world frame
   Eigen::Vector3d omega_body = Eigen::Vector3d::Zero();    ///< [rad/s], constant velocity only
@@ -44,20 +46,30 @@ struct NavigationState {
 
 /// Indices of the error state's leading blocks.
 struct StateLayout {
+  /// what drives the prediction
   MotionModel motion = MotionModel::kImu;
+  /// theta is estimated, or its uncertainty carried
   bool has_theta = false;
+  /// see docs/derivations/witness.md
   bool has_witness = false;
   std::array<bool, 3> has_more{};  ///< parameters of cam0, cam1, mount (limber/sensors/parameters.hpp)
   /// No frame tells a common factor of all lengths (one camera, or a baseline that is constrained): its
   /// error is in the state, so that no update learns it by chance (Estimate::retract).
   bool has_map_scale = false;
 
+  /// of the position error, world axes [m]
   static constexpr Eigen::Index kPosition = 0;
+  /// of the attitude error, body axes [rad]
   static constexpr Eigen::Index kAttitude = 3;
-  static constexpr Eigen::Index kVelocity = 6;    // IMU, constant velocity
-  static constexpr Eigen::Index kRate = 9;        // constant velocity
-  static constexpr Eigen::Index kBiasGyro = 9;    // IMU
+  /// of the velocity error [m/s]: kImu, kConstantVelocity
+  static constexpr Eigen::Index kVelocity = 6;  // IMU, constant velocity
+  /// of the rate error [rad/s]: kConstantVelocity
+  static constexpr Eigen::Index kRate = 9;  // constant velocity
+  /// of the gyro bias error [rad/s]: kImu
+  static constexpr Eigen::Index kBiasGyro = 9;  // IMU
+  /// of the accelerometer bias error [m/s^2]: kImu
   static constexpr Eigen::Index kBiasAccel = 12;  // IMU
+  /// position and attitude
   static constexpr Eigen::Index kPoseSize = 6;
 
   /// Size of the body's error state: 15 (IMU), 12 (constant velocity) or 6 (odometry).
@@ -90,6 +102,7 @@ struct StateLayout {
 /// @brief The body's pose at the initialisation of some landmarks, a clone that stays in the state while they
 /// need it.
 struct Anchor {
+  /// of the body when it was cloned
   Pose T_world_body;
   Pose T_body_cam0;                               ///< a number fixed at initialisation, not part of the state
   Eigen::Index position_at = 0, attitude_at = 0;  ///< their triplets in the error state
@@ -105,8 +118,11 @@ enum class LandmarkKind : std::uint8_t {
 
 /// One point of the map.
 struct Landmark {
+  /// as in StereoObservation
   std::int64_t track_id = 0;
+  /// how `value` is to be read
   LandmarkKind kind = LandmarkKind::kInverseDepth;
+  /// the triplet
   Eigen::Vector3d value = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_cam0_chart =
       Eigen::Matrix3d::Identity();  ///< its third axis is the bearing at initialisation
@@ -115,6 +131,7 @@ struct Landmark {
   bool passive = false;             ///< `at` is a row of the passive block
   double rho_assumed =
       0.0;  ///< inverse depth at initialisation if the right pixel under a doubtful theta gave it, else 0
+  /// time of the last frame that saw it [ns]
   std::int64_t last_seen_ns = 0;
   int refusals = 0;  ///< frames in a row in which it was refused
 };

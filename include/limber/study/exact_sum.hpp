@@ -37,6 +37,8 @@ inline constexpr std::size_t kBytesPerFrame = sizeof(Int128) + sizeof(std::uint6
 /// @brief Sum over runs of one quantity at every stereo frame, and how many runs entered.
 class CurveSum {
  public:
+  /// Zeros.
+  /// @param frames  stereo frames of a run
   CurveSum(CurveQuantity quantity, std::size_t frames);
   /// What to_bytes gave. @throws std::invalid_argument if there are not 24 bytes per frame
   CurveSum(CurveQuantity quantity, std::string_view bytes);
@@ -48,6 +50,7 @@ class CurveSum {
   /// @throws std::invalid_argument if the number of frames differs
   void add(const CurveSum& other);
 
+  /// Mean over the runs at every frame, with their number.
   [[nodiscard]] StudyCurve curve() const;
 
   /// Sums (16 bytes each, little endian), then counts (8 bytes each).

@@ -14,6 +14,7 @@ namespace limber {
 /// Random walk of theta that ekf-full assumes, in place of the scenario's.
 struct ThetaWalk {
   double factor = 1.0;  ///< multiples of the scenario's variances; read unless `absolute`
+  /// true: rotation and translation are read
   bool absolute = false;
   double rotation = 0.0;     ///< variance per 10 ms [rad^2], as theta_walk_rotation of a scenario
   double translation = 0.0;  ///< variance per 10 ms [mm^2], as theta_walk_translation of a scenario
@@ -21,8 +22,10 @@ struct ThetaWalk {
 
 /// A method with what a study may vary of it.
 struct MethodVariant {
+  /// what the filter makes of theta
   Method method = Method::kLcekf;
   std::optional<ConstraintSet> constraints;  ///< lcekf; nothing: the default for the scenario's sensors
+  /// how points stand in the state
   LandmarkKind landmarks = LandmarkKind::kInverseDepth;
   std::optional<ThetaWalk> walk;  ///< ekf-full
   /// As --estimate, --soften and --assume-error of `limber run`; empty: none.

@@ -14,7 +14,9 @@ namespace limber {
 /// One of `count` parts of a study, for machines that know nothing of each other (job arrays). 1 <= index <=
 /// count.
 struct Shard {
+  /// from 1 on
   std::uint64_t index = 1;
+  /// how many shards there are
   std::uint64_t count = 1;
 };
 
@@ -32,6 +34,7 @@ struct StudyProgress {
 /// How a study is computed; nothing that its results depend on.
 struct StudyOptions {
   int threads = 0;  ///< that compute, in this process; 0: one per core, or one if there are other ranks
+  /// which part of the study this process computes
   Shard shard;
   std::function<bool()> stop;  ///< asked several times a second: true ends the study early
   std::function<void(const StudyProgress&)> progress;  ///< told several times a second
@@ -39,6 +42,7 @@ struct StudyOptions {
 
 /// How far a call came.
 struct StudyOutcome {
+  /// when it ended
   StudyProgress progress;
   bool stopped = false;  ///< by StudyOptions::stop
 };

@@ -23,6 +23,7 @@ struct StudyCaseInfo {
   std::string name;           ///< of the scenario, unique in a study
   Scenario scenario;          ///< parsed from scenario_text
   std::string scenario_text;  ///< every key with its value
+  /// in the order of the plan
   std::vector<MethodVariant> methods;
   std::vector<std::string> labels;     ///< to_string of each method
   StartMode start = StartMode::kAuto;  ///< of every method
@@ -34,12 +35,15 @@ struct StudyCaseInfo {
 /// What a database says of its study.
 struct StudyInfo {
   std::string program_version;  ///< of the program that began it
+  /// of everything random
   std::uint64_t seed = 0;
+  /// in the order of the plan
   std::vector<StudyCaseInfo> cases;
 };
 
 /// Run 0 of a case, one point per stereo frame, in the world frame [m].
 struct ExampleRun {
+  /// positions in the world, one per frame [m]
   std::vector<Eigen::Vector3d> truth;
   std::vector<Eigen::Vector3d> landmarks;  ///< true points that some frame shows
   std::vector<std::vector<Eigen::Vector3d>>
@@ -52,9 +56,12 @@ class StudyDatabase {
   /// @throws DataError if the file is missing, no study, or of another version; the message says which
   explicit StudyDatabase(const std::filesystem::path& path);
   ~StudyDatabase();
+  /// The other one may then only be destroyed or assigned to.
   StudyDatabase(StudyDatabase&&) noexcept;
+  /// The other one may then only be destroyed or assigned to.
   StudyDatabase& operator=(StudyDatabase&&) noexcept;
 
+  /// What the file says of its study.
   [[nodiscard]] const StudyInfo& info() const;
 
   /// All finished runs of a method of a case, by number of the run. Indices count in info().

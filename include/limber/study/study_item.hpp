@@ -21,12 +21,15 @@ inline constexpr double kAbsurdPositionError = 1000.0;
 
 /// Values of one quantity, one per stereo frame; NaN where there is none.
 struct RunSeries {
+  /// of what
   CurveQuantity quantity = CurveQuantity::kPositionSquaredError;
+  /// one per stereo frame; those from a divergence on are missing
   std::vector<double> values;
 };
 
 /// One method of it: figures, series over time and, of run 0, the path.
 struct MethodResult {
+  /// figures of merit
   StudyRun run;
   std::vector<RunSeries> series;           ///< one per quantity that is defined for the method
   std::vector<Eigen::Vector3d> positions;  ///< p_world_body after each frame [m]; run 0 only
@@ -35,6 +38,7 @@ struct MethodResult {
 /// All methods of one run of a case.
 struct ItemResult {
   std::size_t study_case = 0;  ///< index in the plan
+  /// its number, from 0
   std::uint64_t run = 0;
   std::vector<MethodResult> methods;  ///< in the order of the case
 };

@@ -14,6 +14,7 @@ namespace limber {
 
 /// A scenario, the methods that run on it, and where they start from.
 struct StudyCase {
+  /// what is simulated
   Scenario scenario;
   std::vector<MethodVariant> methods;  ///< every one sees the same recording of a run
   std::uint64_t runs = 0;              ///< numbered from 0
@@ -22,6 +23,7 @@ struct StudyCase {
 
 /// All cases of a study, and the seed of everything random.
 struct StudyPlan {
+  /// of everything random
   std::uint64_t seed = 1;
   std::vector<StudyCase> cases;  ///< scenarios with different names
 };

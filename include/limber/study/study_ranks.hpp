@@ -14,7 +14,9 @@ class StudyRanks {
   StudyRanks(const StudyRanks&) = delete;
   StudyRanks& operator=(const StudyRanks&) = delete;
 
+  /// Of this process; 0 owns the database. 0 without MPI.
   [[nodiscard]] int rank() const { return rank_; }
+  /// How many processes take part; 1 without MPI.
   [[nodiscard]] int size() const { return size_; }
 
   /// @brief For ranks above 0: computes what rank 0 asks for, on that many threads (0: one), until it is let

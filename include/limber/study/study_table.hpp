@@ -16,6 +16,7 @@ namespace limber {
 /// What a table says of one method in one case. Averages are over the runs that did not diverge; `diverged`
 /// stands beside them. Empty where there is no such run.
 struct MethodSummary {
+  /// of the method, as to_string(MethodVariant)
   std::string label;
   std::uint64_t runs = 0;                  ///< finished, diverged ones included
   std::uint64_t diverged = 0;              ///< of them
@@ -26,6 +27,7 @@ struct MethodSummary {
   std::optional<double> position_rmse_worst_m;  ///< of a single run
   /// Over runs, a diverged one being worse than any other: infinite where most of them are.
   std::optional<MedianInterval> position_rmse_median_m;
+  /// of ANEES, over runs as the one above
   std::optional<MedianInterval> anees_median;
   std::optional<double> ate_se3_m;         ///< root of the mean square over runs
   std::optional<double> position_final_m;  ///< root mean square over runs of the error after the last frame
@@ -38,9 +40,11 @@ struct MethodSummary {
   std::optional<Interval> anees_interval, anees_interval_3;
   std::optional<double>
       share_within_interval;  ///< of instants later than 1 s, at which the mean NEES is within
+  /// mean over runs; 1 = consistent
   std::optional<double> nis_per_dof;
   std::optional<double> scale;                          ///< mean over runs of the Sim(3) scale
   std::optional<double> start_median_s, start_worst_s;  ///< until a start from the sensors was ready
+  /// mean over runs of the filter's time [ms]
   std::optional<double> ms_per_frame;
 };
 
@@ -56,6 +60,7 @@ struct MethodSummary {
 
 /// The main figures of one method of one case, for a table of all.
 struct BriefRow {
+  /// label: of the method; runs: how many, and how many diverged
   std::string label, runs;
   std::string position;    ///< median over the runs of the position RMSE [m], in brackets its 95 % interval
   std::string worst;       ///< of a run [m]

@@ -13,11 +13,13 @@ struct ParameterEvidence {
   Eigen::MatrixXd information;  ///< k×k
   Eigen::VectorXd vector;       ///< k
 
+  /// Nothing was seen.
   [[nodiscard]] bool empty() const { return vector.size() == 0; }
 };
 
 /// vectorᵀ information⁺ vector, chi-square of `dof` degrees if beta is zero.
 struct EvidenceStatistic {
+  /// chi-square with `dof`
   double value = 0.0;
   Eigen::Index dof = 0;  ///< directions of beta that the evidence can see
 };

@@ -18,6 +18,7 @@ struct GateReport {
   /// refused but for gross outliers.
   bool overruled = false;
 
+  /// Whether no group was refused.
   [[nodiscard]] bool all_accepted() const;
 };
 

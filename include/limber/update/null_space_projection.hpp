@@ -12,6 +12,7 @@ class NullSpaceProjection {
   /// @param A  m×k of full column rank
   explicit NullSpaceProjection(const Eigen::Ref<const Eigen::MatrixXd>& A);
 
+  /// Directions of the constraint that the measurement can see.
   [[nodiscard]] Eigen::Index rank() const { return V_.cols(); }
 
   /// x := Qᵀ x for each column: the rank constrained rows first, then the m − rank rows of Nᵀ x.

@@ -38,6 +38,7 @@ struct ParameterErrorModel {
 
 /// Outcome of an update.
 struct UpdateReport {
+  /// what became of the estimate
   UpdateStatus status = UpdateStatus::kEmpty;
   Eigen::VectorXd dx;     ///< correction of the error state: n
   double nis = 0.0;       ///< normalised innovation squared of the projected rows [-]

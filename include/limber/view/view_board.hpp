@@ -47,6 +47,7 @@ class ViewBoard {
   void note(double t_s, const Eigen::Vector3d& p_world_body);
   /// Whether a frame should be published now: at most 25 a second, and 2 if no page can take them.
   [[nodiscard]] bool due() const;
+  /// The latest frame, for the pages that are ready for one.
   void publish(ViewFrame frame);
   /// @brief Waits as long as a page has paused the run, or it would get ahead of the recording's time.
   /// @param stop     asked ten times a second: true ends the wait; may be empty
@@ -68,14 +69,19 @@ class ViewBoard {
   /// @param acknowledges  the page says when it has shown a frame
   /// @return the page's name here; 0 if there are too many
   [[nodiscard]] std::uint64_t enter(bool acknowledges);
+  /// The page does not look on any more.
   void leave(std::uint64_t viewer);
   /// What to send the page next, as server-sent events: `hello` first, then `frame`, `control` and `end`.
   /// Waits a second at most; then, and after close(), it is a comment.
   [[nodiscard]] std::string next(std::uint64_t viewer);
+  /// The page has shown a frame and is ready for another.
+  /// @param frame  its ViewFrame::number
   void acknowledge(std::uint64_t viewer, std::uint64_t frame);
+  /// What a page asks of the run; the last word counts.
   void command(ViewCommand command);
   /// Ends every wait.
   void close();
+  /// Nothing will be sent any more.
   [[nodiscard]] bool closed() const;
 
  private:

@@ -25,7 +25,9 @@ struct ViewRun {
   std::string title;       ///< of the recording
   std::string method;      ///< that navigates
   std::size_t frames = 0;  ///< of the recording
+  /// assumed; its theta is what the page counts from
   StereoCalibration calibration;
+  /// tolerance and windows of the verdict
   WatchOptions watch;
 };
 
@@ -38,19 +40,24 @@ enum class ViewPointFate : std::uint8_t {
 
 /// A point of a frame.
 struct ViewPoint {
+  /// its pixels
   StereoObservation seen;
+  /// what became of it
   ViewPointFate fate = ViewPointFate::kOther;
 };
 
 /// A point of the map.
 struct ViewLandmark {
+  /// as in StereoObservation
   std::int64_t track_id = 0;
   Eigen::Vector3d p_world = Eigen::Vector3d::Zero();  ///< [m]
 };
 
 /// Time that one stage took for a frame.
 struct ViewStage {
+  /// as the page shows it
   std::string name;
+  /// time spent [ms]
   double ms = 0.0;
 };
 
@@ -61,14 +68,18 @@ using ViewImages = std::array<std::vector<std::uint8_t>, 2>;
 struct ViewFrame {
   std::size_t number = 0;  ///< of frames done
   double t_s = 0.0;        ///< since the first frame
+  /// unless it waits
   Pose T_world_body;
   std::optional<Eigen::Vector3d> v_world_body;       ///< [m/s]
   std::optional<Eigen::Matrix<double, 6, 1>> sigma;  ///< of position [m] and attitude [rad]
   std::string status;                                ///< of the update, and of the inputs before it
   /// The run has no pose yet: it takes this frame in for its start. The frame comes again with one.
   bool waiting = false;
+  /// of the frame
   std::vector<ViewPoint> points;
+  /// active and passive landmarks
   std::vector<ViewLandmark> map;
+  /// in the order of the work
   std::vector<ViewStage> stages;
   std::optional<HealthSummary> health;  ///< nothing before the first window is over
   /// Makes the images; called at most once, on another thread, and only if a page shows the frame. A

@@ -19,8 +19,10 @@ class ThinnedPath;
 /// them without a server.
 class ViewRecorder {
  public:
+  /// in a page
   static constexpr std::size_t kMostFrames = 240;
 
+  /// @param run  what does not change
   explicit ViewRecorder(ViewRun run);
   ~ViewRecorder();
   ViewRecorder(const ViewRecorder&) = delete;
