@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -15,6 +16,16 @@ namespace limber {
 /// A name and a value, e.g. {"position RMSE", "0.041 m"}.
 struct ReportFact {
   std::string name, value;
+};
+
+/// What a page opens on.
+struct ReportAnswer {
+  /// A lamp before the headline.
+  enum class Light : std::uint8_t { kNone, kGreen, kYellow, kRed, kGrey };
+  Light light = Light::kNone;
+  std::string headline;
+  std::vector<std::string> sentences;  ///< why, one below the other
+  std::string advice;                  ///< what to do; may be empty
 };
 
 /// How a trace is drawn.
@@ -34,11 +45,14 @@ struct ReportTrace {
   TraceShape shape = TraceShape::kLine;
   std::vector<double> x, y, z;  ///< equally long; z in figures of kind kSpace only, else empty
   std::size_t panel = 0;        ///< which of the figure's y axes
+  /// When a path was at each sample, on the time axis of the document's curves [s]; as long as x, or empty.
+  std::vector<double> t{};
 };
 
 /// What an axis shows, and in which unit.
 struct ReportAxis {
   std::string title, unit;
+  bool log = false;  ///< of an x axis: logarithmic, always
 };
 
 /// What the axes of a figure mean.
@@ -59,7 +73,7 @@ struct ReportFigure {
   std::string id;  ///< unique in the document; names the anchor and the file of an export
   std::string title, caption;
   FigureKind kind = FigureKind::kCurves;
-  ReportAxis x;
+  ReportAxis x;                         ///< in curves, the title "time" joins them to the cursor of the page
   std::vector<ReportAxis> y;            ///< one per panel, from top to bottom; kTopView: one; kSpace: y and z
   bool log_switch = false;              ///< offer a logarithmic y axis
   bool starts_in_log = false;           ///< and begin with it
@@ -131,7 +145,8 @@ struct ReportSection {
 /// A whole page.
 struct ReportDocument {
   std::string title, subtitle;
-  std::vector<ReportFact> facts;  ///< what a reader wants to know first
+  std::optional<ReportAnswer> answer;
+  std::vector<ReportFact> facts;  ///< the main figures, below the answer
   std::vector<ReportSection> sections;
   std::string footer;  ///< e.g. the program and its version
 };
