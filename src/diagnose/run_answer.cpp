@@ -29,8 +29,14 @@ AnswerLight light_of(HealthVerdict verdict) {
 }
 
 std::string headline_of(HealthVerdict verdict) {
-  return verdict == HealthVerdict::kCannotTell ? "cannot tell whether the calibration holds"
-                                               : fmt::format("calibration {}", to_string(verdict));
+  switch (verdict) {
+    case HealthVerdict::kCannotTell:
+      return "cannot tell whether the calibration holds";
+    case HealthVerdict::kDecalibrated:
+      return "rig decalibrated";
+    default:
+      return "calibration " + to_string(verdict);
+  }
 }
 
 /// "2.1 times as large as the filter claims (ANEES 4.4)"
@@ -87,7 +93,7 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
     out.sentences.emplace_back(options.method == Method::kMonoLeft
                                    ? "mono-left does not look through the right camera"
                                    : "no window of the run was judged");
-    out.advice = "limber health says whether the calibration holds";
+    out.advice = "ask limber health whether the calibration holds";
   }
 }
 

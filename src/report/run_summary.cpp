@@ -19,13 +19,16 @@ void add_fact(const std::string& name, std::optional<double> value, const char* 
   }
 }
 
-/// As the sentence of a page: summary.json has it as the terminal does.
-std::string as_sentence(std::string text) {
+std::string capitalised(std::string text) {
   if (!text.empty()) {
     text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
-    text += text.back() == '.' ? "" : ".";
   }
   return text;
+}
+
+/// As a page has it: summary.json says it as the terminal does.
+std::string as_sentence(const std::string& text) {
+  return capitalised(text) + (text.empty() || text.back() == '.' ? "" : ".");
 }
 
 ReportAnswer::Light light_of(const std::string& name) {
@@ -92,7 +95,7 @@ ReportAnswer answer_of(const Json& summary) {
                               in_words(summary["alignment"]));
     }
   }
-  out.headline.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(out.headline.front())));
+  out.headline = capitalised(out.headline);
   std::transform(out.sentences.begin(), out.sentences.end(), out.sentences.begin(), as_sentence);
   return out;
 }

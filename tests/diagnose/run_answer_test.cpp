@@ -43,7 +43,7 @@ TEST(RunAnswer, HasALightAHeadlineAndAdviceForEveryVerdict) {
   };
   expect(kOk, AnswerLight::kGreen, "calibration ok", "nothing");
   expect(kDegraded, AnswerLight::kYellow, "calibration degraded", "recalibrate when you can");
-  expect(kDecalibrated, AnswerLight::kRed, "calibration decalibrated", "recalibrate; until then");
+  expect(kDecalibrated, AnswerLight::kRed, "rig decalibrated", "recalibrate; until then");
   expect(kCannotTell, AnswerLight::kGrey, "cannot tell whether the calibration holds", "record more motion");
 }
 
