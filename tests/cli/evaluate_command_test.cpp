@@ -155,6 +155,28 @@ TEST(EvaluateCommand, TakesOutTheTiltOfAWorldThatIsNotLevel) {
   EXPECT_TRUE(level["anees"]["upright"].is_null());
 }
 
+TEST(EvaluateCommand, AgreesWithARunBesideARealTruthThatIsNotLevel) {
+  LIMBER_NEED_DATA(april, "track_logs/euroc_imu_april");
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "run";
+  const auto run = run_limber({"run", april.string(), "--out", out.string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("the world of the truth is not level, its vertical is 77"));
+  const Json summary = Json::parse(testing::read_text(out / "summary.json"));
+  EXPECT_EQ(summary["truth_is_level"], false);
+  EXPECT_LT(summary["attitude_rmse_deg"], 1.5);  // 77 deg with the tilt in it
+  EXPECT_LT(summary["position_rmse_m"], 2.0 * summary["ate_m"]["se3"].get<double>());
+  EXPECT_LT(summary["anees"], 100.0);  // 7.6e5
+  const Json evaluated = evaluation(out, april);
+  const auto expect_equal = [](const Json& a, const Json& b) {
+    EXPECT_NEAR(a.get<double>(), b.get<double>(), 1e-6 * std::abs(b.get<double>()));
+  };
+  expect_equal(evaluated["tilt_deg"], summary["truth_tilt_deg"]);
+  expect_equal(evaluated["ape"]["upright"]["translation_m"]["rmse"], summary["position_rmse_m"]);
+  expect_equal(evaluated["ape"]["upright"]["rotation_deg"]["rmse"], summary["attitude_rmse_deg"]);
+  expect_equal(evaluated["anees"]["upright"]["pose"], summary["anees"]);
+}
+
 TEST(EvaluateCommand, SaysHowErrorsGrowWithTheDistance) {
   const TemporaryFolder folder;
   write_tum(folder.path() / "estimate.tum", circle(9.0));

@@ -87,7 +87,7 @@ class Overlay {
         }
         const { color } = lookOf(trace.style, theme);
         if (y >= top - 1 && y <= bottom + 1) {
-          this.svg.append(svgElement('circle', { class: 'cursor-dot', cx: x, cy: y, r: 4, fill: color }));
+          this.svg.append(svgElement('circle', { class: 'cursor-dot', cx: layout.xaxis._offset + layout.xaxis.c2p(series[trace.x][at]), cy: y, r: 4, fill: color }));
         }
         values.push({ text: shortNumber(value), color });
       }
