@@ -56,23 +56,28 @@ void add_differences(const RunComparison& comparison, std::vector<std::string>& 
   }
 }
 
-/// Which run of a recording comes closest to the truth.
-std::string closest_of(const RunGroup& group, bool only) {
-  const std::string where = only ? "" : " on " + group.compared.front()->recording;
+/// Which run of a recording comes closest to the truth, and how close.
+std::string closest_of(const RunGroup& group) {
   if (!group.has_truth()) {
-    return fmt::format("No truth is known{}: the distances between the runs", where);
+    return "no truth is known";
   }
   const auto best = std::min_element(group.compared.begin(), group.compared.end(),
                                      [](const ComparedRun* a, const ComparedRun* b) {
                                        return *a->ate_m < *b->ate_m;  // known, as the truth is
                                      });
-  return fmt::format("Closest to the truth{}: {}, {:.3g} m (ATE)", where, (*best)->label, *(*best)->ate_m);
+  return fmt::format("{}, {:.3g} m (ATE)", (*best)->label, *(*best)->ate_m);
 }
 
 ReportAnswer comparison_answer(const RunComparison& comparison, const std::vector<RunGroup>& groups) {
   ReportAnswer out;
-  for (const RunGroup& group : groups) {
-    out.headline += (out.headline.empty() ? "" : "; ") + closest_of(group, groups.size() == 1);
+  out.headline = "Closest to the truth";
+  if (groups.size() == 1) {
+    out.headline += ": " + closest_of(groups.front());
+  } else {
+    for (const RunGroup& group : groups) {
+      out.sentences.push_back(
+          fmt::format("On {}: {}.", group.compared.front()->recording, closest_of(group)));
+    }
   }
   add_differences(comparison, out.sentences);
   return out;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -50,9 +52,14 @@ struct Curves {
       trace->y.push_back(at);
     }
   }
+  /// Bounds that are not known are left out.
   void move_to(ReportFigure& figure) {
-    for (ReportTrace* trace : {&value, &upper, &lower}) {
-      figure.traces.push_back(std::move(*trace));
+    const bool bounded = std::any_of(upper.y.begin(), upper.y.end(), [](double y) { return !std::isnan(y); });
+    figure.traces.push_back(std::move(value));
+    for (ReportTrace* trace : {&upper, &lower}) {
+      if (bounded) {
+        figure.traces.push_back(std::move(*trace));
+      }
     }
   }
 };
@@ -106,6 +113,14 @@ ReportFigure empty_figure(const Quantity& quantity, const std::string& id, const
                           {{"x", quantity.unit}, {"y", quantity.unit}, {"z", quantity.unit}}, caption);
 }
 
+void explain_bounds(ReportFigure& figure) {
+  const bool bounded = std::any_of(figure.traces.begin(), figure.traces.end(), [](const ReportTrace& trace) {
+    return trace.shape == TraceShape::kBound;
+  });
+  figure.caption += bounded ? " Dotted: three standard deviations of the filter."
+                            : " How sure the run is of it, its files do not say.";
+}
+
 /// Errors where all runs have a truth; else, of a single run, the velocity itself: worlds of several differ.
 std::optional<ReportFigure> velocity_figure(const std::vector<DrawnRun>& runs, const std::string& id) {
   const bool judged = std::all_of(runs.begin(), runs.end(), [](const DrawnRun& drawn) {
@@ -115,17 +130,14 @@ std::optional<ReportFigure> velocity_figure(const std::vector<DrawnRun>& runs, c
     return std::nullopt;
   }
   ReportFigure figure =
-      judged ? empty_figure(
-                   kVelocity, "-error" + id, "Velocity error",
-                   "Truth minus estimate, in the world; dotted: three standard deviations of the filter.")
-             : empty_figure(
-                   kVelocity, id, "Velocity",
-                   "In the world, no truth of it is known; dotted: three standard deviations about it.");
+      judged ? empty_figure(kVelocity, "-error" + id, "Velocity error", "Truth minus estimate, in the world.")
+             : empty_figure(kVelocity, id, "Velocity", "In the world; no truth of it is known.");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const DrawnRun& drawn : runs) {
       judged ? draw_error(drawn, kVelocity, axis, figure) : draw_estimate(drawn, kVelocity, axis, figure);
     }
   }
+  explain_bounds(figure);
   return figure;
 }
 
@@ -138,10 +150,9 @@ std::optional<ReportFigure> bias_figure(const std::vector<DrawnRun>& runs, const
     return std::nullopt;
   }
   const bool judged = known.front().run->truth_motion.has_biases;
-  ReportFigure figure = empty_figure(
-      quantity, id, quantity.title,
-      std::string("As estimated, in the body's axes; dotted: three standard deviations about it.") +
-          (judged ? " The truth is what the recording says." : ""));
+  ReportFigure figure = empty_figure(quantity, id, quantity.title,
+                                     std::string("As estimated, in the body's axes.") +
+                                         (judged ? " The truth is what the recording says." : ""));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (judged) {
       draw_truth(known.front(), quantity, axis, figure);
@@ -150,6 +161,7 @@ std::optional<ReportFigure> bias_figure(const std::vector<DrawnRun>& runs, const
       draw_estimate(drawn, quantity, axis, figure);
     }
   }
+  explain_bounds(figure);
   return figure;
 }
 

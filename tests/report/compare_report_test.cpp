@@ -105,7 +105,7 @@ TEST_F(CompareReport, WithoutTruthDrawsTheDistance) {
   EXPECT_EQ(figure(document, "position-error").title, "Distance between runs");
   EXPECT_NEAR(trace(figure(document, "position-error"), "lcekf").y.back(),
               0.1 * RunFilesOf::position(60.0).norm(), 1e-6);
-  EXPECT_THAT(document.answer->headline, HasSubstr("No truth is known"));
+  EXPECT_THAT(document.answer->headline, HasSubstr("no truth is known"));
   EXPECT_THAT(document.answer->sentences, ElementsAre(HasSubstr("At the end lcekf is")));
 }
 
@@ -131,6 +131,9 @@ TEST_F(CompareReport, EachRecordingHasSectionsOfItsOwn) {
   const ReportDocument document = report();
   EXPECT_NO_THROW((void)report_json(document));
   EXPECT_EQ(document.title, "3 runs on walk, elsewhere");
+  EXPECT_EQ(document.answer->headline, "Closest to the truth");
+  EXPECT_THAT(document.answer->sentences, ElementsAre(HasSubstr("On walk: 0, "), HasSubstr("On elsewhere: "),
+                                                      HasSubstr("minus that of 1")));
   EXPECT_EQ(document.sections[3].id, "trajectory-2");
   EXPECT_EQ(document.sections[3].title, "Trajectory on elsewhere");
   EXPECT_EQ(trace(figure(document, "path-2"), "1").style, "ekf");

@@ -131,6 +131,22 @@ TEST_F(RunReport, DrawsTheVelocityItselfWhereNoTruthIsKnown) {
   EXPECT_THROW((void)figure(run_report(folder_.path()), "bias-gyro"), std::out_of_range);
 }
 
+TEST_F(RunReport, DrawsNoBoundsOfVelocityThatTheFilesDoNotHave) {
+  navigate(testing::short_recording());
+  std::vector<TrajectoryRow> rows = read_trajectory_csv(file("trajectory.csv"));
+  EXPECT_THAT(figure(run_report(folder_.path()), "velocity-error").caption, HasSubstr("Dotted"));
+  for (TrajectoryRow& row : rows) {
+    row.sigma_v.reset();
+  }
+  write_trajectory_csv(file("trajectory.csv"), rows);
+  const ReportDocument document = run_report(folder_.path());
+  const ReportFigure& velocity = figure(document, "velocity-error");
+  EXPECT_NE(find_trace(velocity, "lcekf"), nullptr);
+  EXPECT_EQ(find_trace(velocity, "+3 sigma"), nullptr);
+  EXPECT_THAT(velocity.caption, ::testing::Not(HasSubstr("Dotted")));
+  EXPECT_NE(find_trace(figure(document, "bias-gyro"), "+3 sigma"), nullptr);
+}
+
 TEST_F(RunReport, DrawsRelativeErrorsOverSeveralDistances) {
   navigate(testing::short_recording());
   const ReportDocument document = run_report(folder_.path());
