@@ -187,7 +187,7 @@ TEST_F(TrajectoryFile, OfLimberIsReadWithoutTheColumnsThatOlderOnesDoNotHave) {
     }
     older += line + "\n";
   }
-  write(older);
+  (void)write(older);
   const auto rows = read_trajectory_csv(path());
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].v_world_body, row.v_world_body);
