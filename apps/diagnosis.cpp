@@ -17,30 +17,13 @@ constexpr double kSignificant = 5.0;                      // standard deviations
 constexpr double kLeastCam1 = 1e-3, kLeastCamera = 3e-3;  // ... that is at least that large [s]
 
 std::string advice(const Diagnosis& diagnosis) {
-  if (diagnosis.mistakes.empty() && !diagnosis.readout_contradicted.empty()) {
-    return "say how long an image takes (--readout-time, or readout_time in sensor.yaml), and look again";
+  if (!diagnosis.mistakes.empty()) {
+    return "mend the mistake below, and look again";
   }
-  if (diagnosis.mistakes.empty() && diagnosis.health && diagnosis.health->present.moves()) {
-    return "find what lets the cameras move against each other (mount, screws, vibration): no calibration "
-           "fits "
-           "them all the time; until then --method lcekf or adaptive";
+  if (!diagnosis.readout_contradicted.empty()) {
+    return kReadoutAdvice;
   }
-  switch (verdict_of(diagnosis)) {
-    case HealthVerdict::kOk:
-      return "nothing; --method ekf gets the most out of a sound rig";
-    case HealthVerdict::kSuspect:
-    case HealthVerdict::kDegraded:
-      return "recalibrate when you can; --method lcekf or adaptive do not rely on the calibration";
-    case HealthVerdict::kDecalibrated:
-      return diagnosis.mistakes.empty()
-                 ? "recalibrate; until then --method lcekf or adaptive, which do not rely on the calibration"
-                 : "mend the mistake below, and look again";
-    case HealthVerdict::kCannotTell:
-      break;
-  }
-  return "record more motion: turn and tilt the rig, with at least twenty points in both cameras, some of "
-         "them "
-         "nearer than a hundred baselines";
+  return advice_on(verdict_of(diagnosis), diagnosis.health && diagnosis.health->present.moves());
 }
 
 std::optional<std::string> offset_in_words(const std::optional<TimeOffset>& offset, double least,

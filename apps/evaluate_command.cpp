@@ -88,7 +88,9 @@ void add_evaluate_command(CLI::App& app) {
       "distance\n"
       "takes all pairs that far apart along the estimated path (within 10 %). 'first pose' aligns position "
       "and yaw\n"
-      "of the first pose only. NEES needs a trajectory.csv with covariance; frames later than 1 s enter.\n"
+      "of the first pose only; 'upright', where the vertical of one world is off throughout, takes that tilt "
+      "out\n"
+      "before. NEES needs a trajectory.csv with covariance; frames later than 1 s enter.\n"
       "Example:\n"
       "  limber evaluate runs/v101 data/v101 --out evaluation.json");
   command->callback([options] { evaluate(*options); });

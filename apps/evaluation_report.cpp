@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 
 #include <iterator>
+#include <numbers>
 #include <string_view>
 
 namespace limber::app {
 namespace {
+
+constexpr double kToDegrees = 180.0 / std::numbers::pi;
 
 using Text = std::back_insert_iterator<std::string>;
 
@@ -92,22 +95,96 @@ void add_inputs(Text out, const EvaluationReport& report) {
                  e.path_length_estimate);
 }
 
-// NEES needs a covariance with every pose that enters.
-std::optional<ConsistencyReport> consistency_of(const TrajectoryInput& estimate,
-                                                const std::vector<MatchedPose>& matched) {
-  if (estimate.covariances.empty()) {
-    return std::nullopt;
+void add_tilt(Text out, const EvaluationReport& report) {
+  if (report.upright) {
+    fmt::format_to(
+        out,
+        "tilt          {:.1f} deg between the verticals of both worlds, throughout: one of them is "
+        "not level.\n"
+        "              'none' and 'first pose' have that in them; 'upright' takes it out, then "
+        "position and yaw\n"
+        "              of the first pose\n",
+        kToDegrees * report.tilt->angle);
   }
+}
+
+void add_over_distance(Text out, const std::vector<ErrorOverDistance>& errors) {
+  if (errors.empty()) {
+    return;
+  }
+  fmt::format_to(out, "\nRelative error over distance\n{:<11}{:>10}{:>40}{:>40}\n", "", "",
+                 "position [% of the distance]", "attitude [deg]");
+  fmt::format_to(out, "{:<11}{:>10}", "over", "pieces");
+  for (int k = 0; k < 2; ++k) {
+    fmt::format_to(out, "{:>10}{:>10}{:>10}{:>10}", "mean", "quartile", "median", "quartile");
+  }
+  fmt::format_to(out, "\n");
+  for (const ErrorOverDistance& error : errors) {
+    fmt::format_to(out, "{:<11}{:>10}", fmt::format("{:g} m", error.distance), error.pairs);
+    for (const ErrorSpread& s : {error.position_percent, error.attitude_deg}) {
+      fmt::format_to(out, "{:>10.4g}{:>10.4g}{:>10.4g}{:>10.4g}", s.mean, s.lower, s.median, s.upper);
+    }
+    fmt::format_to(out, "\n");
+  }
+}
+
+Json spread_json(const ErrorSpread& spread) {
+  return {{"mean", spread.mean},
+          {"lower_quartile", spread.lower},
+          {"median", spread.median},
+          {"upper_quartile", spread.upper}};
+}
+
+Json over_distance_json(const std::vector<ErrorOverDistance>& errors) {
+  Json out = Json::array();
+  for (const ErrorOverDistance& error : errors) {
+    out.push_back({{"distance_m", error.distance},
+                   {"pieces", error.pairs},
+                   {"position_percent", spread_json(error.position_percent)},
+                   {"attitude_deg", spread_json(error.attitude_deg)}});
+  }
+  return out;
+}
+
+// Those with a covariance, which NEES needs.
+std::vector<MatchedPose> with_covariance(const TrajectoryInput& estimate,
+                                         const std::vector<MatchedPose>& matched) {
   std::vector<MatchedPose> known;
   for (const MatchedPose& pose : matched) {
-    if (!estimate.covariances[pose.index].hasNaN()) {
+    if (!estimate.covariances.empty() && !estimate.covariances[pose.index].hasNaN()) {
       known.push_back(pose);
     }
   }
-  const std::int64_t start_ns = estimate.poses.front().t_ns;
-  return ConsistencyReport{
-      average_nees(known, estimate.covariances, align(matched, AlignmentKind::kNone), start_ns),
-      average_nees(known, estimate.covariances, align(matched, AlignmentKind::kFirstPose), start_ns)};
+  return known;
+}
+
+// How the worlds lie to each other, and what is left where they are askew.
+void judge_tilt(const TrajectoryInput& estimate, const std::vector<MatchedPose>& matched,
+                EvaluationReport& out) {
+  const std::vector<MatchedPose> known = with_covariance(estimate, matched);
+  out.tilt = known.empty() ? world_tilt(matched) : world_tilt(known, estimate.covariances);
+  if (out.tilt && out.tilt->is_askew()) {
+    const Alignment upright = align_upright(matched, *out.tilt);
+    out.upright = {upright, absolute_errors(matched, upright)};
+  }
+}
+
+std::optional<ConsistencyReport> consistency_of(const TrajectoryInput& estimate,
+                                                const std::vector<MatchedPose>& matched,
+                                                const std::optional<AlignedErrors>& upright) {
+  if (estimate.covariances.empty()) {
+    return std::nullopt;
+  }
+  const std::vector<MatchedPose> known = with_covariance(estimate, matched);
+  const auto after = [&](const Alignment& alignment) {
+    return average_nees(known, estimate.covariances, alignment, estimate.poses.front().t_ns);
+  };
+  ConsistencyReport out{after(align(matched, AlignmentKind::kNone)),
+                        after(align(matched, AlignmentKind::kFirstPose)), std::nullopt};
+  if (upright) {
+    out.upright = after(upright->alignment);
+  }
+  return out;
 }
 
 }  // namespace
@@ -123,7 +200,10 @@ EvaluationReport evaluate(const TrajectoryInput& estimate, const TrajectoryInput
   report.max_time_difference = max_time_difference;
   report.settings = settings;
   report.evaluation = evaluate_trajectory(matched.poses, settings);
-  report.consistency = consistency_of(estimate, matched.poses);
+  judge_tilt(estimate, matched.poses, report);
+  report.over_distance =
+      errors_over_distances(matched.poses, round_distances(matched.poses), settings.relative_tolerance);
+  report.consistency = consistency_of(estimate, matched.poses, report.upright);
   return report;
 }
 
@@ -158,18 +238,25 @@ Json to_json(const EvaluationReport& report) {
                {"duration_s", report.matched_by_time ? Json(e.duration) : Json(nullptr)},
                {"path_length_m", e.path_length},
                {"path_length_estimate_m", e.path_length_estimate},
+               {"tilt_deg", report.tilt ? Json(kToDegrees * report.tilt->angle) : Json(nullptr)},
                {"ate_m", ate_json(e)}};
   json["ape"] = {{"none", errors_json(e.none)},
                  {"first_pose", errors_json(e.first_pose)},
+                 {"upright", report.upright ? errors_json(*report.upright) : Json(nullptr)},
                  {"se3", errors_json(e.se3)},
                  {"sim3", errors_json(e.sim3)}};
   json["rpe"] = {{"1_frame", errors_json(e.relative_1_frame)},
                  {"distance", errors_json(e.relative_distance)},
+                 {"over_distance", over_distance_json(report.over_distance)},
                  {"distance_m", report.settings.distance},
                  {"relative_tolerance", report.settings.relative_tolerance}};
-  json["anees"] = report.consistency ? Json{{"none", to_json(report.consistency->none)},
-                                            {"first_pose", to_json(report.consistency->first_pose)}}
-                                     : Json(nullptr);
+  if (const auto& c = report.consistency) {
+    json["anees"] = {{"none", to_json(c->none)},
+                     {"first_pose", to_json(c->first_pose)},
+                     {"upright", c->upright ? to_json(*c->upright) : Json(nullptr)}};
+  } else {
+    json["anees"] = nullptr;
+  }
   return json;
 }
 
@@ -178,10 +265,14 @@ std::string to_text(const EvaluationReport& report) {
   std::string text;
   const Text out = std::back_inserter(text);
   add_inputs(out, report);
+  add_tilt(out, report);
 
   add_error_heading(out, "Absolute error", "alignment");
   add_row(out, "none", e.none);
   add_row(out, "first pose", e.first_pose);
+  if (report.upright) {
+    add_row(out, "upright", *report.upright);
+  }
   add_row(out, "SE(3)", e.se3);
   add_row(out, "Sim(3)", e.sim3);
   if (e.sim3.errors) {
@@ -191,6 +282,7 @@ std::string to_text(const EvaluationReport& report) {
   add_error_heading(out, "Relative error", "over");
   add_row(out, "1 frame", e.relative_1_frame);
   add_row(out, distance_name(report.settings), e.relative_distance);
+  add_over_distance(out, report.over_distance);
 
   if (report.consistency) {
     fmt::format_to(out, "\nConsistency: average NEES per degree of freedom, 1 is consistent\n");
@@ -198,6 +290,9 @@ std::string to_text(const EvaluationReport& report) {
                    "attitude", "within 95 %", "frames", "refused");
     add_row(out, "none", report.consistency->none);
     add_row(out, "first pose", report.consistency->first_pose);
+    if (report.consistency->upright) {
+      add_row(out, "upright", *report.consistency->upright);
+    }
   }
   return text;
 }

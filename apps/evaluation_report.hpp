@@ -5,18 +5,22 @@
 #include <string>
 
 #include "limber/evaluate/consistency.hpp"
+#include "limber/evaluate/error_over_distance.hpp"
 #include "limber/evaluate/evaluation.hpp"
 #include "limber/evaluate/statistics.hpp"
+#include "limber/evaluate/world_tilt.hpp"
 #include "ordered_json.hpp"
 #include "trajectory_input.hpp"
 
 /// An evaluation as JSON and as text. What is not known is null, or a dash.
 namespace limber::app {
 
-/// Consistency of an estimate as it is, and aligned at its first pose by position and yaw.
+/// Consistency of an estimate as it is, aligned at its first pose by position and yaw, and the same after the
+/// tilt between the worlds is taken out, where they are askew.
 struct ConsistencyReport {
   Consistency none;
   Consistency first_pose;
+  std::optional<Consistency> upright;
 };
 
 /// Everything that `limber evaluate` says.
@@ -27,6 +31,9 @@ struct EvaluationReport {
   double max_time_difference = 0.0;  ///< [s]
   RelativeErrorSettings settings;
   TrajectoryEvaluation evaluation;
+  std::optional<WorldTilt> tilt;         ///< between the verticals of both worlds
+  std::optional<AlignedErrors> upright;  ///< errors with that tilt taken out, where the worlds are askew
+  std::vector<ErrorOverDistance> over_distance;
   std::optional<ConsistencyReport> consistency;  ///< nothing without covariances
 };
 

@@ -140,7 +140,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
     *arguments.notes = record.notes;
   } else {
     print_notes(record.notes);
-    print_run_summary(summary, record, arguments.out);
+    print_run_summary(options, record, summary, arguments.out);
   }
   make_report_beside(arguments.out);
   if (view) {
@@ -243,7 +243,8 @@ void add_run_command(CLI::App& app) {
       "is "
       "1.\n"
       "Writes trajectory.tum, trajectory.csv, landmarks.ply, frames.csv, health.csv, refusals.csv,\n"
-      "summary.json, report.html, and truth.tum where the truth is known.\n"
+      "summary.json, report.html, and truth.tum (with velocity and biases: truth.csv) where the truth is "
+      "known.\n"
       "Example:\n  limber run data/v101 --method lcekf --assume-error 0,0.5,0,5%,0,0 --out runs/v101\n"
       "  limber run data/v101 --methods ekf,lcekf,adaptive --out runs/v101-methods");
   command->callback([arguments] { arguments->methods.empty() ? run(*arguments) : run_each(*arguments); });

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "limber/diagnose/run_answer.hpp"
 #include "limber/io/parameter_text.hpp"
 
 namespace limber::app {
@@ -28,8 +29,15 @@ void print_estimated(const CalibrationEstimate& estimate) {
 
 }  // namespace
 
-void print_run_summary(const RunSummary& s, const RunRecord& record, const std::filesystem::path& folder) {
+void print_run_summary(const RunOptions& options, const RunRecord& record, const RunSummary& s,
+                       const std::filesystem::path& folder) {
   fmt::print("{} on {}\n", s.method, s.dataset);
+  const RunAnswer answer = answer_of(options, record, s);
+  fmt::print("  answer          {}\n", answer.headline);
+  for (const std::string& sentence : answer.sentences) {
+    fmt::print("                  {}\n", sentence);
+  }
+  fmt::print("  what to do      {}\n", answer.advice);
   fmt::print("  frames          {} in {:.1f} s, {:.1f} points a frame, {} refused in all\n", s.frames,
              s.duration_s, s.points_per_frame, s.points_refused);
   fmt::print("  path            {:.2f} m\n", s.path_length_m);
@@ -39,9 +47,6 @@ void print_run_summary(const RunSummary& s, const RunRecord& record, const std::
              text_of(s.attitude_rmse_deg, " deg"));
   fmt::print("  consistency     ANEES {} (1 = consistent), NIS per d.o.f. {}\n", text_of(s.anees, "", 2),
              text_of(s.nis_per_dof, "", 2));
-  if (s.health) {
-    fmt::print("  calibration     {} (limber health says more)\n", to_string(s.health->verdict));
-  }
   if (!record.calibration.empty()) {
     print_estimated(record.calibration.back().estimate);
   }

@@ -7,8 +7,8 @@
 
 namespace limber::app {
 
-/// The figures of a run in ten lines on stdout, and a line for each parameter that it estimated.
-void print_run_summary(const RunSummary& summary, const RunRecord& record,
+/// The answer of a run and its figures on stdout, and a line for each parameter that it estimated.
+void print_run_summary(const RunOptions& options, const RunRecord& record, const RunSummary& summary,
                        const std::filesystem::path& folder);
 
 }  // namespace limber::app

@@ -70,7 +70,7 @@ void smooth(const SmoothArguments& arguments) {
   for (const std::string& note : record.notes) {
     print_note(note);
   }
-  print_run_summary(summary, record, arguments.out);
+  print_run_summary(options.run, record, summary, arguments.out);
   make_report_beside(arguments.out);
 }
 

@@ -119,9 +119,7 @@ void note_tilted_truth(RunComparison& out) {
   }
   if (!tilted.empty()) {
     out.notes.push_back(joined(tilted) +
-                        ": most of the error is that of the first pose, for instance because the world of "
-                        "the truth is not level; "
-                        "ANEES would say nothing of the filter and is left out");
+                        ": the world of the truth is not level; that tilt is taken out of errors and ANEES");
   }
 }
 

@@ -9,7 +9,6 @@ namespace limber::detail {
 namespace {
 
 constexpr double kFewPieces = 10.0, kShortestPiece = 1.0;  // [-], [s]
-constexpr double kMuchSmaller = 0.2;
 
 double mean_of(const std::vector<RelativeError>& errors, double RelativeError::*part) {
   double sum = 0.0;
@@ -22,18 +21,15 @@ double mean_of(const std::vector<RelativeError>& errors, double RelativeError::*
 void judge_by_truth(const RunFolder& run, ComparedRun& out) {
   const TrajectoryEvaluation evaluation = evaluate_trajectory(run.matched);
   // What truth.tum says is aligned as the run's own errors.
-  const AlignedErrors& fit = evaluation.se3.errors ? evaluation.se3 : evaluation.none;
+  const AlignedErrors& own = evaluation.none;
   out.path_length_m = evaluation.path_length;
-  out.ate_m = fit.errors->position_m.rmse;
-  out.attitude_rmse_deg = fit.errors->attitude_deg.rmse;
-  out.truth_is_tilted = run.summary.value("alignment", Json()) != "nothing" &&
-                        fit.errors->position_m.rmse < kMuchSmaller * evaluation.none.errors->position_m.rmse;
+  out.ate_m = (evaluation.se3.errors ? evaluation.se3 : own).errors->position_m.rmse;
+  out.attitude_rmse_deg = own.errors->attitude_deg.rmse;
+  out.truth_is_tilted = run.summary.value("truth_is_level", Json()) == false;
   if (evaluation.sim3.errors) {
     out.scale_error_percent = 100.0 * (1.0 / evaluation.sim3.alignment.scale - 1.0);
   }
-  if (!out.truth_is_tilted) {
-    out.anees = number_at(run.summary, {"anees"});
-  }
+  out.anees = number_at(run.summary, {"anees"});
   const std::vector<RelativeError> errors =
       relative_errors_of(run.matched, disjoint_pieces(run.matched, out.piece_m));
   out.pieces = errors.size();

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <string>
 
+#include "groundtruth_text.hpp"
 #include "io/numbers.hpp"
 #include "io/table_text.hpp"
 #include "limber/core/errors.hpp"
@@ -83,34 +84,11 @@ void EurocFolder::write_odometry(const Recording& recording) const {
 }
 
 void EurocFolder::write_groundtruth(const Recording& recording) const {
-  if (recording.groundtruth.empty()) {
-    return;
+  if (!recording.groundtruth.empty()) {
+    write("state_groundtruth_estimate0", "data.csv",
+          groundtruth_text(
+              {recording.groundtruth, recording.groundtruth_has_velocity, recording.groundtruth_has_biases}));
   }
-  const bool biases = recording.groundtruth_has_biases;
-  const bool velocity =
-      recording.groundtruth_has_velocity || biases;  // the format has no column for biases alone
-  std::string header =
-      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []";
-  header += velocity ? ",v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1]" : "";
-  header += biases ? ",b_w_RS_S_x [rad s^-1],b_w_RS_S_y [rad s^-1],b_w_RS_S_z [rad s^-1],b_a_RS_S_x [m s^-2],"
-                     "b_a_RS_S_y [m s^-2],b_a_RS_S_z [m s^-2]"
-                   : "";
-  TableText table("ground truth", ',');
-  table.header(header);
-  for (const GroundTruthState& state : recording.groundtruth) {
-    table.time(state.t_ns);
-    table.cells(state.p_world_body);
-    table.cells(quaternion_wxyz(state.R_world_body));
-    if (velocity) {
-      table.cells(state.v_world_body);
-    }
-    if (biases) {
-      table.cells(state.bias_gyro);
-      table.cells(state.bias_accel);
-    }
-    table.end_row();
-  }
-  write("state_groundtruth_estimate0", "data.csv", table.text());
 }
 
 }  // namespace limber::detail

@@ -19,8 +19,8 @@ namespace {
 using detail::TableReader;
 using detail::TableText;
 
-constexpr std::size_t kCsvColumns = 38;
-constexpr double kLargestPosition = 1e30;  // [m]; its powers still are numbers
+constexpr std::size_t kCsvColumns = 47, kCsvColumnsOfOld = 38;  // before there were sigmas
+constexpr double kLargestPosition = 1e30;                       // [m]; its powers still are numbers
 constexpr std::array<const char*, 17> kCsvStateColumns = {
     "t_ns",        "px [m]",      "py [m]",      "pz [m]",      "qw [-]",     "qx [-]",
     "qy [-]",      "qz [-]",      "vx [m/s]",    "vy [m/s]",    "vz [m/s]",   "bgx [rad/s]",
@@ -35,6 +35,9 @@ std::vector<std::string> csv_columns() {
       const char* const unit = j < 3 ? "m^2" : i < 3 ? "m rad" : "rad^2";
       names.push_back(fmt::format("P_{}_{} [{}]", kErrors[i], kErrors[j], unit));
     }
+  }
+  for (std::size_t k = 8; k < kCsvStateColumns.size(); ++k) {
+    names.push_back(fmt::format("sigma_{}", kCsvStateColumns[k]));
   }
   return names;
 }
@@ -58,6 +61,14 @@ bool unknown(const TableReader& table, std::size_t first, std::size_t count) {
 
 std::optional<Eigen::Vector3d> optional_vector3(const TableReader& table, std::size_t first) {
   return unknown(table, first, 3) ? std::nullopt : std::optional<Eigen::Vector3d>(table.vector3(first));
+}
+
+std::optional<Eigen::Vector3d> optional_sigma(const TableReader& table, std::size_t first) {
+  const std::optional<Eigen::Vector3d> sigma = optional_vector3(table, first);
+  if (sigma && sigma->minCoeff() < 0.0) {
+    table.fail("standard deviations that are not negative", fmt::format("{}", sigma->minCoeff()));
+  }
+  return sigma;
 }
 
 std::optional<Eigen::Matrix<double, 6, 6>> optional_covariance(const TableReader& table, std::size_t first) {
@@ -267,11 +278,11 @@ std::vector<TrajectoryRow> read_trajectory_csv(const std::filesystem::path& path
                     "another first line");
   }
   const auto names = csv_columns();
-  TableReader table(path, {.names = {names.begin(), names.end()}, .counts = {kCsvColumns}});
+  TableReader table(path, {.names = {names.begin(), names.end()}, .counts = {kCsvColumnsOfOld, kCsvColumns}});
   std::vector<TrajectoryRow> rows;
   while (table.next()) {
     if (table.field(0) == "t_ns") {
-      for (std::size_t k = 0; k < kCsvColumns; ++k) {
+      for (std::size_t k = 0; k < table.columns(); ++k) {
         if (first_name(table.field(k)) != first_name(names[k])) {
           table.fail(fmt::format("{} as name of column {}", names[k], k + 1),
                      detail::excerpt(table.field(k)));
@@ -287,6 +298,11 @@ std::vector<TrajectoryRow> read_trajectory_csv(const std::filesystem::path& path
     row.bias_gyro = optional_vector3(table, 11);
     row.bias_accel = optional_vector3(table, 14);
     row.covariance = optional_covariance(table, 17);
+    if (table.columns() == kCsvColumns) {
+      row.sigma_v = optional_sigma(table, 38);
+      row.sigma_bias_gyro = optional_sigma(table, 41);
+      row.sigma_bias_accel = optional_sigma(table, 44);
+    }
     rows.push_back(row);
   }
   if (rows.empty()) {
@@ -309,6 +325,9 @@ void write_trajectory_csv(const std::filesystem::path& path, const std::vector<T
     add_optional(table, row.bias_gyro);
     add_optional(table, row.bias_accel);
     row.covariance ? add_covariance(table, *row.covariance) : table.empty_cells(21);
+    add_optional(table, row.sigma_v);
+    add_optional(table, row.sigma_bias_gyro);
+    add_optional(table, row.sigma_bias_accel);
     table.end_row();
   }
   write_file_atomically(path, table.text());

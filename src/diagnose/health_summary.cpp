@@ -201,6 +201,26 @@ std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
   return why_not(state) + ": " + sizes;
 }
 
+std::string advice_on(HealthVerdict verdict, bool moves) {
+  if (moves) {
+    return "find what lets the cameras move against each other (mount, screws, vibration): no calibration "
+           "fits them all the time; until then --method lcekf or adaptive";
+  }
+  switch (verdict) {
+    case HealthVerdict::kOk:
+      return "nothing; --method ekf gets the most out of a sound rig";
+    case HealthVerdict::kSuspect:
+    case HealthVerdict::kDegraded:
+      return "recalibrate when you can; --method lcekf or adaptive do not rely on the calibration";
+    case HealthVerdict::kDecalibrated:
+      return "recalibrate; until then --method lcekf or adaptive, which do not rely on the calibration";
+    case HealthVerdict::kCannotTell:
+      break;
+  }
+  return "record more motion: turn and tilt the rig, with at least twenty points in both cameras, some of "
+         "them nearer than a hundred baselines";
+}
+
 std::string change_in_words(const CalibrationState& change, const Tolerance& tolerance) {
   const std::string sizes = sizes_in_words(change, tolerance);
   switch (change.verdict) {

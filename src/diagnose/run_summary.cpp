@@ -3,6 +3,8 @@
 
 #include <sys/resource.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -11,6 +13,7 @@
 #include <utility>
 
 #include "limber/core/median.hpp"
+#include "limber/datasets/interpolate.hpp"
 #include "limber/evaluate/consistency.hpp"
 #include "limber/evaluate/evaluation.hpp"
 
@@ -70,6 +73,42 @@ std::vector<StampedPose> truth_seen_from(const std::vector<MatchedPose>& poses, 
   return out;
 }
 
+/// The same with what the recording knows of velocity and biases.
+GroundTruth motion_seen_from(const Recording& recording, const std::vector<MatchedPose>& poses,
+                             const Alignment& alignment) {
+  GroundTruth out;
+  if (!recording.groundtruth_has_velocity && !recording.groundtruth_has_biases) {
+    return out;
+  }
+  out.has_velocity = recording.groundtruth_has_velocity;
+  out.has_biases = recording.groundtruth_has_biases;
+  const Pose T_est_true = alignment.T_true_est.inverse();
+  for (const MatchedPose& pose : poses) {
+    GroundTruthState state = groundtruth_at(recording.groundtruth, pose.t_ns).value();
+    const Pose seen = T_est_true * pose.truth;
+    state.R_world_body = seen.R;
+    state.p_world_body = seen.p;
+    state.v_world_body = T_est_true.R * state.v_world_body;
+    out.states.push_back(state);
+  }
+  return out;
+}
+
+/// What is taken out before errors are counted; says what it finds of the truth's world.
+Alignment alignment_of(std::span<const MatchedPose> poses, std::span<const PoseCovariance> covariances,
+                       StartMode start, MotionModel motion, RunSummary& out) {
+  StartAlignment taken = start_alignment(poses, start, motion);
+  if (taken.in_words == kFirstPoseAlignment) {
+    if (const auto tilt = world_tilt(poses, covariances)) {
+      out.truth_tilt_deg = kDegreesPerRadian * tilt->angle;
+      out.truth_is_level = !tilt->is_askew();
+      taken = out.truth_is_level ? taken : upright_alignment(poses, *tilt);
+    }
+  }
+  out.alignment = taken.in_words;
+  return taken.alignment;
+}
+
 void judge(const Recording& recording, const RunOptions& options, const RunRecord& record, RunSummary& out) {
   std::vector<StampedPose> estimate, truth;
   std::vector<PoseCovariance> covariances;
@@ -95,9 +134,9 @@ void judge(const Recording& recording, const RunOptions& options, const RunRecor
   if (evaluation.sim3.errors) {
     out.scale = evaluation.sim3.alignment.scale;
   }
-  const auto [start, in_words] = start_alignment(poses, options.start, record.motion);
-  out.alignment = in_words;
+  const Alignment start = alignment_of(poses, covariances, options.start, record.motion, out);
   out.truth = truth_seen_from(poses, start);
+  out.truth_motion = motion_seen_from(recording, poses, start);
   const PoseErrorStatistics errors = absolute_errors(poses, start);
   out.position_rmse_m = errors.position_m.rmse;
   out.attitude_rmse_deg = errors.attitude_deg.rmse;
@@ -168,8 +207,13 @@ StartAlignment start_alignment(std::span<const MatchedPose> poses, StartMode sta
     return {{}, "nothing"};
   }
   return motion == MotionModel::kImu
-             ? StartAlignment{align(poses, AlignmentKind::kFirstPose), "position and yaw of the first pose"}
+             ? StartAlignment{align(poses, AlignmentKind::kFirstPose), std::string(kFirstPoseAlignment)}
              : StartAlignment{first_whole_pose(poses), "whole first pose"};
+}
+
+StartAlignment upright_alignment(std::span<const MatchedPose> poses, const WorldTilt& tilt) {
+  return {align_upright(poses, tilt), fmt::format("tilt of the truth's world ({:.1f} deg), then {}",
+                                                  kDegreesPerRadian * tilt.angle, kFirstPoseAlignment)};
 }
 
 void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibration& assumed,

@@ -38,7 +38,8 @@ std::vector<SmoothedState> StartWindow::trajectory() const {
       P = step.Phi * P * step.Phi.transpose() + step.Q;
     }
     const Eigen::Matrix<double, 6, 6> pose = P.topLeftCorner<6, 6>();
-    out.push_back({nav, 0.5 * (pose + pose.transpose())});
+    const Index rest = n - StateLayout::kPoseSize;
+    out.push_back({nav, 0.5 * (pose + pose.transpose()), P.bottomRightCorner(rest, rest)});
   }
   return out;
 }
@@ -55,7 +56,8 @@ SensorStartResult StartWindow::unsolved() const {
     sigma.position += kNothingKnown.velocity * seconds_between(raw.front().t_ns, frame.t_ns);
     out.initial = make_initial_state(nav, model.options.motion, sigma);
     const MatrixXd& P = out.initial.body_covariance;
-    out.trajectory.push_back({nav, P.topLeftCorner<6, 6>()});
+    const Index rest = P.rows() - StateLayout::kPoseSize;
+    out.trajectory.push_back({nav, P.topLeftCorner<6, 6>(), P.bottomRightCorner(rest, rest)});
   }
   return out;
 }

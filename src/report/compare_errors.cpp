@@ -50,23 +50,16 @@ void draw_bounds(const DrawnRun& drawn, ErrorFigures& out) {
 }
 
 ErrorFigures errors_against_truth(const RunGroup& group) {
-  const bool tilted = group.tilted();
-  const std::string caption = tilted ? "Length of the error after a rigid fit of all positions: aligned by "
-                                       "the first pose, most of it would "
-                                       "be that pose's, for instance because the world of the truth is not "
-                                       "level. So no bounds are drawn."
-                                     : "Length of the error, aligned as in each run's summary.json; dotted: "
-                                       "three standard deviations, root "
-                                       "of the summed variances.";
+  const std::string caption = fmt::format(
+      "Length of the error, aligned as in each run's summary.json{}; dotted: three standard "
+      "deviations, root of the summed variances.",
+      group.tilted() ? " (the world of the truth is not level: that tilt is taken out)" : "");
   ErrorFigures out{
       figure_over_time("position-error" + group.id, "Position error", {{"error", "m"}}, caption),
       figure_over_time("attitude-error" + group.id, "Attitude error", {{"error", "deg"}}, caption)};
   for (const DrawnRun& drawn : group.runs) {
-    draw_errors(drawn, drawn.run->matched,
-                tilted ? align(drawn.run->matched, AlignmentKind::kSe3).T_true_est : Pose{}, out);
-    if (!tilted) {
-      draw_bounds(drawn, out);
-    }
+    draw_errors(drawn, drawn.run->matched, {}, out);
+    draw_bounds(drawn, out);
   }
   return out;
 }
@@ -127,6 +120,18 @@ ReportSection errors_section(const RunGroup& group) {
   section.blocks.emplace_back(std::move(figures.attitude));
   if (judged) {
     section.blocks.emplace_back(relative_figure(group));
+    ReportFigure over_distance = distance_figure(group.runs, group.id);
+    if (!over_distance.traces.empty()) {
+      section.blocks.emplace_back(std::move(over_distance));
+    }
+  }
+  return section;
+}
+
+ReportSection states_section(const RunGroup& group) {
+  ReportSection section{"motion", "Velocity and biases", {}};
+  for (ReportFigure& figure : motion_figures(group.runs, group.id)) {
+    section.blocks.emplace_back(std::move(figure));
   }
   return section;
 }

@@ -59,6 +59,7 @@ ReportSection paths_section(const RunGroup& group) {
     truth = {"truth", "truth", TraceShape::kLine, {}, {}, {}, 0};
     for (const MatchedPose& pose : group.first().matched) {
       append(pose.truth.p, truth);
+      truth.t.push_back(group.runs.front().seconds(pose.t_ns));
     }
   }
   for (std::size_t k = 0; k < group.runs.size(); ++k) {
@@ -68,6 +69,7 @@ ReportSection paths_section(const RunGroup& group) {
     path = {drawn.name, drawn.style, TraceShape::kLine, {}, {}, {}, 0};
     for (const TrajectoryRow& row : drawn.run->trajectory) {
       append(alignment * row.T_world_body.p, path);
+      path.t.push_back(drawn.seconds(row.t_ns));
     }
   }
   return {"trajectory", "Trajectory", {std::move(figure)}};

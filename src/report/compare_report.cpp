@@ -43,20 +43,54 @@ std::vector<RunGroup> groups_of(const std::vector<RunFolder>& folders, const Run
   return groups;
 }
 
-/// The answer in a few tiles: what the differences say, else how far the runs are apart.
-std::vector<ReportFact> facts_of(const RunComparison& comparison) {
-  std::vector<ReportFact> facts;
+/// Each run of a group against the first, as far as there is more to say than a distance.
+void add_differences(const RunComparison& comparison, std::vector<std::string>& out) {
   for (const RunDifference& difference : comparison.differences) {
     const std::string &run = comparison.runs[difference.run].label,
                       &against = comparison.runs[difference.against].label;
-    if (difference.rpe_percent) {
-      facts.push_back({fmt::format("RPE, {} minus {}", run, against),
-                       fmt::format("{:+.2g} %: {}", difference.rpe_percent->mean,
-                                   to_string(judge(*difference.rpe_percent)))});
-    } else {
-      facts.push_back({fmt::format("{} from {}, at the end", run, against),
-                       fmt::format("{:.3g} m apart", difference.apart_end_m)});
+    out.push_back(
+        difference.rpe_percent
+            ? fmt::format("Relative error of {} minus that of {}, in % of the distance: {}.", run, against,
+                          difference_in_words(*difference.rpe_percent))
+            : fmt::format("At the end {} is {:.3g} m from {}.", run, difference.apart_end_m, against));
+  }
+}
+
+/// Which run of a recording comes closest to the truth, and how close.
+std::string closest_of(const RunGroup& group) {
+  if (!group.has_truth()) {
+    return "no truth is known";
+  }
+  const auto best = std::min_element(group.compared.begin(), group.compared.end(),
+                                     [](const ComparedRun* a, const ComparedRun* b) {
+                                       return *a->ate_m < *b->ate_m;  // known, as the truth is
+                                     });
+  return fmt::format("{}, {:.3g} m (ATE)", (*best)->label, *(*best)->ate_m);
+}
+
+ReportAnswer comparison_answer(const RunComparison& comparison, const std::vector<RunGroup>& groups) {
+  ReportAnswer out;
+  out.headline = "Closest to the truth";
+  if (groups.size() == 1) {
+    out.headline += ": " + closest_of(groups.front());
+  } else {
+    for (const RunGroup& group : groups) {
+      out.sentences.push_back(
+          fmt::format("On {}: {}.", group.compared.front()->recording, closest_of(group)));
     }
+  }
+  add_differences(comparison, out.sentences);
+  return out;
+}
+
+/// The main figures of each run.
+std::vector<ReportFact> facts_of(const RunComparison& comparison) {
+  std::vector<ReportFact> facts;
+  for (const ComparedRun& run : comparison.runs) {
+    std::string value = run.ate_m ? fmt::format("{:.3g} m", *run.ate_m) : "no truth";
+    value += run.anees ? fmt::format(", ANEES {:.3g}", *run.anees) : "";
+    value += run.end == RunEnd::kDone ? "" : ", " + to_string(run.end);
+    facts.push_back({run.label + (run.ate_m ? ", ATE" : ""), value});
   }
   return facts;
 }
@@ -70,7 +104,8 @@ std::string names_of(const std::vector<RunGroup>& groups) {
 }
 
 void add_sections(const RunGroup& group, bool only, ReportDocument& document) {
-  for (ReportSection section : {paths_section(group), errors_section(group), calibrations_section(group)}) {
+  for (ReportSection section :
+       {paths_section(group), errors_section(group), states_section(group), calibrations_section(group)}) {
     if (!section.blocks.empty()) {
       section.id += group.id;
       section.title += only ? "" : " on " + group.compared.front()->recording;
@@ -101,6 +136,7 @@ ReportDocument compare_report(std::span<const std::filesystem::path> folders, co
       fmt::format("{} run{} on {}", runs.size(), runs.size() == 1 ? "" : "s", detail::names_of(groups));
   document.subtitle = fmt::format("The first run of a recording is what its others are compared with: {}",
                                   comparison.runs.front().label);
+  document.answer = detail::comparison_answer(comparison, groups);
   document.facts = detail::facts_of(comparison);
   document.sections.push_back(detail::comparison_section(comparison));
   for (const detail::RunGroup& group : groups) {

@@ -16,8 +16,9 @@ struct RunGroup {
   std::vector<DrawnRun> runs;
   std::vector<const ComparedRun*> compared;  ///< of the same runs
   [[nodiscard]] const RunFolder& first() const { return *runs.front().run; }
-  /// The truth of all is known, and errors of the first pose do not hide what follows.
+  /// The truth of all is known.
   [[nodiscard]] bool has_truth() const;
+  /// The world of the truth is not level.
   [[nodiscard]] bool tilted() const;
 };
 
@@ -25,6 +26,8 @@ struct RunGroup {
 [[nodiscard]] ReportSection paths_section(const RunGroup& group);
 /// Position and attitude error over time, and relative errors; without truth the distance to the first run.
 [[nodiscard]] ReportSection errors_section(const RunGroup& group);
+/// Velocity and biases. May be without blocks.
+[[nodiscard]] ReportSection states_section(const RunGroup& group);
 /// What the runs estimated of the calibration, and what their health says of it. May be without blocks.
 [[nodiscard]] ReportSection calibrations_section(const RunGroup& group);
 

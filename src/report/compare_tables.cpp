@@ -33,13 +33,13 @@ TableCell verdict_cell(const ComparedRun& run) {
 }
 
 ReportTable table_of(const std::vector<ComparedRun>& runs) {
-  ReportTable table{
-      "Runs",
-      {"run", "recording", "ATE [m]", "RPE [%]", "over [m]", "attitude [deg]", "ANEES", "scale [%]",
-       "calibration", "ms a frame (p99)", "end"},
-      {},
-      "ATE and attitude: RMSE after a rigid fit. RPE: mean over disjoint pieces of the path. ANEES: "
-      "1 where the filter knows how wrong it is. Scale: error of the estimate. –: not known."};
+  ReportTable table{"Runs",
+                    {"run", "recording", "ATE [m]", "RPE [%]", "over [m]", "attitude [deg]", "ANEES",
+                     "scale [%]", "calibration", "ms a frame (p99)", "end"},
+                    {},
+                    "ATE: RMSE after a rigid fit; attitude: after the run's own alignment. RPE: mean over "
+                    "disjoint pieces of the path. ANEES: "
+                    "1 where the filter knows how wrong it is. Scale: error of the estimate. –: not known."};
   for (const ComparedRun& run : runs) {
     table.rows.push_back(
         {{run.label},

@@ -51,6 +51,19 @@ std::string_view to_string(TraceShape shape) {
   return kNames[static_cast<std::size_t>(shape)];
 }
 
+std::string_view to_string(ReportAnswer::Light light) {
+  constexpr std::string_view kNames[] = {"", "green", "yellow", "red", "grey"};
+  return kNames[static_cast<std::size_t>(light)];
+}
+
+Json to_json(const std::optional<ReportAnswer>& answer) {
+  return answer ? Json{{"light", to_string(answer->light)},
+                       {"headline", answer->headline},
+                       {"sentences", answer->sentences},
+                       {"advice", answer->advice}}
+                : Json(nullptr);
+}
+
 std::string_view to_string(TableCell::Mark mark) {
   constexpr std::string_view kNames[] = {"", "best", "bad"};
   return kNames[static_cast<std::size_t>(mark)];
@@ -67,6 +80,9 @@ void check(const ReportFigure& figure, const ReportTrace& trace) {
   require(trace.x.size() == trace.y.size() && trace.z.size() == (in_space ? trace.x.size() : 0),
           fmt::format("figure '{}', trace '{}' has {} x, {} y and {} z", figure.id, trace.name,
                       trace.x.size(), trace.y.size(), trace.z.size()));
+  require(trace.t.empty() || trace.t.size() == trace.x.size(),
+          fmt::format("figure '{}', trace '{}' has {} x and {} t", figure.id, trace.name, trace.x.size(),
+                      trace.t.size()));
   require(trace.panel < (in_space ? 1 : figure.y.size()),
           fmt::format("figure '{}', trace '{}': there is no panel {}", figure.id, trace.name, trace.panel));
 }
@@ -195,9 +211,14 @@ class DocumentWriter {
     if (kind == FigureKind::kSpace) {
       json["z"] = series_.add(trace.z, drawn);
     }
+    if (!trace.t.empty()) {
+      json["t"] = series_.add(trace.t, drawn);
+    }
     return json;
   }
-  static Json to_json(const ReportAxis& axis) { return {{"title", axis.title}, {"unit", axis.unit}}; }
+  static Json to_json(const ReportAxis& axis) {
+    return {{"title", axis.title}, {"unit", axis.unit}, {"log", axis.log}};
+  }
 
   void claim_id(const std::string& id) {
     require(!id.empty() && ids_.insert(id).second, "the id '" + id + "' is empty or used twice");
@@ -214,6 +235,7 @@ std::string report_json(const ReportDocument& document) {
   Json json;
   json["title"] = document.title;
   json["subtitle"] = document.subtitle;
+  json["answer"] = to_json(document.answer);
   json["facts"] = writer.facts(document.facts);
   json["sections"] = Json::array();
   for (const ReportSection& section : document.sections) {

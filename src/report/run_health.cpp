@@ -166,6 +166,9 @@ std::vector<ReportFigure> offset_figures(const std::vector<DrawnRun>& runs, cons
 
 ReportSection calibration_section(const RunFolder& run) {
   ReportSection section{"calibration", "Calibration", {}};
+  if (run.health.empty()) {
+    return section;
+  }
   const Json& health = run.summary.at("health");
   const Json& state = health.at("present");
   section.blocks.emplace_back(ReportText{fmt::format("Verdict: {}.", health.value("verdict", ""))});

@@ -25,7 +25,16 @@ struct DrawnRun {
 
 [[nodiscard]] ReportSection path_section(const RunFolder& run);
 [[nodiscard]] ReportSection error_section(const RunFolder& run);
-/// Of a run whose calibration was watched.
+/// Relative errors over several lengths; of a run without truth, or that hardly moves, without blocks.
+[[nodiscard]] ReportSection distance_section(const RunFolder& run);
+/// The same of several runs in one figure, without traces where nothing is known; `id` ends the figure's id.
+[[nodiscard]] ReportFigure distance_figure(const std::vector<DrawnRun>& runs, const std::string& id = "");
+/// Velocity and biases; without blocks where none is known.
+[[nodiscard]] ReportSection motion_section(const RunFolder& run);
+/// Velocity errors and biases of runs, with 3 sigma, one over the other; `id` ends the figures' ids.
+[[nodiscard]] std::vector<ReportFigure> motion_figures(const std::vector<DrawnRun>& runs,
+                                                       const std::string& id = "");
+/// Without blocks where the calibration was not watched.
 [[nodiscard]] ReportSection calibration_section(const RunFolder& run);
 /// What runs estimated of their calibration, three parameters a figure; `id` ends the figures' ids.
 [[nodiscard]] std::vector<ReportFigure> estimated_figures(const std::vector<DrawnRun>& runs,
@@ -33,14 +42,17 @@ struct DrawnRun {
 /// What the health of runs whose calibration was watched says of rotation and translation of their rigs.
 [[nodiscard]] std::vector<ReportFigure> offset_figures(const std::vector<DrawnRun>& runs,
                                                        const std::string& id = "");
-/// Of a run that estimated something of its calibration.
+/// Without blocks where nothing of the calibration was estimated.
 [[nodiscard]] ReportSection estimated_section(const RunFolder& run);
 [[nodiscard]] ReportSection innovation_section(const RunFolder& run);
 [[nodiscard]] ReportSection point_section(const RunFolder& run);
 [[nodiscard]] ReportSection time_section(const RunFolder& run);
 [[nodiscard]] ReportSection summary_section(const RunFolder& run);
 
-/// What a reader wants to know first.
+/// What a page of a run opens on, as summary.json has it; of an older one the verdict alone.
+[[nodiscard]] ReportAnswer answer_of(const Json& summary);
+
+/// The main figures, those that are known.
 [[nodiscard]] std::vector<ReportFact> lead_facts(const Json& summary);
 
 /// Any JSON value as a reader wants it.

@@ -159,6 +159,14 @@ ReportTrace points(const std::string& name, const std::string& style, TraceShape
   return trace;
 }
 
+/// Of the frames of a path; of a run that broke down, the first ones.
+std::vector<double> times_of(std::size_t frames, const StudyCaseInfo& info) {
+  if (frames > info.frame_times.size()) {
+    return {};
+  }
+  return {info.frame_times.begin(), info.frame_times.begin() + static_cast<std::ptrdiff_t>(frames)};
+}
+
 ReportFigure path_figure(const CaseContext& context) {
   const ExampleRun& example = context.results.example;
   ReportFigure figure = new_figure(context, "path", "Path and landmarks of run 0", {{"y", "m"}, {"z", "m"}},
@@ -168,9 +176,11 @@ ReportFigure path_figure(const CaseContext& context) {
   figure.half_width = false;
   figure.traces.push_back(points("landmarks", "landmarks", TraceShape::kDots, example.landmarks));
   figure.traces.push_back(points("truth", "truth", TraceShape::kLine, example.truth));
+  figure.traces.back().t = times_of(example.truth.size(), context.results.info);
   for (std::size_t k = 0; k < example.estimate.size(); ++k) {
     const std::string& label = context.results.methods[k].summary.label;
     figure.traces.push_back(points(label, label, TraceShape::kLine, example.estimate[k]));
+    figure.traces.back().t = times_of(example.estimate[k].size(), context.results.info);
   }
   FigureVariant alone{"path alone", figure.variants.front().hidden_styles};
   alone.hidden_styles.emplace_back("landmarks");

@@ -87,17 +87,13 @@ ReportSection case_section(const CaseContext& context, const StudyComments::Case
 }
 
 ReportSection overview_section(const StudyResults& results, const StudyComments& comments) {
-  ReportSection section{"overview", "Overview", {}};
+  ReportSection section{"overview", "Overview", comments.overview};
   if (comments.overview.empty()) {
-    for (const StudyCaseResults& study_case : results.cases) {
-      section.blocks.emplace_back(ReportText{detail::answer_in_words(study_case)});
-    }
     section.blocks.emplace_back(detail::answer_table(results));
   }
   for (ReportTable& table : detail::overview_tables(results)) {
     section.blocks.emplace_back(std::move(table));
   }
-  append(section.blocks, comments.overview);
   return section;
 }
 
@@ -111,6 +107,7 @@ ReportDocument study_report(const StudyResults& results, const StudyComments& co
   ReportDocument document;
   document.title = comments.title.empty() ? "Monte Carlo study" : comments.title;
   document.subtitle = "Mean over runs; in every run each method sees the same noise";
+  document.answer = comments.answer ? *comments.answer : detail::study_answer(results);
   document.facts = {{"cases", std::to_string(results.cases.size())},
                     {"runs", runs_in_words(results)},
                     {"diverged", std::to_string(diverged_runs(results))},

@@ -20,10 +20,13 @@ struct CaseContext {
 /// Mean squared errors with 3 sigma, landmarks, consistency, calibration, path; empty ones are left out.
 [[nodiscard]] std::vector<ReportFigure> case_figures(const CaseContext& context);
 
-/// The main figures of all methods in all cases: what a page opens on.
+/// The main figures of all methods in all cases.
 [[nodiscard]] ReportTable answer_table(const StudyResults& results);
 /// A sentence or two of it about one case.
 [[nodiscard]] std::string answer_in_words(const StudyCaseResults& results);
+/// Who comes closest, with such sentences about the first few cases.
+[[nodiscard]] ReportAnswer study_answer(const StudyResults& results);
+inline constexpr std::size_t kCasesInAnswer = 4;
 
 /// All methods of a case.
 [[nodiscard]] ReportTable case_table(const StudyCaseResults& results);

@@ -159,26 +159,6 @@ ReportTable answer_table(const StudyResults& results) {
   return table;
 }
 
-std::string answer_in_words(const StudyCaseResults& results) {
-  std::string best, sure;
-  for (const BriefRow& row : brief_rows(summaries_of(results))) {
-    if (row.is_best) {
-      best = row.label;
-    }
-    if (row.is_overconfident) {
-      sure += (sure.empty() ? "" : ", ") + row.label + " (" + row.to_claimed + ")";
-    }
-  }
-  if (best.empty()) {
-    return results.info.name + ": no run is finished.";
-  }
-  return fmt::format("{} ({} rig), started {}: {} comes closest. {}", results.info.name,
-                     results.info.scenario.decalibration.empty() ? "sound" : "bent",
-                     start_in_words(results.info.start), best,
-                     sure.empty() ? "No filter is more than twice as wrong as it claims."
-                                  : "More than twice as wrong as they claim: " + sure + ".");
-}
-
 ReportTable case_table(const StudyCaseResults& results) {
   ReportTable table{"All methods",
                     {"method", "runs", "position RMSE [m]", "median (95 %)", "worst run [m]",

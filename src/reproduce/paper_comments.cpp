@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "reproduce/paper_claims.hpp"
 #include "reproduce/paper_measures.hpp"
@@ -22,21 +23,57 @@ bool has_paper_case(const StudyResults& results) {
                      [](const auto& c) { return paper_case_of(c.info).has_value(); });
 }
 
-/// Every claim in a line: what a reader looks for first.
+bool is_judged(const PaperClaim& claim) { return claim.claim.verdict != Verdict::kNotMeasured; }
+
+/// Every claim that was judged, in a line: what a reader looks for first.
 ReportClaims verdicts(const std::vector<PaperClaim>& claims) {
   ReportClaims out{"The paper's claims at a glance", {}, true};
   for (const PaperClaim& claim : claims) {
-    out.claims.push_back(claim.claim);
+    if (is_judged(claim)) {
+      out.claims.push_back(claim.claim);
+    }
   }
   return out;
 }
 
-/// Claims that speak of this case alone; of several: `across`.
+/// The claims that this study cannot judge, behind a line that opens them.
+ReportListing left_out(const std::vector<PaperClaim>& claims) {
+  ReportListing out{fmt::format("{} claims of the paper are about what this study does not hold",
+                                count(claims, Verdict::kNotMeasured)),
+                    ""};
+  for (const PaperClaim& claim : claims) {
+    if (!is_judged(claim)) {
+      out.text +=
+          fmt::format("{}\n  {}: {}\n", claim.claim.statement, claim.claim.source, claim.claim.measured);
+    }
+  }
+  return out;
+}
+
+ReportAnswer answer_of(const std::vector<PaperClaim>& claims) {
+  const std::size_t agree = count(claims, Verdict::kAgrees), disagree = count(claims, Verdict::kDisagrees),
+                    open = count(claims, Verdict::kNotMeasured);
+  ReportAnswer out;
+  if (agree + disagree == 0) {
+    out.headline = "No claim of the paper can be judged by this study";
+  } else {
+    out.headline = fmt::format("{} of the {} claims of the paper that this study can judge agree", agree,
+                               agree + disagree);
+  }
+  if (open > 0) {
+    out.sentences.push_back(fmt::format(
+        "{} others are about what it does not hold: limber paper without --figure measures all.", open));
+  }
+  return out;
+}
+
+/// Judged claims that speak of this case alone; of several: `across`.
 ReportClaims claims_about(const std::vector<PaperClaim>& claims, const std::optional<PaperCase>& paper_case) {
   ReportClaims out{"What the paper claims, and what was measured", {}, false};
   for (const PaperClaim& claim : claims) {
     const bool is_about_one = claim.cases.size() == 1;
-    if (paper_case ? is_about_one && claim.cases.front() == *paper_case : !is_about_one) {
+    if (is_judged(claim) &&
+        (paper_case ? is_about_one && claim.cases.front() == *paper_case : !is_about_one)) {
       out.claims.push_back(claim.claim);
     }
   }
@@ -76,18 +113,24 @@ StudyComments paper_comments(const StudyResults& results) {
   const std::vector<PaperClaim> claims = paper_claims(results);
   StudyComments out;
   out.title = "The paper's experiment";
+  out.answer = answer_of(claims);
   out.facts = {{"claims that agree", std::to_string(count(claims, Verdict::kAgrees))},
-               {"that do not", std::to_string(count(claims, Verdict::kDisagrees))},
-               {"not measured", std::to_string(count(claims, Verdict::kNotMeasured))}};
-  out.overview = {
-      verdicts(claims),
-      ReportText{"What was measured, and the rule that decides, stand with each case below and, for claims "
-                 "about several cases, under the last heading."}};
+               {"that do not", std::to_string(count(claims, Verdict::kDisagrees))}};
+  ReportClaims judged = verdicts(claims);
+  if (!judged.claims.empty()) {
+    out.overview = {std::move(judged),
+                    ReportText{"What was measured, and the rule that decides, stand with the cases below."}};
+  }
+  if (count(claims, Verdict::kNotMeasured) > 0) {
+    out.overview.emplace_back(left_out(claims));
+  }
   const detail::PaperStudy study(results);
   for (std::size_t k = 0; k < results.cases.size(); ++k) {
     out.cases.push_back(case_comments(study, k, claims));
   }
-  out.sections = {{"claims", "Claims across cases", {claims_about(claims, std::nullopt)}}};
+  if (ReportClaims across = claims_about(claims, std::nullopt); !across.claims.empty()) {
+    out.sections = {{"claims", "Claims across cases", {std::move(across)}}};
+  }
   return out;
 }
 

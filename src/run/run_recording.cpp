@@ -74,8 +74,10 @@ std::size_t first_frame(const Recording& recording, const RunOptions& options, M
 
 TrajectoryRow row_of(const Navigator& navigator) {
   const Estimate& estimate = navigator.estimate();
-  return trajectory_row(estimate.nav, estimate.layout().motion,
-                        estimate.P.diagonal_block<StateLayout::kPoseSize>(0));
+  constexpr Eigen::Index kPose = StateLayout::kPoseSize;
+  const Eigen::Index rest = estimate.layout().body_size() - kPose;
+  return trajectory_row(estimate.nav, estimate.layout().motion, estimate.P.diagonal_block<kPose>(0),
+                        estimate.P.block(kPose, kPose, rest, rest));
 }
 
 void keep_calibration(const Navigator& navigator, RunRecord& record) {
@@ -136,7 +138,8 @@ void keep_window(const SensorWindow& window, const Navigator& navigator, RunReco
   const CalibrationEstimate calibration = navigator.calibration_estimate();
   for (std::size_t k = 0; k < window.frames.size(); ++k) {
     const SmoothedState& state = window.result.trajectory[k];
-    record.trajectory.push_back(trajectory_row(state.nav, record.motion, state.pose_covariance));
+    record.trajectory.push_back(
+        trajectory_row(state.nav, record.motion, state.pose_covariance, state.motion_covariance));
     record.frames.push_back(window.frames[k]);
     if (window.result.solved && window.frames[k].observed > 0) {
       record.frames.back().status = UpdateStatus::kUpdated;

@@ -3,12 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
 #include <optional>
 
 #include "io/json_text.hpp"
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/landmarks_ply.hpp"
+#include "limber/diagnose/run_summary.hpp"
+#include "limber/evaluate/trajectory_error.hpp"
+#include "limber/evaluate/world_tilt.hpp"
 
 namespace limber::detail {
 namespace {
@@ -38,6 +42,43 @@ std::vector<MatchedPose> match_truth(const RunFolder& folder, const fs::path& pa
     throw DataError(path.string(), 0, "the truth at times of trajectory.csv", "other times");
   }
   return matched;
+}
+
+/// Older versions left the tilt of a truth's world in the errors: takes it out, and says so in the summary.
+void set_truth_upright(RunFolder& folder) {
+  if (folder.matched.empty() ||
+      folder.summary.value("alignment", Json()) != std::string(kFirstPoseAlignment)) {
+    return;
+  }
+  std::vector<PoseCovariance> covariances;
+  for (const TrajectoryRow& row : folder.trajectory) {
+    covariances.push_back(row.covariance.value_or(PoseCovariance::Zero()));
+  }
+  const auto tilt = world_tilt(folder.matched, covariances);
+  if (!tilt || !tilt->is_askew()) {
+    return;
+  }
+  const auto [alignment, in_words] = upright_alignment(folder.matched, *tilt);
+  const Pose T_est_true = alignment.T_true_est.inverse();
+  for (MatchedPose& pose : folder.matched) {
+    pose.truth = T_est_true * pose.truth;
+  }
+  const PoseErrorStatistics errors = absolute_errors(folder.matched, {});
+  const Consistency consistency =
+      average_nees(folder.matched, covariances, {}, folder.trajectory.front().t_ns);
+  Json& summary = folder.summary;
+  summary["alignment"] = in_words;
+  summary["truth_tilt_deg"] = tilt->angle * 180.0 / std::numbers::pi;
+  summary["truth_is_level"] = false;
+  summary["position_rmse_m"] = errors.position_m.rmse;
+  summary["attitude_rmse_deg"] = errors.attitude_deg.rmse;
+  const auto part = [&consistency](double PoseNees::*which) {
+    return consistency.anees ? Json((*consistency.anees).*which) : Json(nullptr);
+  };
+  summary["anees"] = part(&PoseNees::pose);
+  summary["anees_position"] = part(&PoseNees::position);
+  summary["anees_attitude"] = part(&PoseNees::attitude);
+  summary["anees_scale"] = consistency.anees_scale ? Json(*consistency.anees_scale) : Json(nullptr);
 }
 
 }  // namespace
@@ -75,6 +116,10 @@ RunFolder read_run_folder(const fs::path& path) {
   }
   folder.landmarks = read_landmarks_ply(path / "landmarks.ply");
   folder.matched = match_truth(folder, path / "truth.tum");
+  if (fs::exists(path / "truth.csv")) {
+    folder.truth_motion = read_euroc_groundtruth(path / "truth.csv");
+  }
+  set_truth_upright(folder);
   return folder;
 }
 

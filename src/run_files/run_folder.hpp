@@ -31,6 +31,7 @@ struct RunFolder {
   std::vector<CalibrationRow> calibration;  ///< empty where it was not estimated
   std::map<std::int64_t, Eigen::Vector3d> landmarks;
   std::vector<MatchedPose> matched;  ///< with the truth; empty where it is not known
+  GroundTruth truth_motion;          ///< truth.csv; empty where there is none
 
   /// Seconds since the first frame.
   [[nodiscard]] double seconds(std::int64_t t_ns) const {

@@ -11,6 +11,7 @@
 
 #include "limber/core/errors.hpp"
 #include "limber/datasets/landmarks_ply.hpp"
+#include "limber/diagnose/run_answer.hpp"
 #include "limber/io/atomic_file.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "limber/run_files/calibration_file.hpp"
@@ -116,10 +117,18 @@ Json to_json(const CleaningReport& report) {
           {"waiting_points", report.waiting_points}};
 }
 
+Json to_json(const RunAnswer& answer) {
+  return {{"light", to_string(answer.light)},
+          {"headline", answer.headline},
+          {"sentences", answer.sentences},
+          {"advice", answer.advice}};
+}
+
 Json to_json(const RunOptions& options, const RunRecord& record, const RunSummary& s) {
   Json json;
   json["method"] = s.method;
   json["dataset"] = s.dataset;
+  json["answer"] = to_json(answer_of(options, record, s));
   json["frames"] = s.frames;
   json["duration_s"] = s.duration_s;
   json["path_length_m"] = s.path_length_m;
@@ -172,6 +181,8 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["odometry_noise"] = record.odometry_noise ? to_json(*record.odometry_noise) : Json(nullptr);
   json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start) : Json(nullptr);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
+  json["truth_tilt_deg"] = or_null(s.truth_tilt_deg);
+  json["truth_is_level"] = s.truth_tilt_deg ? Json(s.truth_is_level) : Json(nullptr);
   json["theta_assumed"] = std::vector<double>(record.theta_assumed.data(), record.theta_assumed.data() + 6);
   json["theta"] = std::vector<double>(record.theta.data(), record.theta.data() + 6);
   json["estimated"] = estimated_parameters(record);
@@ -220,8 +231,8 @@ std::string refusals_csv(const RunRecord& record) {
 
 const std::vector<std::string>& run_file_names() {
   static const std::vector<std::string> kNames = {
-      "trajectory.tum", "trajectory.csv",  "landmarks.ply", "frames.csv",   "refusals.csv",
-      "health.csv",     "calibration.csv", "truth.tum",     "summary.json", "health_state.json"};
+      "trajectory.tum",  "trajectory.csv", "landmarks.ply", "frames.csv",   "refusals.csv",     "health.csv",
+      "calibration.csv", "truth.tum",      "truth.csv",     "summary.json", "health_state.json"};
   return kNames;
 }
 
@@ -257,11 +268,16 @@ void write_run_output(const std::filesystem::path& folder, const RunOptions& opt
       write_tum(staged.path() / "truth.tum", summary.truth);
       names.emplace_back("truth.tum");
     }
+    if (!summary.truth_motion.states.empty()) {
+      write_euroc_groundtruth(staged.path() / "truth.csv", summary.truth_motion);
+      names.emplace_back("truth.csv");
+    }
     write_file_atomically(staged.path() / "summary.json", summary_json(options, record, summary));
     names.emplace_back("summary.json");
     // An older run's must not stand beside new files.
     std::filesystem::remove(folder / "summary.json");
     std::filesystem::remove(folder / "truth.tum");
+    std::filesystem::remove(folder / "truth.csv");
     std::filesystem::remove(folder / "health.csv");
     std::filesystem::remove(folder / "health_state.json");
     std::filesystem::remove(folder / "calibration.csv");

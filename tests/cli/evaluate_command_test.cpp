@@ -51,7 +51,9 @@ std::vector<StampedPose> circle(double radius = 10.0, std::int64_t t0_ns = 1'403
 std::vector<TrajectoryRow> wrong_rows() {
   std::vector<TrajectoryRow> rows;
   for (const StampedPose& pose : circle()) {
-    TrajectoryRow row{pose.t_ns, pose.T_world_body, {}, {}, {}, {}};
+    TrajectoryRow row;
+    row.t_ns = pose.t_ns;
+    row.T_world_body = pose.T_world_body;
     row.T_world_body.p.x() -= 0.1;
     row.covariance.emplace(Eigen::Matrix<double, 6, 6>::Identity() * 1e-4);
     row.covariance->topLeftCorner<3, 3>() *= 25.0;
@@ -125,6 +127,72 @@ TEST(EvaluateCommand, GivesNeesOfARunFolderAgainstARecordingFolder) {
       run_limber({"evaluate", (folder.path() / "run").string(), (folder.path() / "rig/mav0").string()});
   EXPECT_EQ(inside.exit_code, 0) << inside.err;
   EXPECT_THAT(inside.out, HasSubstr("Consistency"));
+}
+
+TEST(EvaluateCommand, TakesOutTheTiltOfAWorldThatIsNotLevel) {
+  const TemporaryFolder folder;
+  write_trajectory_csv(folder.path() / "run.csv", wrong_rows());
+  std::vector<StampedPose> askew = circle();
+  const Pose T_side_level{so3_exp({1.2, 0.0, 0.0}) * so3_exp({0.0, 0.0, 0.4}), {1.0, 2.0, 3.0}};
+  for (StampedPose& pose : askew) {
+    pose.T_world_body = T_side_level * pose.T_world_body;
+  }
+  write_tum(folder.path() / "askew.tum", askew);
+  write_tum(folder.path() / "level.tum", circle());
+  const Json json = evaluation(folder.path() / "run.csv", folder.path() / "askew.tum");
+  EXPECT_NEAR(json["tilt_deg"].get<double>(), 1.2 * 180.0 / std::numbers::pi, 1e-6);
+  EXPECT_GT(json["ape"]["first_pose"]["rotation_deg"]["rmse"].get<double>(), 60.0);
+  EXPECT_NEAR(json["ape"]["upright"]["rotation_deg"]["rmse"].get<double>(), 0.0, 1e-5);
+  EXPECT_NEAR(json["ape"]["upright"]["translation_m"]["rmse"].get<double>(), 0.0, 1e-9);
+  EXPECT_NEAR(json["anees"]["upright"]["pose"].get<double>(), 0.0, 1e-9);
+  const auto text =
+      run_limber({"evaluate", (folder.path() / "run.csv").string(), (folder.path() / "askew.tum").string()});
+  EXPECT_THAT(text.out, HasSubstr("tilt          68.8 deg between the verticals"));
+
+  const Json level = evaluation(folder.path() / "run.csv", folder.path() / "level.tum");
+  EXPECT_NEAR(level["tilt_deg"].get<double>(), 0.0, 1e-6);
+  EXPECT_TRUE(level["ape"]["upright"].is_null());
+  EXPECT_TRUE(level["anees"]["upright"].is_null());
+}
+
+TEST(EvaluateCommand, AgreesWithARunBesideARealTruthThatIsNotLevel) {
+  LIMBER_NEED_DATA(april, "track_logs/euroc_imu_april");
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "run";
+  const auto run = run_limber({"run", april.string(), "--out", out.string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("the world of the truth is not level, its vertical is 77"));
+  const Json summary = Json::parse(testing::read_text(out / "summary.json"));
+  EXPECT_EQ(summary["truth_is_level"], false);
+  EXPECT_LT(summary["attitude_rmse_deg"], 1.5);  // 77 deg with the tilt in it
+  EXPECT_LT(summary["position_rmse_m"], 2.0 * summary["ate_m"]["se3"].get<double>());
+  EXPECT_LT(summary["anees"], 100.0);  // 7.6e5
+  const Json evaluated = evaluation(out, april);
+  const auto expect_equal = [](const Json& a, const Json& b) {
+    EXPECT_NEAR(a.get<double>(), b.get<double>(), 1e-6 * std::abs(b.get<double>()));
+  };
+  expect_equal(evaluated["tilt_deg"], summary["truth_tilt_deg"]);
+  expect_equal(evaluated["ape"]["upright"]["translation_m"]["rmse"], summary["position_rmse_m"]);
+  expect_equal(evaluated["ape"]["upright"]["rotation_deg"]["rmse"], summary["attitude_rmse_deg"]);
+  expect_equal(evaluated["anees"]["upright"]["pose"], summary["anees"]);
+}
+
+TEST(EvaluateCommand, SaysHowErrorsGrowWithTheDistance) {
+  const TemporaryFolder folder;
+  write_tum(folder.path() / "estimate.tum", circle(9.0));
+  write_tum(folder.path() / "truth.tum", circle(10.0));
+  const Json errors =
+      evaluation(folder.path() / "estimate.tum", folder.path() / "truth.tum")["rpe"]["over_distance"];
+  ASSERT_EQ(errors.size(), 4U);  // of 63 m: 2, 5, 10 and 20; no two frames are 1 m apart
+  EXPECT_EQ(errors[2]["distance_m"], 10.0);
+  const Json ten = evaluation(folder.path() / "estimate.tum", folder.path() / "truth.tum",
+                              {"--rpe-distance", "10"})["rpe"]["distance"];
+  EXPECT_EQ(errors[2]["pieces"], ten["translation_m"]["count"]);
+  EXPECT_NEAR(errors[2]["position_percent"]["mean"].get<double>(),
+              10.0 * ten["translation_m"]["mean"].get<double>(), 1e-9);
+  const auto text = run_limber(
+      {"evaluate", (folder.path() / "estimate.tum").string(), (folder.path() / "truth.tum").string()});
+  EXPECT_THAT(text.out, HasSubstr("Relative error over distance"));
 }
 
 TEST(EvaluateCommand, LeavesRowsWithoutCovarianceOutOfTheNees) {

@@ -91,6 +91,7 @@ struct RunFilesOf {
       row.t_ns = begin_ns + static_cast<std::int64_t>(k) * 100'000'000;
       row.T_world_body = {R, R * (scale * position(t, bend) + walked)};
       row.covariance = Eigen::Matrix<double, 6, 6>::Identity();
+      row.covariance->bottomRightCorner<3, 3>() *= 1e-4;
       record.trajectory.push_back(row);
       FrameReport frame;
       frame.t_ns = row.t_ns;

@@ -86,7 +86,12 @@ TEST(MutatedInput, OfTrajectoriesAndMapsIsTakenOrRefusedWithItsFile) {
   const TemporaryFolder folder;
   const fs::path tum = folder.path() / "t.tum", csv = folder.path() / "t.csv", ply = folder.path() / "l.ply";
   write_tum(tum, {{1, {}}, {2, {}}, {1'000'000'000, {}}});
-  write_trajectory_csv(csv, {{1, {}, Eigen::Vector3d(1, 2, 3), {}, {}, {}}, {2, {}, {}, {}, {}, {}}});
+  TrajectoryRow moving, bare;
+  moving.t_ns = 1;
+  moving.v_world_body = Eigen::Vector3d(1, 2, 3);
+  moving.sigma_v = Eigen::Vector3d(0.1, 0.2, 0.3);
+  bare.t_ns = 2;
+  write_trajectory_csv(csv, {moving, bare});
   write_landmarks_ply(ply, {{1, {1, 2, 3}}, {7, {0.1, -2, 1e9}}});
   mutate_and_read(tum, [&] { (void)read_trajectory(tum); });
   mutate_and_read(csv, [&] { (void)read_trajectory(csv); });

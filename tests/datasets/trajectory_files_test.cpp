@@ -102,6 +102,26 @@ TEST_F(TrajectoryFile, OfEurocGroundTruthIsRead) {
   EXPECT_EQ(truth.states[1].v_world_body, Eigen::Vector3d(4, 5, 7));
 }
 
+TEST_F(TrajectoryFile, OfGroundTruthGivesBackWhatIsKnown) {
+  GroundTruthState state;
+  state.t_ns = 1403636584763555584;
+  state.R_world_body = so3_exp({0.1, 0.2, -0.3});
+  state.p_world_body = {1.0 / 7.0, -2, 3};
+  state.v_world_body = {0.1, 0.2, 0.3};
+  state.bias_gyro = {1e-3, 2e-3, 3e-3};
+  state.bias_accel = {0.01, 0.02, 0.03};
+  for (const auto& [velocity, biases] :
+       {std::pair(false, false), std::pair(true, false), std::pair(true, true)}) {
+    write_euroc_groundtruth(path(), {{state}, velocity, biases});
+    const GroundTruth truth = read_euroc_groundtruth(path());
+    EXPECT_EQ(truth.has_velocity, velocity);
+    EXPECT_EQ(truth.has_biases, biases);
+    EXPECT_EQ(truth.states[0].p_world_body, state.p_world_body);
+    EXPECT_EQ(truth.states[0].v_world_body, velocity ? state.v_world_body : Eigen::Vector3d::Zero());
+    EXPECT_EQ(truth.states[0].bias_accel, biases ? state.bias_accel : Eigen::Vector3d::Zero());
+  }
+}
+
 TEST_F(TrajectoryFile, OfLimberGivesBackKnownAndUnknownValues) {
   TrajectoryRow full;
   full.t_ns = 1403636584763555584;
@@ -113,6 +133,9 @@ TEST_F(TrajectoryFile, OfLimberGivesBackKnownAndUnknownValues) {
       [](Eigen::Index i, Eigen::Index j) { return std::sin(static_cast<double>(1 + 6 * i + j)); });
   full.covariance = A * A.transpose();
   full.covariance->triangularView<Eigen::StrictlyLower>() = full.covariance->transpose();
+  full.sigma_v = Eigen::Vector3d(0.01, 1.0 / 3.0, 0);
+  full.sigma_bias_gyro = Eigen::Vector3d(1e-6, 2e-6, 1.0 / 7.0);
+  full.sigma_bias_accel = Eigen::Vector3d(1, 2, 3);
   TrajectoryRow bare;
   bare.t_ns = full.t_ns + 1;
   write_trajectory_csv(path(), {full, bare});
@@ -127,7 +150,11 @@ TEST_F(TrajectoryFile, OfLimberGivesBackKnownAndUnknownValues) {
   EXPECT_EQ(rows[0].bias_accel, full.bias_accel);
   EXPECT_EQ(*rows[0].covariance, *full.covariance);
   EXPECT_EQ(rows[1].t_ns, bare.t_ns);
-  EXPECT_FALSE(rows[1].v_world_body || rows[1].bias_gyro || rows[1].bias_accel || rows[1].covariance);
+  EXPECT_EQ(rows[0].sigma_v, full.sigma_v);
+  EXPECT_EQ(rows[0].sigma_bias_gyro, full.sigma_bias_gyro);
+  EXPECT_EQ(rows[0].sigma_bias_accel, full.sigma_bias_accel);
+  EXPECT_FALSE(rows[1].v_world_body || rows[1].bias_gyro || rows[1].bias_accel || rows[1].covariance ||
+               rows[1].sigma_v || rows[1].sigma_bias_gyro || rows[1].sigma_bias_accel);
   EXPECT_EQ(read_trajectory(path()).format, TrajectoryFormat::kLimber);
   EXPECT_EQ(read_trajectory(path()).poses[0].T_world_body.p, full.T_world_body.p);
 }
@@ -141,9 +168,30 @@ TEST_F(TrajectoryFile, OfLimberNamesColumnsAndUnits) {
       "[m^2],P_px_rx [m rad],P_px_ry [m rad],P_px_rz [m rad],P_py_py [m^2],P_py_pz [m^2],P_py_rx [m "
       "rad],P_py_ry [m rad],P_py_rz [m rad],P_pz_pz [m^2],P_pz_rx [m rad],P_pz_ry [m rad],P_pz_rz [m "
       "rad],P_rx_rx [rad^2],P_rx_ry [rad^2],P_rx_rz [rad^2],P_ry_ry [rad^2],P_ry_rz [rad^2],P_rz_rz "
-      "[rad^2]\n");
+      "[rad^2],sigma_vx [m/s],sigma_vy [m/s],sigma_vz [m/s],sigma_bgx [rad/s],sigma_bgy [rad/s],sigma_bgz "
+      "[rad/s],sigma_bax [m/s^2],sigma_bay [m/s^2],sigma_baz [m/s^2]\n");
   const DataError error = data_error_of([&] { static_cast<void>(read_trajectory_csv(path())); });
   EXPECT_NE(std::string(error.what()).find("at least one pose"), std::string::npos);
+}
+
+TEST_F(TrajectoryFile, OfLimberIsReadWithoutTheColumnsThatOlderOnesDoNotHave) {
+  TrajectoryRow row;
+  row.v_world_body = Eigen::Vector3d(1, 2, 3);
+  row.sigma_v = Eigen::Vector3d(4, 5, 6);
+  write_trajectory_csv(path(), {row});
+  std::istringstream lines(read_text(path()));
+  std::string older;
+  for (std::string line; std::getline(lines, line);) {
+    for (int k = 0; k < 9; ++k) {
+      line.erase(line.rfind(','));
+    }
+    older += line + "\n";
+  }
+  (void)write(older);
+  const auto rows = read_trajectory_csv(path());
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].v_world_body, row.v_world_body);
+  EXPECT_FALSE(rows[0].sigma_v || rows[0].sigma_bias_gyro || rows[0].sigma_bias_accel);
 }
 
 TEST_F(TrajectoryFile, OfLimberIsRefusedWhenItsCellsAreNotInOrder) {
@@ -155,7 +203,10 @@ TEST_F(TrajectoryFile, OfLimberIsRefusedWhenItsCellsAreNotInOrder) {
                "columns 9 to 11 all filled or all empty, found 1 of 3");
   expect_error(testing::replaced(text, "px [m],py [m]", "py [m],px [m]"), 1, "px [m] as name of column 2");
   expect_error(testing::replaced(text, "1,2,3", "1,2,nan"), 2, "a finite number for vz [m/s]");
-  expect_error(testing::replaced(text, "1,2,3", "1,2"), 2, "38 columns");
+  expect_error(testing::replaced(text, "1,2,3", "1,2"), 2, "47 columns");
+  row.sigma_v = Eigen::Vector3d(0.5, -0.25, 1);
+  write_trajectory_csv(path(), {row});
+  expect_error(read_text(path()), 2, "standard deviations that are not negative, found -0.25");
   const DataError error = data_error_of([&] { static_cast<void>(read_trajectory_csv(write("1 2 3\n"))); });
   EXPECT_NE(std::string(error.what()).find("the header of a trajectory.csv"), std::string::npos);
 }

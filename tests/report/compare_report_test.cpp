@@ -14,6 +14,7 @@ namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using testing::figure;
 using ::testing::HasSubstr;
@@ -51,6 +52,11 @@ std::vector<std::string> ids_of(const ReportDocument& document) {
   return ids;
 }
 
+double path_time(const ReportDocument& document, const std::string& run) {
+  const ReportTrace& path = trace(figure(document, "path"), run);
+  return path.t.size() == path.x.size() ? path.t.back() : -1.0;
+}
+
 TEST_F(CompareReport, LaysRunsOverEachOtherWithTheAnswerFirst) {
   RunFilesOf good("ekf"), bad("lcekf");
   good.scale = 1.01;
@@ -61,11 +67,17 @@ TEST_F(CompareReport, LaysRunsOverEachOtherWithTheAnswerFirst) {
   const ReportDocument document = report();
   EXPECT_NO_THROW((void)report_json(document));
   EXPECT_EQ(document.title, "2 runs on walk");
-  EXPECT_EQ(document.facts[0].name, "RPE, lcekf minus ekf");
-  EXPECT_THAT(document.facts[0].value, HasSubstr("worse"));
+  EXPECT_THAT(document.answer->headline, HasSubstr("Closest to the truth: ekf, "));
+  EXPECT_THAT(document.answer->sentences,
+              ElementsAre(AllOf(HasSubstr("Relative error of lcekf minus that of ekf"), HasSubstr("worse"))));
+  EXPECT_EQ(document.facts[0].name, "ekf, ATE");
   const auto& differences = std::get<ReportTable>(document.sections[0].blocks[1]);
   EXPECT_EQ(differences.rows[0][3].mark, TableCell::Mark::kBad);
-  EXPECT_THAT(ids_of(document), ElementsAre("path", "position-error", "attitude-error", "relative-error"));
+  EXPECT_THAT(ids_of(document), ElementsAre("path", "position-error", "attitude-error", "relative-error",
+                                            "error-over-distance"));
+  EXPECT_NEAR(trace(figure(document, "error-over-distance"), "lcekf").y.back(), 3.7,
+              0.3);  // % of every length
+  EXPECT_NEAR(path_time(document, "ekf"), 60.0, 1e-6);
   // Paths lie on each other and on the truth, though one world is turned.
   const ReportFigure& path = figure(document, "path");
   const ReportTrace &truth = trace(path, "truth"), &ekf = trace(path, "ekf"), &lcekf = trace(path, "lcekf");
@@ -93,10 +105,11 @@ TEST_F(CompareReport, WithoutTruthDrawsTheDistance) {
   EXPECT_EQ(figure(document, "position-error").title, "Distance between runs");
   EXPECT_NEAR(trace(figure(document, "position-error"), "lcekf").y.back(),
               0.1 * RunFilesOf::position(60.0).norm(), 1e-6);
-  EXPECT_THAT(document.facts[0].value, HasSubstr("m apart"));
+  EXPECT_THAT(document.answer->headline, HasSubstr("no truth is known"));
+  EXPECT_THAT(document.answer->sentences, ElementsAre(HasSubstr("At the end lcekf is")));
 }
 
-TEST_F(CompareReport, ATruthThatIsNotLevelIsFittedAndNoBoundIsDrawn) {
+TEST_F(CompareReport, ATruthThatIsNotLevelIsSetUpright) {
   RunFilesOf a("ekf"), b("lcekf");
   a.truth_roll = b.truth_roll = 1.2;
   add(a);
@@ -104,7 +117,8 @@ TEST_F(CompareReport, ATruthThatIsNotLevelIsFittedAndNoBoundIsDrawn) {
   const ReportDocument document = report();
   const ReportFigure& error = figure(document, "position-error");
   EXPECT_LT(trace(error, "ekf").y.back(), 1e-6);
-  EXPECT_THROW((void)trace(error, "3 sigma"), std::out_of_range);
+  EXPECT_NEAR(trace(error, "3 sigma").y[0], 3.0 * std::sqrt(3.0), 1e-9);
+  EXPECT_LT(trace(figure(document, "attitude-error"), "ekf").y.back(), 1e-6);
   EXPECT_THAT(error.caption, HasSubstr("not level"));
 }
 
@@ -117,10 +131,29 @@ TEST_F(CompareReport, EachRecordingHasSectionsOfItsOwn) {
   const ReportDocument document = report();
   EXPECT_NO_THROW((void)report_json(document));
   EXPECT_EQ(document.title, "3 runs on walk, elsewhere");
+  EXPECT_EQ(document.answer->headline, "Closest to the truth");
+  EXPECT_THAT(document.answer->sentences, ElementsAre(HasSubstr("On walk: 0, "), HasSubstr("On elsewhere: "),
+                                                      HasSubstr("minus that of 1")));
   EXPECT_EQ(document.sections[3].id, "trajectory-2");
   EXPECT_EQ(document.sections[3].title, "Trajectory on elsewhere");
   EXPECT_EQ(trace(figure(document, "path-2"), "1").style, "ekf");
   EXPECT_EQ(trace(figure(document, "path-2"), "2").style, "ekf:2");  // a dash of its own
+}
+
+TEST_F(CompareReport, DrawsVelocityAndBiasesOfAllRunsWithTheirBounds) {
+  RunOptions options;
+  options.start = StartMode::kGroundTruth;
+  for (const Method method : {Method::kEkf, Method::kLcekf}) {
+    options.method = method;
+    navigate(options);
+  }
+  const ReportDocument document = report();
+  for (const char* const id : {"velocity-error", "bias-gyro", "bias-accel"}) {
+    const ReportFigure& drawn = figure(document, id);
+    EXPECT_EQ(trace(drawn, "ekf").y.size(), trace(drawn, "lcekf").y.size()) << id;
+    EXPECT_EQ(trace(drawn, "+3 sigma").shape, TraceShape::kBound);
+  }
+  EXPECT_EQ(trace(figure(document, "bias-gyro"), "truth").style, "truth");
 }
 
 TEST_F(CompareReport, DrawsWhatEachFoundOfTheCalibration) {

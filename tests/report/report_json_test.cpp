@@ -40,6 +40,9 @@ std::string refusal_of(const ReportDocument& document) {
 TEST(ReportJson, HoldsEveryBlockInOrder) {
   const Json json = parsed(small_document());
   EXPECT_EQ(json["title"], "A title");
+  EXPECT_EQ(json["answer"],
+            Json::parse(R"({"light": "green", "headline": "It works", "sentences": ["Because."],
+                                            "advice": "Go on."})"));
   EXPECT_EQ(json["facts"], Json::parse(R"([{"name": "frames", "value": "2"}])"));
   std::vector<std::string> types;
   for (const Json& section : json["sections"]) {
@@ -66,12 +69,14 @@ TEST(ReportJson, FiguresSayWhatIsDrawnAndHow) {
   EXPECT_EQ(figure["note"], "");
   const Json& path = json["sections"][1]["blocks"][0]["traces"][0];
   EXPECT_THAT(series(json, path["z"]), ElementsAre(5.0f, 6.0f));
+  EXPECT_THAT(series(json, path["t"]), ElementsAre(7.0f, 8.0f));
+  EXPECT_FALSE(figure["traces"][0].contains("t"));
 }
 
 TEST(ReportJson, StoresEqualSeriesOnce) {
   const Json json = parsed(small_document());
   // x of all three traces is one series, y of the first curve is that of the path.
-  EXPECT_EQ(json["series"].size(), 4u);
+  EXPECT_EQ(json["series"].size(), 5u);
   const Json& traces = json["sections"][0]["blocks"][1]["traces"];
   EXPECT_EQ(traces[0]["x"], traces[1]["x"]);
   EXPECT_NE(traces[0]["y"], traces[1]["y"]);
@@ -127,6 +132,9 @@ TEST(ReportJson, RefusesTracesThatDoNotFitTheirFigure) {
   ReportDocument document = small_document();
   first_figure(document).traces[0].y.push_back(1.0);
   EXPECT_THAT(refusal_of(document), HasSubstr("figure 'curves', trace 'ekf' has 2 x, 3 y and 0 z"));
+  document = small_document();
+  first_figure(document).traces[0].t = {1.0};
+  EXPECT_THAT(refusal_of(document), HasSubstr("trace 'ekf' has 2 x and 1 t"));
   document = small_document();
   first_figure(document).traces[1].panel = 2;
   EXPECT_THAT(refusal_of(document), HasSubstr("there is no panel 2"));

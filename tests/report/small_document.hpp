@@ -26,12 +26,13 @@ inline ReportDocument small_document() {
   space.kind = FigureKind::kSpace;
   space.x = {"x", "m"};
   space.y = {{"y", "m"}, {"z", "m"}};
-  space.traces = {{"path", "truth", TraceShape::kLine, {0.0, 1.0}, {1.0, 2.0}, {5.0, 6.0}, 0}};
+  space.traces = {{"path", "truth", TraceShape::kLine, {0.0, 1.0}, {1.0, 2.0}, {5.0, 6.0}, 0, {7.0, 8.0}}};
   const ReportTable table{
       "Table", {"method", "error [m]"}, {{{"ekf"}, {"9", TableCell::Mark::kBad}}}, "A note."};
   const ReportClaims claims{"Claims", {{"It flies.", "4.1", "height above 0", "2 m", Verdict::kAgrees}}};
   return {"A title",
           "of a test",
+          ReportAnswer{ReportAnswer::Light::kGreen, "It works", {"Because."}, "Go on."},
           {{"frames", "2"}},
           {{"first", "First", {ReportText{"Words."}, curves, table}},
            {"second",

@@ -98,17 +98,31 @@ TEST(StudyReport, OpensOnTheAnswer) {
   const StudyResults results = study_of({case_results(bent_scenario(), {sure, {"lcekf", 0.1}})});
   const ReportDocument document = study_report(results);
   const auto& blocks = document.sections.front().blocks;
-  EXPECT_THAT(
-      std::get<ReportText>(blocks.at(0)).text,
-      AllOf(HasSubstr("(bent rig), started from the truth (--init groundtruth): lcekf comes closest."),
-            HasSubstr("More than twice as wrong as they claim: ekf (10.0).")));
-  const auto& table = std::get<ReportTable>(blocks.at(1));
+  EXPECT_EQ(document.answer->headline, "Closest to the truth: lcekf");
+  EXPECT_THAT(document.answer->sentences,
+              ElementsAre(AllOf(
+                  HasSubstr("(bent rig), started from the truth (--init groundtruth): lcekf comes closest."),
+                  HasSubstr("More than twice as wrong as they claim: ekf (10.0)."))));
+  const auto& table = std::get<ReportTable>(blocks.at(0));
   ASSERT_EQ(table.rows.size(), 2u);
   EXPECT_EQ(table.rows[1][1].text, "lcekf");
   EXPECT_EQ(table.rows[1][2].mark, TableCell::Mark::kBest);
   EXPECT_EQ(table.rows[0][3].text, "3.0");
   EXPECT_EQ(table.rows[0][4].mark, TableCell::Mark::kBad);
   EXPECT_EQ(table.rows[1][4].mark, TableCell::Mark::kNone);
+}
+
+TEST(StudyReport, OfManyCasesCountsWhoIsBest) {
+  std::vector<StudyCaseResults> cases;
+  for (int k = 0; k < 6; ++k) {
+    Scenario scenario = bent_scenario();
+    scenario.name = std::to_string(k);
+    cases.push_back(case_results(scenario, {{"ekf", k < 2 ? 0.01 : 0.3}, {"lcekf", 0.1}}));
+  }
+  const ReportAnswer answer = study_report(study_of(std::move(cases))).answer.value();
+  EXPECT_EQ(answer.headline, "Closest to the truth in 4 of 6 cases: lcekf");
+  ASSERT_EQ(answer.sentences.size(), 5u);
+  EXPECT_EQ(answer.sentences.back(), "2 more cases in the table below.");
 }
 
 TEST(StudyReport, ShowsDivergedRunsAsSuch) {

@@ -129,9 +129,9 @@ TEST(WriteRunOutput, WritesEveryFileAndNothingElse) {
   const Judged run(short_recording());
   const fs::path out = folder.path() / "a" / "b";
   write_run_output(out, run.options, run.record, run.summary);
-  EXPECT_THAT(files_in(out),
-              UnorderedElementsAre("trajectory.tum", "trajectory.csv", "truth.tum", "landmarks.ply",
-                                   "frames.csv", "health.csv", "refusals.csv", "summary.json"));
+  EXPECT_THAT(files_in(out), UnorderedElementsAre("trajectory.tum", "trajectory.csv", "truth.tum",
+                                                  "truth.csv", "landmarks.ply", "frames.csv", "health.csv",
+                                                  "refusals.csv", "summary.json"));
   const std::vector<TrajectoryRow> rows = read_trajectory_csv(out / "trajectory.csv");
   ASSERT_EQ(rows.size(), run.record.trajectory.size());
   EXPECT_EQ(rows.back().T_world_body.p, run.record.trajectory.back().T_world_body.p);
@@ -177,6 +177,82 @@ TEST(WriteRunOutput, TakesAwayTheTruthOfAnOlderRun) {
   const Judged unknown(without_truth(), StartMode::kAuto);
   write_run_output(folder.path(), unknown.options, unknown.record, unknown.summary);
   EXPECT_FALSE(fs::exists(folder.path() / "truth.tum"));
+  EXPECT_FALSE(fs::exists(folder.path() / "truth.csv"));
+}
+
+TEST(WriteRunOutput, LeavesVelocityAndBiasesOfTheTruthInTheWorldOfTheEstimate) {
+  const TemporaryFolder folder;
+  Recording turned = short_recording();
+  const Eigen::Matrix3d R = so3_exp({0.0, 0.0, 1.0});
+  for (GroundTruthState& state : turned.groundtruth) {
+    state.p_world_body = R * state.p_world_body;
+    state.v_world_body = R * state.v_world_body;
+    state.R_world_body = R * state.R_world_body;
+  }
+  const Judged run(turned, StartMode::kAuto);
+  write_run_output(folder.path(), run.options, run.record, run.summary);
+  const GroundTruth truth = read_euroc_groundtruth(folder.path() / "truth.csv");
+  const std::vector<TrajectoryRow> rows = read_trajectory_csv(folder.path() / "trajectory.csv");
+  EXPECT_TRUE(truth.has_velocity && truth.has_biases);
+  ASSERT_EQ(truth.states.size(), rows.size());
+  EXPECT_LT((truth.states.back().v_world_body - *rows.back().v_world_body).norm(), 0.3);
+  EXPECT_GT((R * truth.states.back().v_world_body - *rows.back().v_world_body).norm(), 0.5);
+  EXPECT_EQ(truth.states.back().bias_accel, turned.groundtruth.back().bias_accel);
+}
+
+TEST(WriteRunOutput, KnowsHowSureTheFilterIsOfVelocityAndBiasesInEveryFrame) {
+  for (const StartMode start : {StartMode::kGroundTruth, StartMode::kAuto}) {
+    const Judged run(short_recording(), start);
+    const GroundTruth& truth = run.summary.truth_motion;
+    ASSERT_EQ(truth.states.size(), run.record.trajectory.size());
+    for (std::size_t k = 0; k < truth.states.size(); ++k) {
+      const TrajectoryRow& row = run.record.trajectory[k];
+      ASSERT_TRUE(row.sigma_v && row.sigma_bias_gyro && row.sigma_bias_accel) << k;
+      // Five sigma, of 41 frames and three axes: a false alarm in ten thousand.
+      const Eigen::Vector3d error = truth.states[k].v_world_body - *row.v_world_body;
+      EXPECT_LT((error.array() / row.sigma_v->array()).abs().maxCoeff(), 5.0) << k;
+      const Eigen::Vector3d bias = truth.states[k].bias_gyro - *row.bias_gyro;
+      EXPECT_LT((bias.array() / row.sigma_bias_gyro->array()).abs().maxCoeff(), 5.0) << k;
+    }
+  }
+}
+
+TEST(WriteRunOutput, LeavesOutMotionThatTheTruthDoesNotKnow) {
+  const TemporaryFolder folder;
+  Recording recording = short_recording();
+  recording.groundtruth_has_velocity = recording.groundtruth_has_biases = false;
+  const Judged run(recording);
+  write_run_output(folder.path(), run.options, run.record, run.summary);
+  EXPECT_TRUE(fs::exists(folder.path() / "truth.tum"));
+  EXPECT_FALSE(fs::exists(folder.path() / "truth.csv"));
+}
+
+TEST(Summarize, TakesTheTiltOfATruthThatIsNotLevelOutOfEveryError) {
+  const Judged level(short_recording(), StartMode::kAuto);
+  EXPECT_TRUE(level.summary.truth_is_level);
+  EXPECT_LT(level.summary.truth_tilt_deg.value(), 3.0);
+  Recording askew = short_recording();
+  const Eigen::Matrix3d R = so3_exp({1.2, 0.3, 0.5});
+  for (GroundTruthState& state : askew.groundtruth) {
+    state.p_world_body = R * state.p_world_body;
+    state.v_world_body = R * state.v_world_body;
+    state.R_world_body = R * state.R_world_body;
+  }
+  const Judged run(askew, StartMode::kAuto);
+  EXPECT_FALSE(run.summary.truth_is_level);
+  EXPECT_GT(run.summary.truth_tilt_deg.value(), 60.0);
+  EXPECT_THAT(run.summary.alignment, ::testing::HasSubstr("tilt of the truth's world"));
+  // Two d.o.f. less are in the errors, so they are no larger but for the noise of the first pose.
+  EXPECT_LT(*run.summary.attitude_rmse_deg, *level.summary.attitude_rmse_deg + 0.05);
+  EXPECT_LT(*run.summary.position_rmse_m, 1.5 * *level.summary.position_rmse_m + 0.01);
+  EXPECT_LT(*run.summary.anees, 2.0 * *level.summary.anees + 1.0);
+  EXPECT_LT((run.summary.truth.back().T_world_body.R - run.record.trajectory.back().T_world_body.R).norm(),
+            0.05);
+  const Json json = Json::parse(summary_json(run.options, run.record, run.summary));
+  EXPECT_EQ(json.at("truth_is_level"), false);
+  EXPECT_THAT(json.at("answer").at("sentences").back().get<std::string>(), ::testing::HasSubstr("not level"));
+  // Who starts from the truth is told what is down.
+  EXPECT_FALSE(Judged(short_recording()).summary.truth_tilt_deg);
 }
 
 TEST(WriteRunOutput, SummaryHoldsWhatTheUserChose) {

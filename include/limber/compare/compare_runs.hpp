@@ -48,14 +48,15 @@ struct ComparedRun {
   double duration_s = 0.0, path_length_m = 0.0;  ///< of the truth if known, else of the estimate
   /// false: what needs the truth is empty
   bool has_truth = false;
-  /// After the rigid fit of all positions (ATE); of a path that determines none, after that of the run.
-  std::optional<double> ate_m, attitude_rmse_deg;
+  /// After the rigid fit of all positions; of a path that determines none, after the run's own alignment.
+  std::optional<double> ate_m;
+  std::optional<double> attitude_rmse_deg;     ///< after the run's own alignment
   double piece_m = 0.0;                        ///< of the relative errors [m]
   std::size_t pieces = 0;                      ///< disjoint
   std::optional<double> rpe_percent, rpe_deg;  ///< mean over the pieces: % of their length; deg a piece
   std::optional<double> scale_error_percent;   ///< of the estimate, from the fit with scale
-  std::optional<double> anees;                 ///< nothing where `truth_is_tilted`
-  bool truth_is_tilted = false;                ///< most of the error is that of the first pose
+  std::optional<double> anees;                 ///< of the pose, as in summary.json
+  bool truth_is_tilted = false;                ///< the world of the truth is not level: that is taken out
   std::optional<std::string> verdict;          ///< on the calibration
   std::optional<double> ms_per_frame, ms_per_frame_p99;  ///< median and p99
 };

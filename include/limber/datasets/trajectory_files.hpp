@@ -59,6 +59,11 @@ struct GroundTruth {
 /// Reads a ground truth of EuRoC. @throws DataError naming file and line
 [[nodiscard]] GroundTruth read_euroc_groundtruth(const std::filesystem::path& path);
 
+/// Writes the columns that are known; the format has none for biases alone, so with them the velocity is
+/// written, too. @throws std::invalid_argument if times do not increase or a number is not finite
+/// @throws DataError if the file cannot be written
+void write_euroc_groundtruth(const std::filesystem::path& path, const GroundTruth& truth);
+
 /// One line of trajectory.csv. What is unknown is an empty cell.
 struct TrajectoryRow {
   /// [ns]
@@ -70,13 +75,17 @@ struct TrajectoryRow {
   std::optional<Eigen::Vector3d> bias_accel;    ///< [m/s^2]
   /// Covariance of (position in world [m], attitude error dtheta in the body frame [rad]), symmetric.
   std::optional<Eigen::Matrix<double, 6, 6>> covariance;
+  /// Standard deviations of v_world_body [m/s], bias_gyro [rad/s] and bias_accel [m/s^2], axis by axis.
+  std::optional<Eigen::Vector3d> sigma_v, sigma_bias_gyro, sigma_bias_accel;
 };
 
 /// trajectory.csv: a header line with names and units, then t_ns, position, quaternion (w x y z), velocity,
-/// gyro and accelerometer bias, and the upper triangle of the covariance, row by row (38 columns).
+/// gyro and accelerometer bias, the upper triangle of the covariance, row by row, and the standard deviations
+/// of velocity and biases (47 columns; older files end with the covariance, 38 columns).
 [[nodiscard]] std::vector<TrajectoryRow> read_trajectory_csv(const std::filesystem::path& path);
 
 /// @throws std::invalid_argument if times do not increase or a number is not finite
+/// @throws DataError if the file cannot be written
 void write_trajectory_csv(const std::filesystem::path& path, const std::vector<TrajectoryRow>& rows);
 
 }  // namespace limber

@@ -41,7 +41,16 @@ struct HealthSummary {
 /// The verdict in one sentence, with the sizes that it rests on.
 [[nodiscard]] std::string in_words(const HealthSummary& summary, const Tolerance& tolerance);
 
-/// @brief The same of how the rig moved from one recording to the next, see change_between.
+/// @brief What to do about a verdict, in plain words.
+/// @param moves  the cameras move against each other (CalibrationState::moves)
+[[nodiscard]] std::string advice_on(HealthVerdict verdict, bool moves);
+
+/// The same where rows are not exposed as assumed, so that nothing is said of the rig.
+inline constexpr const char* kReadoutAdvice =
+    "say how long an image takes (--readout-time, or readout_time in sensor.yaml), and look again";
+
+/// @brief The verdict on how the rig moved from one recording to the next, in one sentence, see
+/// change_between.
 [[nodiscard]] std::string change_in_words(const CalibrationState& change, const Tolerance& tolerance);
 
 /// As `since` of `limber health --json`, degrees and mm: docs/formats-health.md.

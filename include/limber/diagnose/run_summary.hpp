@@ -4,13 +4,16 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "limber/core/pose.hpp"
 #include "limber/datasets/recording.hpp"
+#include "limber/datasets/trajectory_files.hpp"
 #include "limber/diagnose/health_summary.hpp"
 #include "limber/diagnose/readout_watch.hpp"
 #include "limber/evaluate/alignment.hpp"
+#include "limber/evaluate/world_tilt.hpp"
 #include "limber/run/input_summary.hpp"
 #include "limber/run/run_recording.hpp"
 
@@ -75,10 +78,17 @@ struct RunSummary {
   /// believed.
   bool readout_contradicted = false;
   /// What was taken out before position_rmse_m, attitude_rmse_deg and anees: "nothing", "position and yaw of
-  /// the first pose" or "whole first pose"; empty without truth.
+  /// the first pose", the same after "the tilt of the truth's world", or "whole first pose"; empty without
+  /// truth.
   std::string alignment;
+  /// How far the truth's vertical is from that of the estimate, mean over the run [deg]; nothing without
+  /// truth, and where nothing shows what is down or the truth itself was the start.
+  std::optional<double> truth_tilt_deg;
+  bool truth_is_level = true;  ///< false: that tilt was taken out (WorldTilt::is_askew)
   /// The truth at the times of the frames that have one, in the world of the estimate (so aligned).
   std::vector<StampedPose> truth;
+  /// The same with velocity and biases as far as the recording knows them; empty if it knows none.
+  GroundTruth truth_motion;
 };
 
 /// What is taken out of an estimate before its errors are counted, and how that is called.
@@ -87,6 +97,12 @@ struct StartAlignment {
   /// "nothing", "position and yaw of the first pose" or "whole first pose"
   std::string in_words;
 };
+
+/// start_alignment with position and yaw of the first pose, by its name.
+inline constexpr std::string_view kFirstPoseAlignment = "position and yaw of the first pose";
+
+/// What is taken out where the world of the truth is not level. @param poses  not empty
+[[nodiscard]] StartAlignment upright_alignment(std::span<const MatchedPose> poses, const WorldTilt& tilt);
 
 /// Nothing for a start from the truth. For one from the sensors, the first pose: its position and yaw where
 /// an IMU shows what is down, all of it where nothing does. @param poses  not empty
@@ -102,7 +118,7 @@ void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibrat
 /// @brief Judges a run against the recording's ground truth, where it has one.
 /// position_rmse, attitude_rmse and anees are unaligned for a ground truth start; else the estimate is first
 /// aligned at the first pose: by position and yaw where an IMU shows what is down, by the whole pose where
-/// nothing does.
+/// nothing does. Where an IMU shows that the world of the truth is not level, that tilt is taken out before.
 [[nodiscard]] RunSummary summarize(const Recording& recording, const RunOptions& options,
                                    const RunRecord& record);
 

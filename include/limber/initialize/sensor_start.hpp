@@ -51,12 +51,14 @@ struct StartReport {
   InputReport inputs;        ///< since the frame before
 };
 
-/// A state of the window with the covariance of its pose (position, attitude).
+/// A state of the window with the covariance of its pose (position, attitude), and of what the motion model
+/// adds, in the order of StateLayout (IMU 9×9, constant velocity 6×6, odometry: none).
 struct SmoothedState {
   /// at the time of its frame
   NavigationState nav;
   /// position in the world [m], local attitude [rad]
   Eigen::Matrix<double, 6, 6> pose_covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::MatrixXd motion_covariance;
 };
 
 /// Where the filter goes on, and where the body was until then.

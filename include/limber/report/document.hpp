@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -16,6 +17,16 @@ namespace limber {
 struct ReportFact {
   /// value: with its unit
   std::string name, value;
+};
+
+/// What a page opens on.
+struct ReportAnswer {
+  /// A lamp before the headline.
+  enum class Light : std::uint8_t { kNone, kGreen, kYellow, kRed, kGrey };
+  Light light = Light::kNone;
+  std::string headline;
+  std::vector<std::string> sentences;  ///< why, one below the other
+  std::string advice;                  ///< what to do; may be empty
 };
 
 /// How a trace is drawn.
@@ -36,12 +47,15 @@ struct ReportTrace {
   TraceShape shape = TraceShape::kLine;
   std::vector<double> x, y, z;  ///< equally long; z in figures of kind kSpace only, else empty
   std::size_t panel = 0;        ///< which of the figure's y axes
+  /// When a path was at each sample, on the time axis of the document's curves [s]; as long as x, or empty.
+  std::vector<double> t{};
 };
 
 /// What an axis shows, and in which unit.
 struct ReportAxis {
   /// e.g. "position error" and "m"
   std::string title, unit;
+  bool log = false;  ///< of an x axis: logarithmic, always
 };
 
 /// What the axes of a figure mean.
@@ -66,7 +80,8 @@ struct ReportFigure {
   std::string title, caption;
   /// what its axes mean
   FigureKind kind = FigureKind::kCurves;
-  /// of all panels; kTopView and kSpace: the first coordinate
+  /// of all panels; kTopView and kSpace: the first coordinate; in curves, the title "time" joins them to the
+  /// cursor of the page
   ReportAxis x;
   std::vector<ReportAxis> y;            ///< one per panel, from top to bottom; kTopView: one; kSpace: y and z
   bool log_switch = false;              ///< offer a logarithmic y axis
@@ -153,7 +168,8 @@ struct ReportSection {
 struct ReportDocument {
   /// subtitle: may be empty
   std::string title, subtitle;
-  std::vector<ReportFact> facts;  ///< what a reader wants to know first
+  std::optional<ReportAnswer> answer;  ///< at the top of the page
+  std::vector<ReportFact> facts;       ///< the main figures, below the answer
   /// in order
   std::vector<ReportSection> sections;
   std::string footer;  ///< e.g. the program and its version

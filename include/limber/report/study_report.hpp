@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,9 @@ struct StudyComments {
     std::vector<ReportBlock> blocks;  ///< below the case's table
   };
   std::string title;                    ///< of the page; empty: "Monte Carlo study"
+  std::optional<ReportAnswer> answer;   ///< in the place of the study's own
   std::vector<ReportFact> facts;        ///< after the study's own
-  std::vector<ReportBlock> overview;    ///< below the overview's tables
+  std::vector<ReportBlock> overview;    ///< above the overview's tables
   std::vector<Case> cases;              ///< one per case of the study, or none at all
   std::vector<ReportSection> sections;  ///< at the end
 };

@@ -17,7 +17,8 @@ namespace limber {
 [[nodiscard]] std::string summary_json(const RunOptions& options, const RunRecord& record,
                                        const RunSummary& summary);
 
-/// @brief Writes trajectory.tum, trajectory.csv, truth.tum (where the truth is known), landmarks.ply,
+/// @brief Writes trajectory.tum, trajectory.csv, truth.tum (where the truth is known), truth.csv
+/// (where it has velocity or biases), landmarks.ply,
 /// frames.csv, health.csv (where the calibration was watched), calibration.csv (where it was estimated),
 /// refusals.csv and summary.json: all of them or
 /// none; a folder without summary.json holds no finished run. `folder` is made if needed.

@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { literals, scriptText } from './cpp_literals.mjs';
 
 const [folder, plotly, out] = process.argv.slice(2);
-const SCRIPTS = ['style.js', 'plot.js', 'figure.js', 'page.js'];
+const SCRIPTS = ['style.js', 'plot.js', 'figure.js', 'cursor.js', 'page.js'];
 
 const read = (name) => readFileSync(join(folder, name), 'utf8');
 

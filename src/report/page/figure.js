@@ -28,6 +28,7 @@ class FigureView {
     this.figure = figure;
     this.series = series;
     this.view = { hidden: new Set(figure.variants[0]?.hidden_styles), log: figure.starts_in_log };
+    this.drew = null;  // called after each time that the plot was drawn
     this.plot = element('div', { class: 'plot' });
     this.legend = element('div', { class: 'legend', role: 'group', 'aria-label': 'Curves' });
     this.tools = element('div', { class: 'figure-tools' });
@@ -113,7 +114,7 @@ class FigureView {
     if (this.figure.kind === 'space') {
       this.claimScene();
     }
-    return Plotly.react(this.plot, data, layout, this.config());
+    return Plotly.react(this.plot, data, layout, this.config()).then(() => this.drew?.());
   }
 
   config() {

@@ -68,6 +68,15 @@ function briefClaimOf(claim) {
     element('p', {}, claim.statement), element('p', { class: 'small' }, claim.source));
 }
 
+/** The answer: its lamp, why, and what to do. */
+function answerOf({ light, headline, sentences, advice }) {
+  const say = (sentence) => element('p', {}, sentence);
+  return element('div', { id: 'answer', class: `light ${light}` },
+    element('p', { class: 'headline' }, ...(light ? [element('span', { class: 'lamp' })] : []), element('strong', {}, headline)),
+    ...sentences.slice(0, 1).map(say), ...(advice ? [element('p', { class: 'advice' }, element('b', {}, 'What to do: '), advice)] : []),
+    ...sentences.slice(1).map(say));
+}
+
 class Page {
   constructor(data) {
     this.document = data;
@@ -87,13 +96,20 @@ class Page {
   }
 
   build() {
-    const { title, subtitle, facts, sections, footer } = this.document;
+    const { title, subtitle, answer, facts, sections, footer } = this.document;
     document.getElementById('title').textContent = title;
     document.getElementById('subtitle').textContent = subtitle;
+    if (answer) {
+      document.getElementById('facts').before(answerOf(answer));
+    }
     document.getElementById('facts').replaceWith(factList(facts, 'facts lead'));
     document.getElementById('footer').textContent = footer;
     document.getElementById('sections').replaceChildren(...sections.map((section) => this.section(section)));
     this.buildContents(sections);
+    this.cursor = new Cursor(this.figures.values());
+    if (this.cursor.isOfUse) {
+      document.body.append(this.cursor.bar());
+    }
   }
 
   section({ id, title, blocks }) {
@@ -188,6 +204,7 @@ function start() {
       id: figure.id, title: figure.title, variants: figure.variants.map((v) => v.label) })),
     plot: (id) => view(id).plot,
     draw: (id) => view(id).draw(),
+    mark: (t) => page.cursor.set(t),
     image: (id, format, size, { variant, log } = {}) => {
       if (variant) {
         view(id).show(variant);

@@ -12,6 +12,18 @@ function traceLine(figure, trace, theme) {
   return { color: look.color, width: figure.kind === 'space' ? 4 : look.width, dash: look.dash };
 }
 
+const FEW_POINTS = 20;
+
+/** Curves of few points show them. */
+function isSparse(figure, series, trace) {
+  return figure.kind === 'curves' && trace.shape === 'line' && figure.x.log && series[trace.x].length <= FEW_POINTS;
+}
+
+/** The place of the page's cursor in space; empty until there is one. */
+const CURSOR_IN_SPACE = {
+  type: 'scatter3d', mode: 'markers', x: [], y: [], z: [], marker: { size: 5, line: { width: 1 } }, hoverinfo: 'skip', showlegend: false,
+};
+
 function plotTrace(figure, series, trace, view, theme) {
   const inSpace = figure.kind === 'space';
   const dots = trace.shape === 'dots';
@@ -19,7 +31,7 @@ function plotTrace(figure, series, trace, view, theme) {
   const out = {
     type: inSpace ? 'scatter3d' : 'scatter',
     name: trace.name,
-    mode: dots ? 'markers' : 'lines',
+    mode: dots ? 'markers' : isSparse(figure, series, trace) ? 'lines+markers' : 'lines',
     x: series[trace.x],
     y: series[trace.y],
     visible: !view.hidden.has(trace.style),
@@ -83,6 +95,12 @@ function fullWidth(figure, series) {
   return minallowed < maxallowed ? { minallowed, maxallowed } : {};
 }
 
+/** A tick at each of the few lengths that a logarithmic axis has. */
+function roundTicks(figure, series) {
+  const values = [...new Set(figure.traces.flatMap((trace) => [...series[trace.x]]))].sort((a, b) => a - b);
+  return { tickmode: 'array', tickvals: values, ticktext: values.map((value) => String(Number(value.toPrecision(3)))) };
+}
+
 /** Decades that the shown curves of a panel span; 0 if nothing positive is shown. */
 function decadesOf(figure, series, view, panel) {
   let [low, high] = [Infinity, 0];
@@ -119,7 +137,11 @@ function planeLayout(figure, series, view, theme) {
     layout.xaxis.constrain = 'domain';
   } else {
     layout.hovermode = 'x unified';
-    layout.xaxis.autorangeoptions = fullWidth(figure, series);
+    if (figure.x.log) {
+      Object.assign(layout.xaxis, { type: 'log', ...roundTicks(figure, series) });
+    } else {
+      layout.xaxis.autorangeoptions = fullWidth(figure, series);
+    }
   }
   return layout;
 }
@@ -146,7 +168,7 @@ function plotOf(figure, series, view, theme, touch = false) {
   const colors = THEMES[theme];
   const inSpace = figure.kind === 'space';
   return {
-    data: figure.traces.map((trace) => plotTrace(figure, series, trace, view, theme)),
+    data: [...figure.traces.map((trace) => plotTrace(figure, series, trace, view, theme)), ...(inSpace ? [{ ...CURSOR_IN_SPACE }] : [])],
     layout: {
       ...(inSpace ? spaceLayout(figure, theme) : planeLayout(figure, series, view, theme)),
       font: { family: FONT, size: 13, color: colors.ink },

@@ -11,6 +11,7 @@ foreach(name paper_ii paper_v)
 endforeach()
 execute_process(COMMAND ${LIMBER} simulate ${OUT}/paper_ii.yaml --seed 3 --out ${OUT}/recording ${run})
 execute_process(COMMAND ${LIMBER} run ${OUT}/recording --method lcekf --init groundtruth --out ${OUT}/run ${run})
+execute_process(COMMAND ${LIMBER} evaluate ${OUT}/run ${OUT}/recording --out ${OUT}/evaluation.json ${run})
 execute_process(COMMAND ${LIMBER} run ${OUT}/recording --methods ekf,lcekf,adaptive --init groundtruth --out ${OUT}/methods ${run})
 execute_process(COMMAND ${LIMBER} study ${OUT}/paper_ii.yaml ${OUT}/paper_v.yaml --methods ekf,ekf-full,lcekf,ekf-full:walk=x0.1,ekf-full:walk=x10
                         --runs 2 --init groundtruth

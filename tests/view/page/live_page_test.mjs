@@ -178,8 +178,11 @@ test('the recorded page plays without a server', async () => {
   file = `file://${join(out, 'view.html')}`;
   await recorded.goto(file);
   const stands = (n) => recorded.waitForFunction((text) => document.getElementById('place').textContent.startsWith(text), `frame ${n} of`);
-  await stands(1);
+  await stands(FRAMES);  // it opens on what the run came to
   assert.match(await recorded.textContent('#message'), /^Done: /);
+  assert.match(await recorded.textContent('#verdict strong'), /^(ok|degraded|decalibrated|cannot tell)$/);
+  await recorded.fill('#seek', '0');
+  await stands(1);
   await recorded.click('#step');
   await stands(2);
   await recorded.click('#pause');

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "limber/diagnose/run_answer.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "limber/core/time.hpp"
+
+namespace limber {
+namespace {
+
+constexpr double kDegrees = 180.0 / M_PI;
+constexpr double kTooSure = 2.0;  // times as wrong as claimed; half: too careful
+
+AnswerLight light_of(HealthVerdict verdict) {
+  switch (verdict) {
+    case HealthVerdict::kOk:
+      return AnswerLight::kGreen;
+    case HealthVerdict::kSuspect:
+    case HealthVerdict::kDegraded:
+      return AnswerLight::kYellow;
+    case HealthVerdict::kDecalibrated:
+      return AnswerLight::kRed;
+    case HealthVerdict::kCannotTell:
+      break;
+  }
+  return AnswerLight::kGrey;
+}
+
+std::string headline_of(HealthVerdict verdict) {
+  switch (verdict) {
+    case HealthVerdict::kCannotTell:
+      return "cannot tell whether the calibration holds";
+    case HealthVerdict::kDecalibrated:
+      return "rig decalibrated";
+    default:
+      return "calibration " + to_string(verdict);
+  }
+}
+
+/// "2.1 times as large as the filter claims (ANEES 4.4)"
+std::string claim_in_words(double anees) {
+  const double ratio = std::sqrt(anees);
+  if (ratio > kTooSure) {
+    return fmt::format("{:.3g} times as large as the filter claims (ANEES {:.3g})", ratio, anees);
+  }
+  return fmt::format("{} the filter claims (ANEES {:.2f})",
+                     ratio < 1.0 / kTooSure ? "less than half as large as" : "about as large as", anees);
+}
+
+/// What the filter says of its last pose.
+std::string claimed_pose(const RunRecord& record) {
+  const TrajectoryRow& last = record.trajectory.back();
+  if (!last.covariance) {
+    return "no truth is known";
+  }
+  const auto variance = last.covariance->diagonal();
+  return fmt::format("no truth is known; the filter claims {:.2g} m and {:.2g} deg (1σ) at the end",
+                     std::sqrt(variance.head<3>().sum()), kDegrees * std::sqrt(variance.tail<3>().sum()));
+}
+
+std::string pose_in_words(const RunRecord& record, const RunSummary& s) {
+  std::string text = "poses: ";
+  if (s.ate_se3_m || s.position_rmse_m) {
+    text += fmt::format("{:.3g} m from the truth ({}) on a path of {:.3g} m",
+                        s.ate_se3_m.value_or(s.position_rmse_m.value_or(0.0)),
+                        s.ate_se3_m ? "ATE after a rigid fit" : "RMSE", s.path_length_m);
+    text += s.anees ? ", errors " + claim_in_words(*s.anees) : "";
+  } else {
+    text += claimed_pose(record);
+  }
+  if (record.stopped) {
+    text += fmt::format("; stopped after {} of {} frames", s.frames, record.frames_of_recording);
+  }
+  return text;
+}
+
+/// The verdict on the calibration, and why.
+void judge_calibration(const RunOptions& options, const RunRecord& record, const RunSummary& s,
+                       RunAnswer& out) {
+  if (s.readout_contradicted) {
+    out.headline = headline_of(HealthVerdict::kCannotTell);
+    out.sentences.push_back(record.notes.front());
+    out.advice = kReadoutAdvice;
+  } else if (s.health) {
+    out.light = light_of(s.health->verdict);
+    out.headline = headline_of(s.health->verdict);
+    out.sentences.push_back(in_words(*s.health, watch_options(options).tolerance));
+    out.advice = advice_on(s.health->verdict, s.health->present.moves());
+  } else {
+    out.headline = "calibration not judged";
+    out.sentences.emplace_back(options.method == Method::kMonoLeft
+                                   ? "mono-left does not look through the right camera"
+                                   : "no window of the run was judged");
+    out.advice = "ask limber health whether the calibration holds";
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(AnswerLight light) {
+  constexpr std::string_view kNames[] = {"green", "yellow", "red", "grey"};
+  return kNames[static_cast<std::size_t>(light)];
+}
+
+RunAnswer answer_of(const RunOptions& options, const RunRecord& record, const RunSummary& s) {
+  RunAnswer out;
+  judge_calibration(options, record, s, out);
+  if (s.inputs.lost_since_ns) {
+    const double since = seconds_between(record.trajectory.front().t_ns, *s.inputs.lost_since_ns);
+    out = {
+        AnswerLight::kRed,
+        fmt::format("lost since {:.1f} s", since),
+        {"the filter broke down, or images contradict its state, and nothing brought it back; until then: " +
+         out.headline},
+        fmt::format("use no pose later than {:.1f} s; the notes below say what failed", since)};
+  }
+  out.sentences.push_back(pose_in_words(record, s));
+  if (!s.truth_is_level) {
+    out.sentences.push_back(fmt::format(
+        "the world of the truth is not level, its vertical is {:.1f} deg from the run's: errors, bounds and "
+        "ANEES are of the aligned poses, with that tilt taken out",
+        s.truth_tilt_deg.value_or(0.0)));
+  }
+  return out;
+}
+
+}  // namespace limber

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "limber/diagnose/run_answer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace limber {
+namespace {
+
+using enum HealthVerdict;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A run of ten seconds that said `verdict` of its rig.
+struct Said {
+  RunOptions options;
+  RunRecord record;
+  RunSummary summary;
+
+  explicit Said(HealthVerdict verdict) {
+    for (std::int64_t k = 0; k <= 10; ++k) {
+      TrajectoryRow row;
+      row.t_ns = 1'000'000'000 * (5 + k);
+      row.covariance = 1e-4 * Eigen::Matrix<double, 6, 6>::Identity();
+      record.trajectory.push_back(row);
+    }
+    record.frames_of_recording = 40;
+    summary.frames = record.trajectory.size();
+    summary.health.emplace();
+    summary.health->verdict = summary.health->present.verdict = verdict;
+  }
+  [[nodiscard]] RunAnswer answer() const { return answer_of(options, record, summary); }
+};
+
+TEST(RunAnswer, HasALightAHeadlineAndAdviceForEveryVerdict) {
+  const auto expect = [](HealthVerdict verdict, AnswerLight light, const char* headline, const char* advice) {
+    const RunAnswer answer = Said(verdict).answer();
+    EXPECT_EQ(answer.light, light);
+    EXPECT_EQ(answer.headline, headline);
+    EXPECT_THAT(answer.advice, HasSubstr(advice));
+  };
+  expect(kOk, AnswerLight::kGreen, "calibration ok", "nothing");
+  expect(kDegraded, AnswerLight::kYellow, "calibration degraded", "recalibrate when you can");
+  expect(kDecalibrated, AnswerLight::kRed, "rig decalibrated", "recalibrate; until then");
+  expect(kCannotTell, AnswerLight::kGrey, "cannot tell whether the calibration holds", "record more motion");
+}
+
+TEST(RunAnswer, SaysHowGoodThePosesAreAndWhetherTheFilterKnows) {
+  Said said(kOk);
+  said.summary.path_length_m = 30.5;
+  said.summary.ate_se3_m = 0.0128;
+  const auto poses = [&said](double anees) {
+    said.summary.anees = anees;
+    return said.answer().sentences.at(1);
+  };
+  EXPECT_EQ(poses(16.0),
+            "poses: 0.0128 m from the truth (ATE after a rigid fit) on a path of 30.5 m, errors 4 times as "
+            "large as the filter claims (ANEES 16)");
+  EXPECT_THAT(poses(1.1), HasSubstr("about as large as the filter claims (ANEES 1.10)"));
+  EXPECT_THAT(poses(0.1), HasSubstr("less than half as large"));
+}
+
+TEST(RunAnswer, WithoutTruthSaysWhatTheFilterClaims) {
+  EXPECT_THAT(Said(kOk).answer().sentences,
+              ElementsAre(HasSubstr("within the tolerance"),
+                          HasSubstr("no truth is known; the filter claims 0.017 m and 0.99 deg")));
+}
+
+TEST(RunAnswer, SaysThatThePosesWereAlignedWithATruthThatIsNotLevel) {
+  Said said(kOk);
+  said.summary.ate_se3_m = 0.01;
+  EXPECT_EQ(said.answer().sentences.size(), 2U);
+  said.summary.truth_is_level = false;
+  said.summary.truth_tilt_deg = 77.04;
+  EXPECT_THAT(said.answer().sentences.at(2),
+              AllOf(HasSubstr("not level"), HasSubstr("77.0 deg"), HasSubstr("of the aligned poses")));
+}
+
+TEST(RunAnswer, OfALostRunIsThatItIsLost) {
+  Said said(kOk);
+  said.summary.inputs.lost_since_ns = 7'500'000'000;
+  const RunAnswer answer = said.answer();
+  EXPECT_EQ(answer.light, AnswerLight::kRed);
+  EXPECT_EQ(answer.headline, "lost since 2.5 s");
+  EXPECT_THAT(answer.sentences.front(), HasSubstr("until then: calibration ok"));
+  EXPECT_THAT(answer.advice, HasSubstr("no pose later than 2.5 s"));
+}
+
+TEST(RunAnswer, OfAStoppedRunSaysHowFarItCame) {
+  Said said(kOk);
+  said.record.stopped = true;
+  EXPECT_THAT(said.answer().sentences.back(), HasSubstr("stopped after 11 of 40 frames"));
+}
+
+TEST(RunAnswer, JudgesNoRigThatWasNotWatched) {
+  Said said(kOk);
+  said.summary.health.reset();
+  said.options.method = Method::kMonoLeft;
+  const RunAnswer answer = said.answer();
+  EXPECT_EQ(answer.light, AnswerLight::kGrey);
+  EXPECT_EQ(answer.headline, "calibration not judged");
+  EXPECT_THAT(answer.sentences.front(), HasSubstr("right camera"));
+}
+
+TEST(RunAnswer, DoesNotJudgeARigWhoseRowsAreExposedOtherwise) {
+  Said said(kDecalibrated);
+  said.summary.readout_contradicted = true;
+  said.record.notes = {"the rows take 20 ms"};
+  const RunAnswer answer = said.answer();
+  EXPECT_EQ(answer.light, AnswerLight::kGrey);
+  EXPECT_EQ(answer.sentences.front(), "the rows take 20 ms");
+  EXPECT_THAT(answer.advice, HasSubstr("--readout-time"));
+  EXPECT_THAT(answer.headline, Not(HasSubstr("decalibrated")));
+}
+
+}  // namespace
+}  // namespace limber
