@@ -16,11 +16,15 @@ inline constexpr Eigen::Index kTriplet = 3;
 /// products.
 class Covariance {
  public:
+  /// Of nothing: 0×0.
   Covariance() = default;
   /// Copies what is in use: a checkpoint of a map costs half a matrix, not its spare storage.
   Covariance(const Covariance& other) { *this = other; }
+  /// The same; keeps its own storage where that is large enough.
   Covariance& operator=(const Covariance& other);
+  /// Takes the storage over; the other one may only be assigned to or destroyed.
   Covariance(Covariance&&) = default;
+  /// The same.
   Covariance& operator=(Covariance&&) = default;
   ~Covariance() = default;
 

@@ -22,8 +22,8 @@ enum class AnswerLight : std::uint8_t {
 
 /// What a run says in one glance: the verdict, why, how good the poses are, and what to do.
 struct RunAnswer {
-  AnswerLight light = AnswerLight::kGrey;
-  std::string headline;                ///< "calibration ok", "lost since 12.3 s"
+  AnswerLight light = AnswerLight::kGrey;  ///< of the verdict; red where the run is lost
+  std::string headline;                    ///< "calibration ok", "lost since 12.3 s"
   std::vector<std::string> sentences;  ///< why; how good the poses are; what was done about the truth's world
   std::string advice;                  ///< what to do
 };

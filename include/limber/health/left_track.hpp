@@ -13,10 +13,11 @@ namespace limber::detail {
 
 /// The left camera's sight of a point.
 struct LeftView {
-  Pose T_world_cam0;
+  Pose T_world_cam0;   ///< where it was
   Eigen::Vector3d d0;  ///< z = 1
 };
 
+/// A point, and how well it is known.
 struct LeftPoint {
   Eigen::Vector3d in_world;    ///< [m]
   Eigen::Matrix3d covariance;  ///< [m^2] per rad^2 of the bearings' noise

@@ -25,23 +25,25 @@ using TrackStretch = std::pair<std::int64_t, int>;
 
 /// A stereo point of a frame.
 struct WatchedPoint {
-  TrackStretch track;
+  TrackStretch track;      ///< whose sight it is
   Eigen::Vector3d d0, d1;  ///< towards it from the left and the right camera, z = 1
   int cell;                ///< of the right image
 };
 
 /// A frame: from where, and what it saw.
 struct WatchedFrame {
-  Pose T_world_cam0;
-  std::vector<WatchedPoint> points;
+  Pose T_world_cam0;                 ///< as the filter that watches has it
+  std::vector<WatchedPoint> points;  ///< of both cameras
 };
 
 /// Frames of one window, and the calibration that is judged.
 struct WatchedFrames {
+  /// as it is believed to be
   StereoCalibration calibration;
+  /// first and last frame [ns]
   std::int64_t from_ns = 0, to_ns = 0;
-  std::size_t points = 0;
-  std::vector<WatchedFrame> frames{};
+  std::size_t points = 0;              ///< of all frames
+  std::vector<WatchedFrame> frames{};  ///< in time
 };
 
 }  // namespace detail
@@ -59,10 +61,12 @@ struct WatchedFrames {
 /// @note docs/derivations/health.md
 class WindowFit {
  public:
+  /// Not begun yet; done at once where the window has too few points.
   explicit WindowFit(detail::WatchedFrames window);
 
   /// Does the next slice; nothing once done.
   void advance();
+  /// Nothing is left to do.
   [[nodiscard]] bool done() const { return stage_ == Stage::kDone; }
   /// What the window says; nothing with fewer than 100 points, or before it is done.
   [[nodiscard]] const std::optional<RigEvidence>& evidence() const { return evidence_; }

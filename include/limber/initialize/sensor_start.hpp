@@ -58,7 +58,7 @@ struct SmoothedState {
   NavigationState nav;
   /// position in the world [m], local attitude [rad]
   Eigen::Matrix<double, 6, 6> pose_covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  Eigen::MatrixXd motion_covariance;
+  Eigen::MatrixXd motion_covariance;  ///< velocity and biases [m/s, rad/s, m/s^2]; may be empty
 };
 
 /// Where the filter goes on, and where the body was until then.

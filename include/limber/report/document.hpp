@@ -23,8 +23,8 @@ struct ReportFact {
 struct ReportAnswer {
   /// A lamp before the headline.
   enum class Light : std::uint8_t { kNone, kGreen, kYellow, kRed, kGrey };
-  Light light = Light::kNone;
-  std::string headline;
+  Light light = Light::kNone;          ///< how it is
+  std::string headline;                ///< in a few words
   std::vector<std::string> sentences;  ///< why, one below the other
   std::string advice;                  ///< what to do; may be empty
 };
