@@ -53,6 +53,7 @@ struct Recording {
   std::map<std::int64_t, Eigen::Vector3d> landmarks_true;  ///< track_id -> p_world_landmark [m]
   std::vector<CalibrationTruth> calibration_true;
 
+  bool partial = false;            ///< parts of it are damaged or missing and left out; `notes` say which
   std::vector<std::string> notes;  ///< defaults that stood in for missing values, in plain words
 };
 
