@@ -12,6 +12,7 @@
 #include "limber/bags/bag_contents.hpp"
 #include "limber/bags/bag_file.hpp"
 #include "limber/bags/bag_topics.hpp"
+#include "limber/bags/write_results.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/nearest_word.hpp"
 #include "limber/datasets/read_recording.hpp"
@@ -141,6 +142,18 @@ TrajectoryInput load_truth(const fs::path& path, const std::string& topic) {
   }
   const BagContents contents = scan_bag(*open_bag(path));
   return load_poses(path, contents, topic.empty() ? propose_topics(contents).topics.truth : topic);
+}
+
+TrajectoryInput load_poses_to_convert(const fs::path& path, const std::string& topic) {
+  if (!is_bag(path)) {
+    return load_trajectory(path);
+  }
+  const BagContents contents = scan_bag(*open_bag(path));
+  const bool of_a_run = std::any_of(
+      contents.streams.begin(), contents.streams.end(),
+      [](const BagStream& stream) { return stream.topic.name == kOdometryOfRun && !stream.poses.empty(); });
+  const std::string of_run = of_a_run ? std::string(kOdometryOfRun) : propose_topics(contents).topics.truth;
+  return load_poses(path, contents, topic.empty() ? of_run : topic);
 }
 
 Match match(const TrajectoryInput& estimate, const TrajectoryInput& truth, double max_time_difference) {

@@ -31,6 +31,11 @@ struct TrajectoryInput {
 /// The same of what is to be the truth: of a bag, without a topic, first the one that is named like a truth.
 [[nodiscard]] TrajectoryInput load_truth(const std::filesystem::path& path, const std::string& topic = "");
 
+/// The same of what is to be written in another format: of a bag, without a topic, the poses of limber's own
+/// run if it holds one, else as load_truth.
+[[nodiscard]] TrajectoryInput load_poses_to_convert(const std::filesystem::path& path,
+                                                    const std::string& topic = "");
+
 /// How poses of two trajectories found each other.
 struct Match {
   std::vector<MatchedPose> poses;  ///< at least one
