@@ -91,13 +91,19 @@ void ChunkedBag::walk_records(const Place& place) {
       const std::uint64_t next = resume(place, before, at);
       const std::uint64_t from =
           next > at ? at : before;  // else the one before claimed to be longer than it is
-      if (place.chunk == nullptr) {
-        lost(from, next - from, fmt::format("a damaged record, {}", damage.what()));
-      } else {
-        lost(place.chunk->at, next - from, fmt::format("a damaged record in a chunk, {}", damage.what()));
-      }
+      note_damage(place, from, next - from, damage.what());
       before = at = next;
     }
+  }
+}
+
+void ChunkedBag::note_damage(const Place& place, std::uint64_t at, std::uint64_t bytes,
+                             std::string_view what) {
+  const bool told = last_chunk_ == at && !losses_.empty() && losses_.back().at >= at && !losses_.back().after;
+  if (place.chunk != nullptr) {
+    lost(place.chunk->at, bytes, fmt::format("a damaged record in a chunk, {}", what));
+  } else if (!told) {  // the end of a chunk that was cut off, and the chunk itself
+    lost(at, bytes, fmt::format("a damaged record, {}", what));
   }
 }
 

@@ -92,6 +92,7 @@ class ChunkedBag : public BagFile {
 
  private:
   void walk_records(const Place& place);
+  void note_damage(const Place& place, std::uint64_t at, std::uint64_t bytes, std::string_view what);
   /// Where the walk goes on that failed at byte `at`, behind the record at byte `before`.
   [[nodiscard]] std::uint64_t resume(const Place& place, std::uint64_t before, std::uint64_t at);
   [[nodiscard]] bool is_sound_chunk(std::uint64_t at);

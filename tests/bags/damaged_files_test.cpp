@@ -57,6 +57,7 @@ TEST_P(DamagedFile, ThatWasCutOffIsReadUpToThere) {
       const BagContents contents = read_all(path);
       if (readable_messages(contents) < whole) {  // else the index alone was cut off
         ASSERT_THAT(contents.damages, ::testing::Not(::testing::IsEmpty())) << share;
+        EXPECT_THAT(contents.damages, ::testing::SizeIs(1)) << "one place, told once";
         EXPECT_THAT(contents.damages.front(), HasSubstr(path.string()));
       }
       EXPECT_GE(readable_messages(contents), last);
