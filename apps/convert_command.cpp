@@ -13,7 +13,6 @@
 
 #include "commands.hpp"
 #include "interrupt.hpp"
-#include "limber/bags/bag_file.hpp"
 #include "limber/bags/bag_topics.hpp"
 #include "limber/bags/write_bag.hpp"
 #include "limber/bags/write_results.hpp"
@@ -226,10 +225,6 @@ std::vector<TrajectoryRow> rows_of(const TrajectoryInput& input) {
 
 void convert_trajectory(const ConvertArguments& arguments) {
   const std::string& topics = arguments.recording.topics;
-  if (!topics.empty() && !is_bag(arguments.recording.dataset)) {
-    throw CLI::ValidationError("--topics",
-                               "bags have topics, " + arguments.recording.dataset.string() + " is none");
-  }
   const TrajectoryInput input = load_poses_to_convert(arguments.recording.dataset,
                                                       topics.empty() ? "" : parse_bag_topics(topics).truth);
   if (!input.topic.empty()) {

@@ -69,6 +69,9 @@ Recording open_recording(const RecordingFiles& files) {
     }
     recording.imu_noise = read_kalibr_imu(files.imu);
   }
+  if (!files.for_images.empty() && recording.images.empty()) {
+    throw CLI::ValidationError(files.for_images, files.dataset.string() + " holds matched points, no images");
+  }
   if (files.readout_time) {
     recording.calibration.readout_time_s.fill(*files.readout_time);
   }

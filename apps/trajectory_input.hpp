@@ -22,8 +22,9 @@ struct TrajectoryInput {
 
 /// @brief Reads a trajectory file of any format, the trajectory.csv of a run's folder, a recording's ground
 /// truth, or poses in a bag.
-/// @param topic  of a bag: PoseStamped, PoseWithCovarianceStamped, TransformStamped or Odometry; empty: the
-///               only one with poses
+/// @param topic  of a bag: PoseStamped, PoseWithCovarianceStamped, TransformStamped or Odometry; empty: that
+/// of
+///               a run of limber's, else the only one with poses. Of what is no bag there is none
 /// @throws DataError if there is none, or it cannot be used
 [[nodiscard]] TrajectoryInput load_trajectory(const std::filesystem::path& path,
                                               const std::string& topic = "");

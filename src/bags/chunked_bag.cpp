@@ -41,6 +41,7 @@ void ChunkedBag::walk(const Wanted& wanted, const Visitor& visitor) {
   losses_.clear();
   remarks_.clear();
   dated_ = unknown_ = 0;
+  any_compressed_ = any_plain_ = false;
   last_chunk_.reset();
   last_t_ns_.reset();
   wanted_ = &wanted;
@@ -61,7 +62,7 @@ void ChunkedBag::walk(const Wanted& wanted, const Visitor& visitor) {
 
 bool ChunkedBag::is_sound_chunk(std::uint64_t at) {
   try {
-    (void)chunk_at(at);
+    any_compressed_ = chunk_at(at).is_compressed() || any_compressed_;
     return true;
   } catch (const Damage&) {
     return false;
@@ -107,6 +108,13 @@ void ChunkedBag::note_damage(const Place& place, std::uint64_t at, std::uint64_t
   }
 }
 
+bool ChunkedBag::may_hold_messages(std::uint64_t chunk, std::uint64_t end) {
+  if (any_compressed_) {  // then what looks like a message is a part of a compressed one
+    return false;
+  }
+  return chunk < end ? !chunk_at(chunk).is_compressed() : any_plain_;
+}
+
 std::uint64_t ChunkedBag::resume(const Place& place, std::uint64_t before, std::uint64_t at) {
   const std::uint64_t end = place.in_chunk ? place.end : next_chunk(at).value_or(place.end);
   if (last_chunk_ == at) {  // as far as it went it has been read
@@ -120,6 +128,12 @@ std::uint64_t ChunkedBag::resume(const Place& place, std::uint64_t before, std::
       return within;
     }
     from = at + 1;
+  }
+  if (!place.in_chunk) {
+    const std::uint64_t chunk = find_record(place, std::max(from, at + 1), end, true);
+    if (!may_hold_messages(chunk, place.end)) {
+      return chunk;
+    }
   }
   const std::uint64_t next = find_record(place, from, end, false);
   return next == at ? find_record(place, at + 1, end, false) : next;
@@ -178,6 +192,7 @@ void ChunkedBag::visit(const Place& place, std::uint64_t channel, std::int64_t t
     return;
   }
   last_t_ns_ = t_ns;
+  any_plain_ = any_plain_ || place.chunk == nullptr;
   for (; dated_ < losses_.size(); ++dated_) {
     losses_[dated_].after = t_ns;
   }
@@ -202,6 +217,7 @@ void ChunkedBag::unpack(const ChunkHead& head, std::vector<std::uint8_t>& conten
 
 void ChunkedBag::walk_chunk(const ChunkHead& head) {
   last_chunk_ = head.at;
+  any_compressed_ = any_compressed_ || head.is_compressed();
   if (!head.is_compressed()) {
     walk_records({file_, head.content_at, head.content_at + head.content_size, nullptr, true});
     return;

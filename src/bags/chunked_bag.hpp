@@ -96,6 +96,9 @@ class ChunkedBag : public BagFile {
   /// Where the walk goes on that failed at byte `at`, behind the record at byte `before`.
   [[nodiscard]] std::uint64_t resume(const Place& place, std::uint64_t before, std::uint64_t at);
   [[nodiscard]] bool is_sound_chunk(std::uint64_t at);
+  /// Whether bytes outside sound chunks may be messages, as in a plain chunk whose head is damaged.
+  /// @param chunk  the next one that was found; `end`: none
+  [[nodiscard]] bool may_hold_messages(std::uint64_t chunk, std::uint64_t end);
   void tell_damages();
   /// @param[out] content  its memory is used again. @throws Damage
   void unpack(const ChunkHead& head, std::vector<std::uint8_t>& content);
@@ -107,6 +110,7 @@ class ChunkedBag : public BagFile {
   std::map<std::uint64_t, std::size_t> channels_;     ///< to indices of topics_
   std::vector<std::uint64_t> chunks_, sound_chunks_;  ///< where they begin by the index, in order
   std::optional<std::uint64_t> last_chunk_;           ///< that was walked through
+  bool any_compressed_ = false, any_plain_ = false;  ///< compressed chunks, messages outside of them were met
   std::optional<std::int64_t> last_t_ns_;
   std::vector<Loss> losses_;
   std::size_t dated_ = 0;  ///< losses behind which a message has come

@@ -52,12 +52,14 @@ struct Hint {
 };
 // What are bags is read by limber::bags, and does not come here.
 constexpr const char* kOtherBag =
-    "a file that does not begin like a bag of its ending: ROS 1 (version 2.0), MCAP or ROS 2 (db3)";
+    "a file that does not begin like a bag of its ending: ROS 1 (version 2.0), MCAP or ROS 2 (db3); 'rosbag "
+    "fix' "
+    "brings older ROS 1 bags up to date";
 constexpr std::array<Hint, 16> kHints = {
     {{".bag", kOtherBag},
      {".mcap", kOtherBag},
      {".db3", kOtherBag},
-     {".zstd", "a compressed bag: unpack it with zstd -d"},
+     {".zstd", "a file that holds no bag packed by zstd, or a damaged one"},
      {".zip", "an archive: unpack it and give the folder"},
      {".gz", "an archive: unpack it and give the folder or the bag"},
      {".tar", "an archive: unpack it and give the folder"},

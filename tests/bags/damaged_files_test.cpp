@@ -7,6 +7,8 @@
 
 #include "datasets/files.hpp"
 #include "fixtures.hpp"
+#include "limber/bags/read_bag.hpp"
+#include "limber/bags/write_bag.hpp"
 #include "limber/core/random.hpp"
 
 namespace limber {
@@ -37,6 +39,17 @@ BagContents read_all(const fs::path& path) {
     }
   }
   return contents;
+}
+
+/// No byte of a sample is another than the one that went in.
+void expect_true_samples(const BagContents& contents) {
+  for (const BagStream& stream : contents.streams) {
+    for (const ImuMessage& message : stream.imu) {
+      const auto n = static_cast<double>((message.sample.t_ns - kStart) / kImuInterval);
+      EXPECT_EQ(message.sample.omega_imu, Eigen::Vector3d(0.001 * n, -0.002 * n, 1.0 / (n + 1.0)));
+      EXPECT_EQ(message.sample.accel_imu, Eigen::Vector3d(0.1, -0.01 * n, 9.81 + 1e-9 * n));
+    }
+  }
 }
 
 class DamagedFile : public ::testing::TestWithParam<std::string> {
@@ -93,6 +106,7 @@ TEST_P(DamagedFile, WithAHoleIsReadBehindIt) {
     const auto bag = open_bag(path);
     const BagContents contents = scan_bag(*bag);
     EXPECT_FALSE(contents.whole);
+    expect_true_samples(contents);
     ASSERT_THAT(contents.damages, ::testing::Not(::testing::IsEmpty()));
     EXPECT_THAT(contents.damages.front(), HasSubstr("bytes are left out, between the messages of "));
     EXPECT_GT(readable_messages(contents), whole / 2) << contents.damages.front();
@@ -219,12 +233,49 @@ TEST(DamagedHead, OfOneChunkCostsNoMoreThanThatChunk) {
     const fs::path path = write_text(folder.path() / one.file, other);
     const BagContents contents = scan_bag(*open_bag(path)), whole = scan_bag(*open_bag(fixture(one.file)));
     EXPECT_FALSE(contents.whole);
+    expect_true_samples(contents);
     EXPECT_THAT(contents.damages, ::testing::SizeIs(1));
     EXPECT_GT(2 * readable_messages(contents), readable_messages(whole));
     EXPECT_LT(readable_messages(contents), readable_messages(whole));
     for (const BagStream& stream : contents.streams) {
       EXPECT_EQ(timing_of(stream.recorded_ns).repeated, 0u) << "no message twice";
     }
+  }
+}
+
+/// Images of noise, which no compressor shrinks: what stands between them stands in the file as it is.
+EncodedImage noise(EncodedImage, const std::string& place) {
+  EncodedImage out;
+  out.encoding = "mono8";
+  out.width = 512;
+  out.height = 400;
+  out.step = 512;
+  const RandomStream random(1, 0, place);
+  for (std::uint64_t k = 0; k < 512 * 400; ++k) {
+    out.data.push_back(static_cast<std::uint8_t>(256.0 * random.uniform(k)));
+  }
+  return out;
+}
+
+TEST(DamagedHead, OfACompressedChunkGivesNoFalseMessages) {
+  const TemporaryFolder folder;
+  StereoCalibration rig;
+  rig.theta(3) = -0.1;
+  rig.body = BodyFrame::kImu;
+  const Recording recording = read_bag(fixture("ros1_none.bag"), rig, ImuNoise{});
+  const fs::path path = folder.path() / "noise.bag";
+  write_bag(recording, {path, BagFormat::kRos1, "lz4"}, noise);
+  std::string content = read_text(path);
+  const std::size_t second = content.find("compression=lz4", content.find("compression=lz4") + 20);
+  ASSERT_NE(second, std::string::npos);
+  content.replace(second, 11, "xxxxxxxxxxx");
+  for (const bool indexed : {true, false}) {
+    write_text(path, content.substr(0, content.size() - (indexed ? 0 : 2000)));
+    const BagContents contents = scan_bag(*open_bag(path));
+    EXPECT_FALSE(contents.whole);
+    EXPECT_GT(stream_of(contents, "/imu0").imu.size(), 0u);
+    EXPECT_LT(stream_of(contents, "/imu0").imu.size(), kFixtureImu);
+    expect_true_samples(contents);
   }
 }
 

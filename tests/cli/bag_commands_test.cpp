@@ -92,7 +92,7 @@ TEST_F(BagCommands, AFileInThePlaceOfAFolderIsToldWhatItIs) {
   };
   EXPECT_THAT(refused("a.yaml", "cam0:\n"), HasSubstr("--calib"));
   EXPECT_THAT(refused("a.mp4", "x"), HasSubstr("a video"));
-  EXPECT_THAT(refused("a.db3.zstd", "x"), HasSubstr("zstd -d"));
+  EXPECT_THAT(refused("a.db3.zstd", "x"), HasSubstr("no bag packed by zstd"));
   EXPECT_THAT(refused("a.tum", "1 2"), HasSubstr("limber evaluate"));
   EXPECT_THAT(refused("a.xyz", "1 2"), HasSubstr("of a kind that limber does not know"));
 }
@@ -282,6 +282,16 @@ TEST_F(BagCommands, ARunThatBecameMessagesGivesItsTrajectoryAgain) {
   ASSERT_EQ(back.exit_code, 0) << back.err;
   EXPECT_THAT(back.err, HasSubstr("poses of /limber/odometry; --topics truth=TOPIC takes others"));
   EXPECT_EQ(read_text(path("back.tum")).substr(0, 40), read_text(path("run/trajectory.tum")).substr(0, 40));
+  const ProgramResult judged = run_limber({"evaluate", path("run.mcap"), path("run.mcap"), "--json"});
+  EXPECT_EQ(judged.exit_code, 0) << "its own poses against the truth in it: " << judged.err;
+  const ProgramResult no_bag =
+      run_limber({"evaluate", path("run"), path("run.mcap"), "--estimate-topic", "/x"});
+  EXPECT_EQ(no_bag.exit_code, 1);
+  EXPECT_THAT(no_bag.err, HasSubstr("expected a bag, for the topic /x"));
+  const ProgramResult no_images =
+      run_limber({"run", path("log"), "--max-tracks", "50", "--out", path("other")});
+  EXPECT_EQ(no_images.exit_code, 2);
+  EXPECT_THAT(no_images.err, HasSubstr("holds matched points, no images"));
   ASSERT_EQ(convert(path("run.mcap"), path("truth.tum"), {"--topics", "truth=/groundtruth"}).exit_code, 0);
   EXPECT_NE(read_text(path("truth.tum")), read_text(path("back.tum")));
   const ProgramResult no_recording = convert(path("run"), path("folder"));
