@@ -42,6 +42,7 @@ void ChunkedBag::walk(const Wanted& wanted, const Visitor& visitor) {
   remarks_.clear();
   dated_ = unknown_ = 0;
   any_compressed_ = any_plain_ = false;
+  chunkless_from_ = file_.size();
   last_chunk_.reset();
   last_t_ns_.reset();
   wanted_ = &wanted;
@@ -115,28 +116,29 @@ bool ChunkedBag::may_hold_messages(std::uint64_t chunk, std::uint64_t end) {
   return chunk < end ? !chunk_at(chunk).is_compressed() : any_plain_;
 }
 
+std::uint64_t ChunkedBag::find_other(const Place& place, std::uint64_t from, std::uint64_t end,
+                                     std::uint64_t not_at, bool chunks_only) {
+  const std::uint64_t found = find_record(place, from, end, chunks_only);
+  return found == not_at ? find_record(place, not_at + 1, end, chunks_only) : found;
+}
+
 std::uint64_t ChunkedBag::resume(const Place& place, std::uint64_t before, std::uint64_t at) {
-  const std::uint64_t end = place.in_chunk ? place.end : next_chunk(at).value_or(place.end);
-  if (last_chunk_ == at) {  // as far as it went it has been read
-    return find_record(place, at + 1, end, true);
+  if (place.in_chunk) {
+    return find_other(place, before + 1, place.end, at, false);
   }
-  std::uint64_t from = before + 1;
-  if (last_chunk_ == before) {  // the same, but it may have claimed to be longer than it is
-    const std::uint64_t claimed = std::min(at, end);
-    const std::uint64_t within = find_record(place, from, claimed, true);
-    if (within < claimed) {
-      return within;
-    }
-    from = at + 1;
+  const std::uint64_t end = next_chunk(at).value_or(place.end);
+  const bool cut_off = last_chunk_ == at;  // as far as it went it has been read
+  // Of a chunk, too, but it may have claimed to be longer than it is, and so may any other record.
+  const std::uint64_t from = cut_off ? at + 1 : before + 1;
+  std::uint64_t chunk = end;
+  if (from < chunkless_from_) {
+    chunk = find_other(place, from, end, at, true);
+    chunkless_from_ = chunk == place.end ? from : chunkless_from_;
   }
-  if (!place.in_chunk) {
-    const std::uint64_t chunk = find_record(place, std::max(from, at + 1), end, true);
-    if (!may_hold_messages(chunk, place.end)) {
-      return chunk;
-    }
+  if (cut_off || (last_chunk_ == before && chunk < at) || !may_hold_messages(chunk, place.end)) {
+    return chunk;
   }
-  const std::uint64_t next = find_record(place, from, end, false);
-  return next == at ? find_record(place, at + 1, end, false) : next;
+  return find_other(place, last_chunk_ == before ? at + 1 : from, end, at, false);
 }
 
 void ChunkedBag::lost(std::uint64_t at, std::uint64_t bytes, std::string what) {

@@ -95,6 +95,9 @@ class ChunkedBag : public BagFile {
   void note_damage(const Place& place, std::uint64_t at, std::uint64_t bytes, std::string_view what);
   /// Where the walk goes on that failed at byte `at`, behind the record at byte `before`.
   [[nodiscard]] std::uint64_t resume(const Place& place, std::uint64_t before, std::uint64_t at);
+  /// find_record, but for the one at byte `not_at`.
+  [[nodiscard]] std::uint64_t find_other(const Place& place, std::uint64_t from, std::uint64_t end,
+                                         std::uint64_t not_at, bool chunks_only);
   [[nodiscard]] bool is_sound_chunk(std::uint64_t at);
   /// Whether bytes outside sound chunks may be messages, as in a plain chunk whose head is damaged.
   /// @param chunk  the next one that was found; `end`: none
@@ -111,6 +114,7 @@ class ChunkedBag : public BagFile {
   std::vector<std::uint64_t> chunks_, sound_chunks_;  ///< where they begin by the index, in order
   std::optional<std::uint64_t> last_chunk_;           ///< that was walked through
   bool any_compressed_ = false, any_plain_ = false;  ///< compressed chunks, messages outside of them were met
+  std::uint64_t chunkless_from_ = 0;                 ///< a search from here on has found no chunk
   std::optional<std::int64_t> last_t_ns_;
   std::vector<Loss> losses_;
   std::size_t dated_ = 0;  ///< losses behind which a message has come
