@@ -17,18 +17,6 @@ std::string two_decimals(const std::optional<double>& value) {
   return value ? fmt::format("{:.2f}", *value) : "-";
 }
 
-std::string end_of(const ComparedRun& run) {
-  switch (run.end) {
-    case RunEnd::kDone:
-      break;
-    case RunEnd::kPartial:
-      return fmt::format("partial: {} of {} frames", run.frames, run.frames_of_recording);
-    case RunEnd::kLost:
-      return fmt::format("lost since {:.1f} s", *run.lost_since_s);
-  }
-  return "done";
-}
-
 /// Columns that say the same of every run, or what the label says, are left out.
 struct NamesShown {
   bool recording = false, method = false;
@@ -63,7 +51,7 @@ TextRow row_of(const ComparedRun& run, const NamesShown& shown) {
               run.scale_error_percent ? fmt::format("{:+.2f}", *run.scale_error_percent) : "-",
               run.verdict.value_or("-"),
               fmt::format("{} ({})", two_decimals(run.ms_per_frame), two_decimals(run.ms_per_frame_p99)),
-              end_of(run)});
+              end_in_words(run)});
   return row;
 }
 

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
 #include "interrupt.hpp"
@@ -46,14 +48,47 @@ struct ConvertArguments {
 
 std::string ending_of(const fs::path& path) { return in_lower_case(path.extension().string()); }
 
-bool is_trajectory(const fs::path& out) {
-  const std::string ending = ending_of(out);
-  return ending == ".tum" || ending == ".txt" || ending == ".csv" || ending == ".kitti";
+const std::vector<std::string> kTrajectories = {".tum", ".txt", ".csv", ".kitti"};
+const std::vector<std::string> kBags = {".mcap", ".bag"};
+constexpr const char* kEndings =
+    "FILE.mcap or FILE.bag (messages), FILE.tum, FILE.txt, FILE.csv or FILE.kitti (poses)";
+
+bool is_one_of(const std::vector<std::string>& endings, const fs::path& out) {
+  return std::find(endings.begin(), endings.end(), ending_of(out)) != endings.end();
 }
 
+bool is_trajectory(const fs::path& out) { return is_one_of(kTrajectories, out); }
+
 bool is_folder(const fs::path& out) {
+  return !is_trajectory(out) && !is_one_of(kBags, out) && !fs::is_regular_file(out);
+}
+
+/// "x.pdf" is meant for a file, "data/v1.2" and "x.pdf/" for folders, and so is a folder that is there.
+void require_known_ending(const fs::path& out) {
+  constexpr std::size_t kLongest = 6;
   const std::string ending = ending_of(out);
-  return !is_trajectory(out) && ending != ".mcap" && ending != ".bag" && !fs::is_regular_file(out);
+  const bool of_a_file = ending.size() > 1 && ending.size() <= kLongest &&
+                         std::isalpha(static_cast<unsigned char>(ending[1])) != 0;
+  if (of_a_file && !is_trajectory(out) && !is_one_of(kBags, out) && !fs::is_directory(out)) {
+    std::vector<std::string> known = kTrajectories;
+    known.insert(known.end(), kBags.begin(), kBags.end());
+    throw CLI::ValidationError(
+        "--out", fmt::format("nothing is written as {}{}: {}; a folder of such a name has a / behind it",
+                             ending, did_you_mean(ending, known), kEndings));
+  }
+}
+
+/// Of a trajectory or a run, nothing but the poses is read.
+void refuse_options_of_recordings(const ConvertArguments& arguments) {
+  const RecordingArguments& of = arguments.recording;
+  const char* const given = !of.calibration.empty()       ? "--calib"
+                            : !of.imu.empty()             ? "--imu"
+                            : of.readout_time.has_value() ? "--readout-time"
+                            : arguments.pixels != "keep"  ? "--pixels"
+                                                          : nullptr;
+  if (given != nullptr) {
+    throw CLI::ValidationError(given, "only a recording has it, and here poses are converted");
+  }
 }
 
 /// Nothing: --out names no file of messages.
@@ -147,7 +182,8 @@ void note_losses(const Recording& recording, bool bag) {
   }
 }
 
-void convert_recording(const ConvertArguments& arguments, const std::optional<BagOutput>& bag) {
+/// @return whether parts of the recording were missing
+bool convert_recording(const ConvertArguments& arguments, const std::optional<BagOutput>& bag) {
   const Interrupt interrupt;
   const Recording recording = open_recording(arguments.recording);
   for (const std::string& note : recording.notes) {
@@ -160,7 +196,7 @@ void convert_recording(const ConvertArguments& arguments, const std::optional<Ba
                                "give a folder as --out");
     }
     write_track_log(recording, arguments.out, arguments.force);
-    return;
+    return recording.partial;
   }
   Progress progress("convert", recording.images.size());
   const auto done = [&](std::size_t n) { progress.done(n); };
@@ -173,6 +209,7 @@ void convert_recording(const ConvertArguments& arguments, const std::optional<Ba
     write_euroc(recording, arguments.out, as_png, arguments.force, done, Interrupt::asked);
   }
   note_losses(recording, bag.has_value());
+  return recording.partial;
 }
 
 std::vector<TrajectoryRow> rows_of(const TrajectoryInput& input) {
@@ -188,10 +225,11 @@ std::vector<TrajectoryRow> rows_of(const TrajectoryInput& input) {
 
 void convert_trajectory(const ConvertArguments& arguments) {
   const std::string& topics = arguments.recording.topics;
-  const TrajectoryInput input =
-      load_truth(arguments.recording.dataset, topics.empty() ? "" : parse_bag_topics(topics).truth);
+  const TrajectoryInput input = load_poses_to_convert(arguments.recording.dataset,
+                                                      topics.empty() ? "" : parse_bag_topics(topics).truth);
   if (!input.topic.empty()) {
-    print_note("poses of " + input.topic);
+    print_note(fmt::format("poses of {}{}", input.topic,
+                           topics.empty() ? "; --topics truth=TOPIC takes others" : ""));
   }
   const std::string ending = ending_of(arguments.out);
   if (!input.has_time && ending != ".kitti") {
@@ -223,18 +261,34 @@ std::optional<RunResults> results_of(const fs::path& path) {
 }
 
 void convert(const ConvertArguments& arguments) {
+  require_known_ending(arguments.out);
   require_free(arguments);
   const std::optional<BagOutput> bag = bag_output_of(arguments);
+  if (is_folder(arguments.out) && is_run_folder(arguments.recording.dataset)) {
+    throw CLI::ValidationError("--out",
+                               fmt::format("a run becomes {}, not a folder of a recording", kEndings));
+  }
   const std::optional<RunResults> results = bag ? results_of(arguments.recording.dataset) : std::nullopt;
+  if (results || is_trajectory(arguments.out)) {
+    refuse_options_of_recordings(arguments);
+  }
+  bool partial = false;
   if (results) {
+    if (!arguments.recording.topics.empty()) {
+      throw CLI::ValidationError("--topics", "bags have topics, this is none");
+    }
     const Uninterrupted until_written;
     write_results(*results, *bag);
   } else if (is_trajectory(arguments.out)) {
     convert_trajectory(arguments);
   } else {
-    convert_recording(arguments, bag);
+    partial = convert_recording(arguments, bag);
   }
   fmt::print("{}\n", arguments.out.string());
+  if (partial) {
+    print_warning("written without the parts that are missing, see above");
+    throw CLI::RuntimeError(kExitFailed);
+  }
 }
 
 }  // namespace
@@ -266,7 +320,8 @@ void add_convert_command(CLI::App& app) {
       "Of a run's folder a file of messages gets odometry, tf, path, map and diagnostics, of a trajectory "
       "the "
       "first three.\n"
-      "Ctrl-C leaves nothing behind.\n"
+      "Ctrl-C leaves nothing behind. Of a damaged recording what is readable is written, and the exit code "
+      "is 1.\n"
       "Example:\n  limber convert flight.bag --calib camchain.yaml --imu imu.yaml --out data/flight\n"
       "  limber convert data/flight --out flight.mcap\n  limber convert data/flight --out copy.bag\n  "
       "limber convert runs/v101/trajectory.csv --out "

@@ -58,7 +58,8 @@ std::vector<StereoFrame> at_stamps(std::vector<StereoFrame> frames, const Stereo
 
 Diagnosis diagnose_recording(const Recording& recording, const RunOptions& options, const FrameSource& frames,
                              const std::function<void(std::size_t)>& progress,
-                             const std::function<void(const RunRecord&, const RunSummary&)>& done) {
+                             const std::function<void(const RunRecord&, const RunSummary&)>& done,
+                             const std::function<bool()>& stop) {
   Diagnosis out;
   out.dataset = recording.name;
   out.judged_by = watch_options(options);
@@ -82,7 +83,10 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     out.failure = error.what();
   };
   try {
-    RunRecord record = run_recording(recording, options, remembered, {.progress = progress});
+    RunRecord record = run_recording(recording, options, remembered, {.progress = progress, .stop = stop});
+    if (record.frames.empty()) {
+      throw std::runtime_error("stopped before the first frame: nothing can be said");
+    }
     RunSummary summary = summarize(recording, options, record);
     out.readout = readout.estimate();
     add_readout(out.readout, assumed, record, summary);
@@ -90,16 +94,20 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
       out.readout_contradicted = in_words(*out.readout, assumed);
     }
     out.frames = summary.frames;
+    out.frames_of_recording = record.frames_of_recording;
+    out.stopped = record.stopped;
     out.duration_s = summary.duration_s;
     out.nis_per_dof = summary.nis_per_dof;
     out.health = summary.health;
-    if (summary.health && !summary.readout_contradicted) {
+    if (summary.health && !summary.readout_contradicted && !out.stopped) {
       out.state = HealthState{recording.name,
                               {camera_in_words(assumed.cam0), camera_in_words(assumed.cam1)},
                               rig_record(summary.health->present, assumed.theta, has_scale(record.motion))};
     }
-    compare_with_ekf(
-        recording, options, [&](std::size_t n) { return seen.at(n - first); }, record, out);
+    if (!out.stopped) {
+      compare_with_ekf(
+          recording, options, [&](std::size_t n) { return seen.at(n - first); }, record, out);
+    }
     if (done) {
       done(record, summary);
     }

@@ -15,10 +15,14 @@ namespace limber::app {
 /// @param options   method lcekf, which no calibration can lead astray
 /// @param progress  told the number of frames done; may be empty
 /// @param done      told of the run once it is over; may be empty
-/// @throws as run_recording, unless a mistake explains it
+/// @param stop      asked before every frame: true ends the run, and what was seen by then is judged, without
+///                  ekf beside it and without a state to keep; may be empty
+/// @throws as run_recording, unless a mistake explains it; std::runtime_error if it was stopped before the
+/// first frame
 [[nodiscard]] Diagnosis diagnose_recording(
     const Recording& recording, const RunOptions& options, const FrameSource& frames,
     const std::function<void(std::size_t)>& progress = {},
-    const std::function<void(const RunRecord&, const RunSummary&)>& done = {});
+    const std::function<void(const RunRecord&, const RunSummary&)>& done = {},
+    const std::function<bool()>& stop = {});
 
 }  // namespace limber::app

@@ -168,6 +168,10 @@ int exit_code(HealthVerdict verdict) {
 std::string to_text(const Diagnosis& diagnosis) {
   std::string text = fmt::format("{}: {}\n", diagnosis.dataset, to_string(verdict_of(diagnosis)));
   auto out = std::back_inserter(text);
+  if (diagnosis.stopped) {
+    fmt::format_to(out, "Partial: stopped after {} of {} frames; all of this is of those\n", diagnosis.frames,
+                   diagnosis.frames_of_recording);
+  }
   for (const std::string& mistake : all_mistakes(diagnosis)) {
     fmt::format_to(out, "Looks like a mistake: {}\n", mistake);
   }
@@ -222,6 +226,7 @@ std::string to_json(const Diagnosis& diagnosis) {
       {"dataset", diagnosis.dataset},
       {"verdict", to_string(verdict_of(diagnosis))},
       {"frames", diagnosis.frames},
+      {"complete", !diagnosis.stopped},
       {"duration_s", diagnosis.duration_s},
       {"nis_per_dof", diagnosis.nis_per_dof ? Json(*diagnosis.nis_per_dof) : Json(nullptr)},
       {"health", diagnosis.health ? Json::parse(limber::to_json(*diagnosis.health, diagnosis.judged_by))

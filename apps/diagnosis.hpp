@@ -25,7 +25,8 @@ struct SinceThen {
 
 struct Diagnosis {
   std::string dataset;
-  std::size_t frames = 0;
+  std::size_t frames = 0, frames_of_recording = 0;
+  bool stopped = false;  ///< before the last frame: all of this is of those before
   double duration_s = 0.0;
   WatchOptions judged_by;
   std::optional<double> nis_per_dof;

@@ -60,8 +60,9 @@ void add_evaluate_command(CLI::App& app) {
                    "Trajectory file, folder of a recording, or a bag with poses")
       ->required()
       ->check(not_empty());
-  command->add_option("--estimate-topic", options->estimate_topic,
-                      "Of ESTIMATE, where it is a bag; default: the only one with poses");
+  command->add_option(
+      "--estimate-topic", options->estimate_topic,
+      "Of ESTIMATE, where it is a bag; default: that of limber's run, else the only one with poses");
   command->add_option("--truth-topic", options->truth_topic,
                       "Of GROUNDTRUTH, where it is a bag; default: the one that is named like a truth");
   command

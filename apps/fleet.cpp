@@ -8,6 +8,7 @@
 #include <ctime>
 
 #include "commands.hpp"
+#include "fleet_trend.hpp"
 #include "health_since.hpp"
 #include "ordered_json.hpp"
 #include "text_table.hpp"
@@ -19,8 +20,7 @@ using Row = TextRow;
 
 /// Of the first frame, in UTC; "-" where stamps do not count from 1970.
 std::string date_of(const Diagnosis& diagnosis) {
-  constexpr std::int64_t kYear2000 = 946'684'800'000'000'000;
-  if (!diagnosis.health || diagnosis.health->begin_ns < kYear2000) {
+  if (!diagnosis.health || !is_dated(diagnosis.health->begin_ns)) {
     return "-";
   }
   return fmt::format("{:%Y-%m-%d}",
@@ -41,10 +41,13 @@ void add_sizes(Row& row, const CalibrationState& state) {
 
 Row row_of(const FleetRow& of) {
   if (!of.diagnosis) {
-    return {of.dataset, "-", "failed: " + of.failure};
+    return {of.dataset, "-", of.stopped ? "not judged" : "failed: " + of.failure};
   }
   const Diagnosis& d = *of.diagnosis;
   Row row = {of.dataset, date_of(d), to_string(verdict_of(d))};
+  if (d.stopped) {
+    row.back() += fmt::format(" (partial: {} of {} frames)", d.frames, d.frames_of_recording);
+  }
   if (d.health) {
     add_sizes(row, d.health->present);
   }
@@ -80,7 +83,7 @@ void compare_with_first(std::vector<FleetRow>& rows) {
 int fleet_exit_code(const std::vector<FleetRow>& rows) {
   HealthVerdict all = HealthVerdict::kOk;
   for (const FleetRow& row : rows) {
-    if (!row.diagnosis) {
+    if (!row.diagnosis || row.diagnosis->stopped) {
       return kExitFailed;
     }
     all = worst(all, verdict_of(*row.diagnosis));
@@ -103,6 +106,9 @@ std::string fleet_text(const std::vector<FleetRow>& rows) {
   if (moved.size() > 1) {
     out += "\nHow each moved since the first with the same cameras\n" + text_table(moved);
   }
+  for (const FleetTrend& trend : fleet_trends(rows)) {
+    out += "\n" + to_text(trend, rows);
+  }
   return out;
 }
 
@@ -110,7 +116,14 @@ std::string fleet_json(const std::vector<FleetRow>& rows) {
   Json out = Json::array();
   for (const FleetRow& row : rows) {
     out.push_back(row.diagnosis ? Json::parse(to_json(*row.diagnosis))
-                                : Json{{"dataset", row.dataset}, {"failure", row.failure}});
+                                : Json{{"dataset", row.dataset},
+                                       {"failure", row.stopped ? "not judged: stopped" : row.failure}});
+    out.back()["trend"] = nullptr;
+  }
+  for (const FleetTrend& trend : fleet_trends(rows)) {
+    for (const std::size_t k : trend.rows) {
+      out[k]["trend"] = to_json(trend);
+    }
   }
   return out.dump(2) + "\n";
 }

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include "interrupt.hpp"
 #ifdef LIMBER_WITH_FRONTEND
 #include "limber/frontend/stereo_tracker.hpp"
 #include "pair_reader.hpp"
@@ -125,6 +127,13 @@ ImageFrames image_frames(const Recording& recording, const FrontendArguments& ar
   throw std::runtime_error(recording.name +
                            " holds images, but this program was built without the image front end");
 #endif
+}
+
+FrameSource stoppable(FrameSource frames) {
+  return [frames = std::move(frames)](std::size_t n) {
+    Interrupt::check();
+    return frames(n);
+  };
 }
 
 FrameSource frame_source(const Recording& recording) {

@@ -32,6 +32,9 @@ using RepeatedFrames = std::function<ImageFrames()>;
 /// @throws as image_frames, when called
 [[nodiscard]] RepeatedFrames repeated_frames(const Recording& recording, const FrontendArguments& arguments);
 
+/// The same frames, until the user asks to stop. @throws Stopped then, in the place of a frame
+[[nodiscard]] FrameSource stoppable(FrameSource frames);
+
 /// The frames alone, made on the thread that asks for them.
 [[nodiscard]] FrameSource frame_source(const Recording& recording);
 

@@ -2,7 +2,9 @@
 // limber health: is the calibration the problem?
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -13,7 +15,9 @@
 #include "diagnose_recording.hpp"
 #include "fleet.hpp"
 #include "frame_source.hpp"
+#include "grouped_texts.hpp"
 #include "health_since.hpp"
+#include "interrupt.hpp"
 #include "limber/core/divergence_error.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/run_files/health_state.hpp"
@@ -35,6 +39,7 @@ struct HealthArguments : RecordingArguments {
   double gravity = RunOptions{}.gravity;
   bool json = false, force = false, fleet = false;
   std::vector<std::filesystem::path> more;
+  std::vector<std::string>* notes = nullptr;  ///< with --fleet they go here; nothing is printed
 };
 
 RunOptions to_options(const HealthArguments& arguments, const Recording& recording) {
@@ -46,8 +51,12 @@ RunOptions to_options(const HealthArguments& arguments, const Recording& recordi
 
 void report_run(const HealthArguments& arguments, const RunOptions& options, const RunRecord& record,
                 const RunSummary& summary) {
-  for (const std::string& note : record.notes) {
-    print_note(note);
+  if (arguments.notes != nullptr) {
+    *arguments.notes = record.notes;
+  } else {
+    for (const std::string& note : record.notes) {
+      print_note(note);
+    }
   }
   if (!arguments.out.empty()) {
     {
@@ -67,7 +76,8 @@ Diagnosis navigate(const HealthArguments& arguments, const Recording& recording,
       [&](const RunRecord& record, const RunSummary& summary) {
         progress.reset();
         report_run(arguments, options, record, summary);
-      });
+      },
+      Interrupt::asked);
 }
 
 void require_output(const HealthArguments& arguments) {
@@ -110,14 +120,34 @@ HealthArguments member(const HealthArguments& fleet, std::size_t n) {
   return one;
 }
 
+/// Each note once, with the recordings that it is of unless it is of all.
+void print_fleet_notes(const std::vector<FleetRow>& rows,
+                       const std::map<std::string, std::vector<std::string>>& notes) {
+  std::vector<std::string> names;
+  for (const FleetRow& row : rows) {
+    if (std::find(names.begin(), names.end(), row.dataset) == names.end()) {
+      names.push_back(row.dataset);
+    }
+  }
+  for (const auto& [note, of] : by_text(names, notes)) {
+    print_note(of.size() == names.size() ? note : joined(of) + ": " + note);
+  }
+}
+
 int fleet(const HealthArguments& arguments) {
   for (std::size_t n = 0; n <= arguments.more.size(); ++n) {
     require_output(member(arguments, n));
   }
   std::vector<FleetRow> rows;
+  std::map<std::string, std::vector<std::string>> notes;
   for (std::size_t n = 0; n <= arguments.more.size(); ++n) {
-    const HealthArguments one = member(arguments, n);
+    HealthArguments one = member(arguments, n);
+    one.notes = &notes[one.dataset.string()];
     rows.push_back({one.dataset.string(), std::nullopt, ""});
+    if (Interrupt::asked()) {
+      rows.back().stopped = true;
+      continue;
+    }
     try {
       rows.back().diagnosis = diagnose(one);
     } catch (const DataError& error) {  // the others are judged nevertheless
@@ -131,6 +161,7 @@ int fleet(const HealthArguments& arguments) {
   if (arguments.since.empty()) {
     compare_with_first(rows);
   }
+  print_fleet_notes(rows, notes);
   fmt::print("{}", arguments.json ? fleet_json(rows) : fleet_text(rows));
   return fleet_exit_code(rows);
 }
@@ -139,6 +170,7 @@ void health(const HealthArguments& arguments) {
   if (!arguments.fleet && !arguments.more.empty()) {
     throw CLI::ValidationError("MORE", "several recordings: --fleet judges them all");
   }
+  const Interrupt interrupt;
   int code = kExitDone;
   if (arguments.fleet) {
     code = fleet(arguments);
@@ -146,7 +178,7 @@ void health(const HealthArguments& arguments) {
     require_output(arguments);
     const Diagnosis diagnosis = diagnose(arguments);
     fmt::print("{}", arguments.json ? to_json(diagnosis) : to_text(diagnosis));
-    code = exit_code(verdict_of(diagnosis));
+    code = diagnosis.stopped ? kExitFailed : exit_code(verdict_of(diagnosis));
   }
   if (code != kExitDone) {
     throw CLI::RuntimeError(code);
@@ -186,6 +218,9 @@ void add_health_command(CLI::App& app) {
       "compares the 95 % interval of that with the tolerance. Also recognises swapped cameras, inverted "
       "transforms, a wrong\n"
       "resolution and clocks that disagree.\n"
+      "Ctrl-C ends it early: what was seen by then is judged and marked as partial, no health_state.json is "
+      "written,\n"
+      "of a fleet the rest is not judged, and the exit code is 1.\n"
       "Exit codes: 0 ok, 3 decalibrated, 4 cannot tell, 5 degraded; 1 failed, 2 wrong usage.\n"
       "Example:\n  limber health data/v101 --false-alarms 0.1 --out runs/v101-health\n"
       "  limber health data/v102 --since runs/v101-health\n"

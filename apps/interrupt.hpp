@@ -3,8 +3,15 @@
 
 #include <atomic>
 #include <csignal>
+#include <exception>
 
 namespace limber::app {
+
+/// Ends work of which nothing is worth keeping before it is whole.
+class Stopped final : public std::exception {
+ public:
+  [[nodiscard]] const char* what() const noexcept override { return "stopped: nothing is written"; }
+};
 
 /// While it lives, the first Ctrl-C (or SIGTERM) only asks to stop; the second one ends the program. One may
 /// live within another: what was asked stays asked as long as the outer one lives.
@@ -31,6 +38,12 @@ class Interrupt {
   Interrupt& operator=(const Interrupt&) = delete;
 
   [[nodiscard]] static bool asked() { return requested(); }
+  /// @throws Stopped if it was asked
+  static void check() {
+    if (asked()) {
+      throw Stopped();
+    }
+  }
 
  private:
   static int& depth() {

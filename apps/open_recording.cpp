@@ -19,13 +19,27 @@ std::optional<ImageKind> images_said(const RecordingFiles& files) {
   return files.images == "raw" ? ImageKind::kRaw : ImageKind::kRectified;
 }
 
+/// What `act` finds wrong is said of the calibration's file.
+template <typename Act>
+void of_calibration(const RecordingFiles& files, const Act& act) {
+  try {
+    act();
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(files.calibration.string() + ": " + error.what());
+  }
+}
+
 /// A bag, whose calibration comes from a file.
 Recording open_bag_recording(const RecordingFiles& files) {
   if (files.calibration.empty()) {
     throw CLI::ValidationError("--calib",
                                "a bag needs it: the calibration, for example Kalibr's camchain.yaml");
   }
-  const RigFile rig = read_rig_file(files.calibration, images_said(files));
+  const std::optional<ImageKind> said = images_said(files);
+  const RigFile rig = read_rig_file(files.calibration, said);
+  if (said) {
+    of_calibration(files, [&] { require_calibration_of(rig, *said, WhoSays::kUser); });
+  }
   const BagTopics topics = files.topics.empty() ? BagTopics{} : parse_bag_topics(files.topics);
   Recording recording = limber::read_bag(files.dataset, rig.calibration, rig.imu_noise, topics);
   recording.notes.insert(recording.notes.end(), rig.notes.begin(), rig.notes.end());
@@ -43,14 +57,20 @@ Recording open_recording(const RecordingFiles& files) {
   if (!bag && !files.calibration.empty()) {
     const std::optional<ImageKind> said = images_said(files);
     const RigFile rig = read_rig_file(files.calibration, said.value_or(image_kind(recording.calibration)));
-    try {
-      replace_calibration(recording, rig, said);
-    } catch (const std::invalid_argument& error) {
-      throw std::runtime_error(files.calibration.string() + ": " + error.what());
-    }
+    of_calibration(files, [&] { replace_calibration(recording, rig, said); });
   }
   if (!files.imu.empty()) {
+    if (recording.imu.empty()) {
+      throw CLI::ValidationError(
+          "--imu", files.dataset.string() + (bag && recording.calibration.body == BodyFrame::kCam0
+                                                 ? ": the calibration does not place the cameras on an IMU "
+                                                   "(T_cam_imu), so that none is used"
+                                                 : " has no IMU"));
+    }
     recording.imu_noise = read_kalibr_imu(files.imu);
+  }
+  if (!files.for_images.empty() && recording.images.empty()) {
+    throw CLI::ValidationError(files.for_images, files.dataset.string() + " holds matched points, no images");
   }
   if (files.readout_time) {
     recording.calibration.readout_time_s.fill(*files.readout_time);

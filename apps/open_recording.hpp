@@ -15,6 +15,7 @@ struct RecordingFiles {
   std::filesystem::path dataset, calibration, imu;
   std::string images, topics;
   std::optional<double> readout_time;  ///< of both cameras [s]
+  std::string for_images;  ///< an option that was given and says something to recordings with images alone
 };
 
 /// The recording, a bag or a folder, with the calibration of --calib and the noise of --imu in the place of

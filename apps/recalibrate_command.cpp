@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "frame_source.hpp"
+#include "interrupt.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
 #include "progress.hpp"
@@ -33,14 +34,18 @@ void recalibrate_dataset(const RecalibrateArguments& arguments) {
                                     {arguments.dataset, calibration, arguments.imu,
                                      calibration / "cam0/sensor.yaml", calibration / "cam1/sensor.yaml"});
   require_writable_folder(arguments.out);
+  const Interrupt interrupt;
   const Recording recording = open_recording(arguments);
   RecalibrateOptions options;
   options.run = to_run_options(arguments, recording);
+  const FramesOf frames = [](const Recording& of) { return stoppable(frame_source(of)); };
   RecalibrationOutcome outcome;
   {
     Progress progress("recalibrate", 100);
-    outcome = recalibrate(recording, options, frame_source(recording),
-                          [&](std::size_t percent) { progress.done(percent); });
+    outcome = recalibrate(recording, options, frames, [&](std::size_t percent) {
+      Interrupt::check();
+      progress.done(percent);
+    });
   }
   for (const std::string& note : outcome.notes) {
     print_note(note);
@@ -78,6 +83,7 @@ void add_recalibrate_command(CLI::App& app) {
       "\nWrites cam0/sensor.yaml, cam1/sensor.yaml (EuRoC), camchain.yaml, imu.yaml (Kalibr), stereo.yml "
       "(OpenCV),\n"
       "calib.txt, calib_cam_to_cam.txt (KITTI) and recalibration.json.\n"
+      "Ctrl-C ends it: nothing is written, and the exit code is 1.\n"
       "Exit codes: 0 a better calibration was written; 6 the given one is kept: within tolerance, or not "
       "worse where\n"
       "it was tested; 4 cannot tell; 1 failed, 2 wrong usage. The last two never change with "

@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 constexpr std::string_view kRecalibrationMark = "\"recalibration\"";
 
 std::optional<BeforeAfter> ate_of(const Recording& recording, const RunOptions& run,
-                                  const Recalibration& found, std::vector<std::string>& notes) {
+                                  const Recalibration& found, const FramesOf& frames,
+                                  std::vector<std::string>& notes) {
   if (recording.groundtruth.empty()) {
     return std::nullopt;
   }
@@ -30,7 +31,7 @@ std::optional<BeforeAfter> ate_of(const Recording& recording, const RunOptions& 
     Recording with = recording;
     with.calibration = *calibration;
     try {
-      const RunRecord record = run_recording(with, options, frame_source(with));
+      const RunRecord record = run_recording(with, options, frames(with));
       const auto ate = summarize(with, options, record).ate_se3_m;
       if (!ate) {
         return std::nullopt;
@@ -48,12 +49,11 @@ std::optional<BeforeAfter> ate_of(const Recording& recording, const RunOptions& 
 }  // namespace
 
 RecalibrationOutcome recalibrate(const Recording& recording, const RecalibrateOptions& options,
-                                 const FrameSource& frames,
-                                 const std::function<void(std::size_t)>& progress) {
+                                 const FramesOf& frames, const std::function<void(std::size_t)>& progress) {
   RecalibrationOutcome out;
-  out.found = recalibrate_recording(recording, options, frames, progress);
+  out.found = recalibrate_recording(recording, options, frames(recording), progress);
   out.notes = out.found.notes;
-  out.ate = ate_of(recording, options.run, out.found, out.notes);
+  out.ate = ate_of(recording, options.run, out.found, frames, out.notes);
   return out;
 }
 

@@ -19,10 +19,13 @@ struct RecalibrationOutcome {
   std::vector<std::string> notes;  ///< found.notes and why an ATE is missing
 };
 
+/// Makes the frames of a recording; what these throw ends the work and passes through.
+using FramesOf = std::function<FrameSource(const Recording&)>;
+
 /// @brief recalibrate_recording, and what ekf makes of either calibration.
 /// @throws as recalibrate_recording
 [[nodiscard]] RecalibrationOutcome recalibrate(const Recording& recording, const RecalibrateOptions& options,
-                                               const FrameSource& frames,
+                                               const FramesOf& frames,
                                                const std::function<void(std::size_t)>& progress);
 
 /// @brief Nothing is replaced but what an earlier recalibration wrote, and nothing of `inputs`.

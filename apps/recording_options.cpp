@@ -106,6 +106,7 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       ->capture_default_str();
   command.add_option("--max-tracks", arguments.frontend.max_tracks, "Images: points followed at a time")
       ->check(whole_number(10, 2000))
+      ->each([&arguments](const std::string&) { arguments.for_images = "--max-tracks"; })
       ->capture_default_str();
   command
       .add_option("--threads", arguments.frontend.threads,

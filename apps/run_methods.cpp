@@ -11,6 +11,7 @@
 
 #include "commands.hpp"
 #include "comparison_text.hpp"
+#include "grouped_texts.hpp"
 #include "interrupt.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/navigate/method.hpp"
@@ -33,14 +34,6 @@ struct Outcome {
   bool all_done = true;
 };
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) {
-    text += (text.empty() ? "" : ", ") + word;
-  }
-  return text;
-}
-
 void run_one(const std::string& method, const fs::path& folder, const RunOneMethod& run, Outcome& out) {
   std::vector<std::string> notes;
   try {
@@ -60,24 +53,6 @@ void run_one(const std::string& method, const fs::path& folder, const RunOneMeth
     }
   }
   out.notes[method] = notes;
-}
-
-/// Each text once, in the order of their first methods, with the methods that say it.
-std::vector<std::pair<std::string, std::vector<std::string>>> by_text(
-    const std::vector<std::string>& methods,
-    const std::map<std::string, std::vector<std::string>>& texts_of_methods) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> out;
-  for (const std::string& method : methods) {
-    const auto texts = texts_of_methods.find(method);
-    for (const std::string& text :
-         texts != texts_of_methods.end() ? texts->second : std::vector<std::string>{}) {
-      const auto known =
-          std::find_if(out.begin(), out.end(), [&](const auto& item) { return item.first == text; });
-      (known != out.end() ? *known : out.emplace_back(text, std::vector<std::string>{}))
-          .second.push_back(method);
-    }
-  }
-  return out;
 }
 
 void print_notes(const std::vector<std::string>& methods, const Outcome& outcome) {

@@ -8,6 +8,7 @@
 
 #include "commands.hpp"
 #include "frame_source.hpp"
+#include "interrupt.hpp"
 #include "limber/run/smooth_recording.hpp"
 #include "limber/run_files/run_output.hpp"
 #include "messages.hpp"
@@ -53,13 +54,18 @@ SmoothOptions to_options(const SmoothArguments& arguments, const Recording& reco
 void smooth(const SmoothArguments& arguments) {
   require_replaceable_run(arguments.out, arguments.force);
   require_writable_folder(arguments.out);
+  const Interrupt interrupt;
   const Recording recording = open_recording(arguments);
   const SmoothOptions options = to_options(arguments, recording);
   RunRecord record;
   {
     Progress progress("smooth", 100);
-    record = smooth_recording(recording, options, image_frames(recording, arguments.frontend).frames,
-                              [&](std::size_t percent) { progress.done(percent); });
+    record =
+        smooth_recording(recording, options, stoppable(image_frames(recording, arguments.frontend).frames),
+                         [&](std::size_t percent) {
+                           Interrupt::check();
+                           progress.done(percent);
+                         });
   }
   RunSummary summary = summarize(recording, options.run, record);
   summary.method = "smooth-" + to_string(options.rig);
@@ -72,6 +78,9 @@ void smooth(const SmoothArguments& arguments) {
   }
   print_run_summary(options.run, record, summary, arguments.out);
   make_report_beside(arguments.out);
+  if (!record.is_complete()) {
+    throw CLI::RuntimeError(kExitFailed);  // the notes say why
+  }
 }
 
 }  // namespace
@@ -109,7 +118,9 @@ void add_smooth_command(CLI::App& app) {
       ->capture_default_str();
   add_force_option(*command, arguments->force);
   command->footer(
-      "\nWrites what limber run writes, without health.csv.\n"
+      "\nWrites what limber run writes, without health.csv. Ctrl-C ends it: half a solution is none, nothing "
+      "is written, and\n"
+      "the exit code is 1.\n"
       "Example:\n  limber smooth data/v101 --theta constant --out runs/v101-smooth");
   command->callback([arguments] { smooth(*arguments); });
 }

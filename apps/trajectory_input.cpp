@@ -12,6 +12,7 @@
 #include "limber/bags/bag_contents.hpp"
 #include "limber/bags/bag_file.hpp"
 #include "limber/bags/bag_topics.hpp"
+#include "limber/bags/write_results.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/nearest_word.hpp"
 #include "limber/datasets/read_recording.hpp"
@@ -83,7 +84,8 @@ const BagStream& stream_of_poses(const fs::path& path, const BagContents& conten
       names.push_back(stream.topic.name);
     }
   }
-  const auto named = std::find(names.begin(), names.end(), topic);
+  const bool of_run = topic.empty() && std::find(names.begin(), names.end(), kOdometryOfRun) != names.end();
+  const auto named = std::find(names.begin(), names.end(), of_run ? std::string(kOdometryOfRun) : topic);
   if (named != names.end()) {
     return *found[static_cast<std::size_t>(named - names.begin())];
   }
@@ -122,6 +124,9 @@ TrajectoryInput load_trajectory(const fs::path& path, const std::string& topic) 
   if (is_bag(path)) {
     return load_poses(path, scan_bag(*open_bag(path)), topic);
   }
+  if (!topic.empty()) {
+    throw DataError(path.string(), 0, "a bag, for the topic " + topic, "none");
+  }
   if (!fs::is_directory(path)) {
     return load_file(path);
   }
@@ -137,10 +142,22 @@ TrajectoryInput load_trajectory(const fs::path& path, const std::string& topic) 
 
 TrajectoryInput load_truth(const fs::path& path, const std::string& topic) {
   if (!is_bag(path)) {
-    return load_trajectory(path);
+    return load_trajectory(path, topic);
   }
   const BagContents contents = scan_bag(*open_bag(path));
   return load_poses(path, contents, topic.empty() ? propose_topics(contents).topics.truth : topic);
+}
+
+TrajectoryInput load_poses_to_convert(const fs::path& path, const std::string& topic) {
+  if (!is_bag(path)) {
+    return load_trajectory(path, topic);
+  }
+  const BagContents contents = scan_bag(*open_bag(path));
+  const bool of_a_run =
+      std::any_of(contents.streams.begin(), contents.streams.end(),
+                  [](const BagStream& stream) { return stream.topic.name == kOdometryOfRun; });
+  return load_poses(path, contents,
+                    topic.empty() && !of_a_run ? propose_topics(contents).topics.truth : topic);
 }
 
 Match match(const TrajectoryInput& estimate, const TrajectoryInput& truth, double max_time_difference) {

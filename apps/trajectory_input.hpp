@@ -22,14 +22,20 @@ struct TrajectoryInput {
 
 /// @brief Reads a trajectory file of any format, the trajectory.csv of a run's folder, a recording's ground
 /// truth, or poses in a bag.
-/// @param topic  of a bag: PoseStamped, PoseWithCovarianceStamped, TransformStamped or Odometry; empty: the
-///               only one with poses
+/// @param topic  of a bag: PoseStamped, PoseWithCovarianceStamped, TransformStamped or Odometry; empty: that
+/// of
+///               a run of limber's, else the only one with poses. Of what is no bag there is none
 /// @throws DataError if there is none, or it cannot be used
 [[nodiscard]] TrajectoryInput load_trajectory(const std::filesystem::path& path,
                                               const std::string& topic = "");
 
 /// The same of what is to be the truth: of a bag, without a topic, first the one that is named like a truth.
 [[nodiscard]] TrajectoryInput load_truth(const std::filesystem::path& path, const std::string& topic = "");
+
+/// The same of what is to be written in another format: of a bag, without a topic, the poses of limber's own
+/// run if it holds one, else as load_truth.
+[[nodiscard]] TrajectoryInput load_poses_to_convert(const std::filesystem::path& path,
+                                                    const std::string& topic = "");
 
 /// How poses of two trajectories found each other.
 struct Match {

@@ -18,7 +18,8 @@ packages=(
   clang-format python3            # scripts/
   doxygen libjs-mathjax           # the docs site
   pybind11-dev python3-dev python3-numpy python3-matplotlib python3-pytest  # the Python module
-  help2man dpkg-dev file  # manual pages and Debian packages
+  help2man dpkg-dev file lintian  # manual pages and Debian packages
+  debootstrap  # scripts/test_packages.sh
   python3-pip python3-setuptools python3-wheel python3-venv python3-build   # its wheel
 )
 

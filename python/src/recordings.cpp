@@ -104,6 +104,7 @@ void bind_recording(py::module_& module) {
             return out;
           },
           "Stereo pairs on disk: (t_ns, file of cam0, file of cam1).")
+      .def_readonly("partial", &Recording::partial, DOC(Recording_partial))
       .def_readonly("notes", &Recording::notes, DOC(Recording_notes))
       .def_readonly("landmarks_true", &Recording::landmarks_true, DOC(Recording_landmarks_true))
       .def("__len__", [](const Recording& recording) { return frame_count(recording); })

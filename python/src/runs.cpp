@@ -172,7 +172,7 @@ void bind_recalibration(py::module_& module) {
       [](const std::shared_ptr<Recording>& recording, const RunOptions& run) {
         RecalibrateOptions options;
         options.run = run;
-        return Recalibrated{recording, app::recalibrate(*recording, options, app::frame_source(*recording),
+        return Recalibrated{recording, app::recalibrate(*recording, options, app::frame_source,
                                                         [](std::size_t) { check_signals(); })};
       },
       py::arg("recording"), py::arg("options"), py::call_guard<py::gil_scoped_release>(),

@@ -20,7 +20,7 @@ EncodedImage BagImages::load(std::size_t camera, std::size_t pair) const {
     const std::lock_guard lock(reading_);
     message = bag_->read(from.places.at(pair));
   }
-  auto image = decode_image(message, from.serialization, from.kind);
+  auto image = take_image(std::move(message), from.serialization, from.kind);
   if (!image) {
     throw DataError(place(camera, pair), 0, "an image", "another message: the bag has changed");
   }

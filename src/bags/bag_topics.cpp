@@ -163,10 +163,11 @@ BagTopics parse_bag_topics(std::string_view text) {
         std::find_if(kRoles.begin(), kRoles.end(), [&](const auto& r) { return r.first == name; });
     if (role == kRoles.end() || equals == std::string_view::npos || equals + 1 == item.size() ||
         !(out.*role->second).empty()) {
+      const std::vector<std::string> roles = {"left", "right", "imu", "odometry", "truth"};
       throw std::invalid_argument(
           fmt::format("'{}' in '{}': expected left=TOPIC, right=TOPIC, imu=TOPIC, odometry=TOPIC or "
-                      "truth=TOPIC, each once",
-                      item, text));
+                      "truth=TOPIC, each once{}",
+                      item, text, role == kRoles.end() ? did_you_mean(name, roles) : ""));
     }
     out.*role->second = item.substr(equals + 1);
   }

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <functional>
 
 #include "limber/core/errors.hpp"
 
@@ -27,6 +28,20 @@ void require_within(std::uint64_t at, std::uint64_t count, std::uint64_t size) {
 }
 
 }  // namespace
+
+std::uint64_t find_bytes(ByteSource& bytes, std::uint64_t from, std::uint64_t end, std::string_view pattern) {
+  constexpr std::uint64_t kStep = 65'536;
+  for (std::uint64_t at = from; at < end && end - at >= pattern.size();) {
+    const Bytes part = bytes.view(at, std::min(kStep, end - at));
+    const auto found = std::search(part.begin(), part.end(),
+                                   std::boyer_moore_horspool_searcher(pattern.begin(), pattern.end()));
+    if (found != part.end()) {
+      return at + static_cast<std::uint64_t>(found - part.begin());
+    }
+    at += part.size() - (pattern.size() - 1);  // it may begin in this part and end in the next
+  }
+  return end;
+}
 
 Bytes MemoryBytes::view(std::uint64_t at, std::uint64_t count) {
   require_within(at, count, bytes_.size());

@@ -7,6 +7,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace limber::detail {
@@ -30,6 +31,11 @@ class ByteSource {
   /// Bytes [at, at + count), valid until the next call. @throws Damage beyond the end
   [[nodiscard]] virtual Bytes view(std::uint64_t at, std::uint64_t count) = 0;
 };
+
+/// @brief The first byte at or behind `from` at which `pattern` stands whole before `end`; `end` if it stands
+/// nowhere.
+[[nodiscard]] std::uint64_t find_bytes(ByteSource& bytes, std::uint64_t from, std::uint64_t end,
+                                       std::string_view pattern);
 
 /// Bytes in memory.
 class MemoryBytes final : public ByteSource {

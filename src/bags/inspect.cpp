@@ -182,9 +182,10 @@ RecordingInfo inspect_folder(const fs::path& path) {
   RecordingInfo info;
   info.path = path;
   info.has_calibration = true;
-  info.format = recording.images.empty()                                 ? "track log"
-                : fs::exists(path / "mav0") || fs::exists(path / "cam0") ? "EuRoC folder"
-                                                                         : "KITTI folder";
+  info.format = recording.images.empty()                                         ? "track log"
+                : fs::exists(path / "mav0") || fs::exists(path / "cam0")         ? "EuRoC folder"
+                : fs::exists(path / "image_00") || fs::exists(path / "image_02") ? "KITTI raw drive"
+                                                                                 : "KITTI folder";
   info.notes = recording.notes;
   const StereoCalibration& calibration = recording.calibration;
   add_stream(info, "left images", "left", recording.images);

@@ -2,8 +2,11 @@
 // MCAP files: https://mcap.dev/spec
 #include <fmt/format.h>
 
+#include <cstdlib>
+#include <limits>
 #include <map>
 #include <optional>
+#include <vector>
 
 #include "chunked_bag.hpp"
 #include "mcap_records.hpp"
@@ -13,6 +16,7 @@ namespace limber::detail {
 namespace {
 
 constexpr std::uint64_t kRecordHead = 9;                                 // opcode and length
+constexpr std::uint64_t kFooterContent = 20;                             // two places and a checksum
 constexpr std::uint64_t kMessageHead = 22;                               // channel, sequence, two times
 constexpr std::uint64_t kLargestMcapDefinition = 1 << 24;                // [bytes] of a schema or a channel
 constexpr std::uint64_t kLargestChunkHead = 8 + 8 + 8 + 4 + 4 + 64 + 8;  // "compression" is a short word
@@ -42,11 +46,21 @@ class McapFile final : public ChunkedBag {
 
  private:
   void read_index() override;
-  void walk_file() override;
-  void walk_records(const Place& place) override;
+  [[nodiscard]] Place whole_file() override {
+    ended_ = false;
+    return {file_, mcap::kMagic.size(), file_.size(), nullptr, false};
+  }
+  void walked() override;
+  [[nodiscard]] std::uint64_t step(const Place& place, std::uint64_t at) override;
+  [[nodiscard]] std::uint64_t find_record(const Place& place, std::uint64_t from, std::uint64_t end,
+                                          bool chunks_only) override;
+  [[nodiscard]] bool is_record(const Place& place, std::uint64_t at, bool chunks_only);
+  [[nodiscard]] bool is_message(const Place& place, const McapRecord& record);
+  [[nodiscard]] bool may_follow(const Place& place, std::uint64_t at);
   [[nodiscard]] ChunkHead chunk_at(std::uint64_t at) override {
     return head_of(mcap_record_at(file_, at), at);
   }
+  /// @throws Damage also for what is no chunk
   [[nodiscard]] ChunkHead head_of(const McapRecord& record, std::uint64_t at);
   void take(const Place& place, const McapRecord& record, std::uint64_t at);
   void add_schema(ByteSource& bytes, const McapRecord& record);
@@ -54,9 +68,13 @@ class McapFile final : public ChunkedBag {
   void visit_message(const Place& place, const McapRecord& record);
 
   std::map<std::uint16_t, std::string> types_;  // of schemas
+  bool ended_ = false;                          // the record that ends the data has been met
 };
 
 ChunkHead McapFile::head_of(const McapRecord& record, std::uint64_t at) {
+  if (record.op != mcap::kChunk || record.at > file_.size()) {
+    throw Damage("another record than a chunk");
+  }
   FieldReader reader(
       file_.view(record.at, std::min({kLargestChunkHead, record.size, file_.size() - record.at})));
   ChunkHead head;
@@ -114,34 +132,52 @@ void McapFile::take(const Place& place, const McapRecord& record, std::uint64_t 
       visit_message(place, record);
       break;
     case mcap::kChunk:
-      if (&place.bytes != &file_ || place.begin != mcap::kMagic.size()) {
+      if (place.in_chunk) {
         throw Damage("a chunk within a chunk");
       }
       walk_chunk(head_of(record, at));
       break;
-    case 0:
-      throw Damage("the opcode 0");
-    default:  // indices, attachments, metadata, and what later versions may add
-      break;
+    default:
+      if (record.op == 0 || (record.op > mcap::kDataEnd && record.op < mcap::kFirstPrivate)) {
+        throw Damage(fmt::format("the opcode {}", record.op));
+      }
+      break;  // indices, attachments, metadata, and what is private
   }
 }
 
-void McapFile::walk_records(const Place& place) {
-  std::uint64_t at = place.begin;
-  while (at < place.end) {
-    const McapRecord record = mcap_record_at(place.bytes, at);
-    if (record.size > place.end - record.at) {
-      throw Damage(fmt::format("{} bytes are missing at the end of its last record",
-                               record.size - (place.end - record.at)));
-    }
-    take(place, record, at);
-    at = record.at + record.size;
+std::uint64_t McapFile::step(const Place& place, std::uint64_t at) {
+  const McapRecord record = mcap_record_at(place.bytes, at);
+  const bool is_chunk = record.op == mcap::kChunk;
+  if (record.at > place.end || (record.size > place.end - record.at && !is_chunk)) {
+    throw Damage(fmt::format("{} bytes are missing at its end", record.size - (place.end - record.at)));
+  }
+  const bool ends = record.op == mcap::kDataEnd || record.op == mcap::kFooter;
+  const auto chunk = place.in_chunk ? std::nullopt : next_chunk(at);
+  if (chunk && (ends || record.at > *chunk || record.size > *chunk - record.at)) {
+    throw Damage(fmt::format("one that ends the data before, or runs into, the chunk at byte {}", *chunk));
+  }
+  if (!place.in_chunk && is_chunk_by_index(at) && !is_chunk) {
+    throw Damage("another one than the chunk that the index says is here");
+  }
+  if (ends && record.size != (record.op == mcap::kDataEnd ? 4 : kFooterContent)) {
+    throw Damage(fmt::format("an end of the data of {} bytes", record.size));
+  }
+  take(place, record, at);
+  ended_ = ended_ || ends;
+  if (record.size > std::numeric_limits<std::uint64_t>::max() - record.at) {
+    throw Damage(fmt::format("a record of {} bytes", record.size));
+  }
+  return ends ? place.end : record.at + record.size;
+}
+
+void McapFile::walked() {
+  if (!ended_ && is_whole()) {
+    remark("the file was not closed; what was written until then is read");
   }
 }
 
 void McapFile::read_index() {
   types_.clear();
-  constexpr std::uint64_t kFooterContent = 20;  // where the summary begins, where its offsets begin, CRC
   constexpr std::uint64_t kTail = kRecordHead + kFooterContent + mcap::kMagic.size();
   if (file_.size() < mcap::kMagic.size() + kTail) {
     return;
@@ -158,6 +194,10 @@ void McapFile::read_index() {
       add_schema(file_, record);
     } else if (record.op == mcap::kChannel) {
       add_mcap_channel(file_, record);
+    } else if (record.op == mcap::kChunkIndex) {
+      FieldReader reader(definition(file_, record));
+      (void)reader.take(16);  // first and last time
+      add_chunk(reader.integer<std::uint64_t>());
     }
     if (record.size > end - record.at) {
       return;
@@ -166,26 +206,57 @@ void McapFile::read_index() {
   }
 }
 
-void McapFile::walk_file() {
-  const Place whole{file_, mcap::kMagic.size(), file_.size(), nullptr};
-  std::uint64_t at = whole.begin;
-  bool ended = false;
-  try {
-    while (!ended && at < whole.end) {
-      const McapRecord record = mcap_record_at(file_, at);
-      take(whole, record, at);
-      ended = record.op == mcap::kDataEnd || record.op == mcap::kFooter;
-      if (record.size > whole.end - record.at) {
-        throw Damage(fmt::format("{} bytes are missing at its end", record.size - (whole.end - record.at)));
-      }
-      at = record.at + record.size;
-    }
-    if (!ended) {
-      damaged(at, "the file was not closed; what was written until then is read");
-    }
-  } catch (const Damage& damage) {
-    damaged(at, fmt::format("a damaged record, {}; what follows is left out", damage.what()));
+/// Whether at byte `at` the place ends, or a record begins that may stand there.
+bool McapFile::may_follow(const Place& place, std::uint64_t at) {
+  if (at == place.end) {
+    return true;
   }
+  const McapRecord record = mcap_record_at(place.bytes, at);
+  return record.op >= mcap::kHeader && record.op <= mcap::kDataEnd && record.at <= place.end &&
+         record.size <= place.end - record.at;
+}
+
+bool McapFile::is_message(const Place& place, const McapRecord& record) {
+  constexpr std::int64_t kDay = 86'400'000'000'000;
+  FieldReader reader(place.bytes.view(record.at, kMessageHead));
+  const auto channel = reader.integer<std::uint16_t>();
+  (void)reader.take(4);  // sequence
+  const auto t_ns = static_cast<std::int64_t>(reader.integer<std::uint64_t>());
+  const std::int64_t near = last_time().value_or(t_ns);
+  return knows(channel) && t_ns >= 0 && near >= 0 && std::abs(t_ns - near) < kDay;
+}
+
+bool McapFile::is_record(const Place& place, std::uint64_t at, bool chunks_only) {
+  try {
+    const McapRecord record = mcap_record_at(place.bytes, at);
+    if (record.at > place.end || record.size > place.end - record.at || record.size < kMessageHead) {
+      return false;
+    }
+    if (record.op == mcap::kChunk && !place.in_chunk) {
+      const ChunkHead head = head_of(record, at);
+      return head.content_at + head.content_size == record.at + record.size;
+    }
+    return record.op == mcap::kMessage && !chunks_only && is_message(place, record) &&
+           may_follow(place, record.at + record.size);
+  } catch (const Damage&) {
+    return false;
+  }
+}
+
+// Records begin with nothing that other bytes could not be, so what follows must fit as well.
+std::uint64_t McapFile::find_record(const Place& place, std::uint64_t from, std::uint64_t end,
+                                    bool chunks_only) {
+  constexpr std::uint64_t kStep = 4096;
+  for (std::uint64_t at = from; at < end; at += kStep) {
+    const Bytes view = place.bytes.view(at, std::min(kStep, end - at));
+    const std::vector<std::uint8_t> part(view.begin(), view.end());  // what follows moves the view
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      if ((part[k] == mcap::kChunk || part[k] == mcap::kMessage) && is_record(place, at + k, chunks_only)) {
+        return at + k;
+      }
+    }
+  }
+  return end;
 }
 
 }  // namespace

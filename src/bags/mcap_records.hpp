@@ -23,7 +23,8 @@ enum Op : std::uint8_t {
   kAttachment = 9,
   kAttachmentIndex = 10,
   kStatistics = 11,
-  kDataEnd = 15
+  kDataEnd = 15,
+  kFirstPrivate = 128  ///< what a program may have for itself; between them: nothing yet
 };
 
 }  // namespace limber::detail::mcap

@@ -88,12 +88,18 @@ std::optional<ImageHeader> decode_image_header(Data data, Serialization serializ
 }
 
 std::optional<EncodedImage> decode_image(Data data, Serialization serialization, MessageKind kind) {
-  auto header = decode_image_header(data, serialization, kind);
-  if (!header || header->data_size > data.size() - header->data_at) {
+  return take_image({data.begin(), data.end()}, serialization, kind);
+}
+
+std::optional<EncodedImage> take_image(std::vector<std::uint8_t> message, Serialization serialization,
+                                       MessageKind kind) {
+  auto header = decode_image_header(message, serialization, kind);
+  if (!header || header->data_size > message.size() - header->data_at) {
     return std::nullopt;
   }
-  const Data pixels = data.subspan(header->data_at, header->data_size);
-  header->image.data.assign(pixels.begin(), pixels.end());
+  message.resize(header->data_at + header->data_size);
+  message.erase(message.begin(), message.begin() + static_cast<std::ptrdiff_t>(header->data_at));
+  header->image.data = std::move(message);
   return std::move(header->image);
 }
 

@@ -13,6 +13,9 @@ namespace limber::detail {
 [[nodiscard]] std::unique_ptr<BagFile> open_mcap(const std::filesystem::path& path);
 [[nodiscard]] std::unique_ptr<BagFile> open_sqlite_bag(const std::filesystem::path& path);
 
+/// Whether a file begins like a bag, or like one that zstd has packed.
+[[nodiscard]] bool begins_like_bag(const std::filesystem::path& path);
+
 /// Without ROS 2's "/msg/": "sensor_msgs/msg/Imu" is "sensor_msgs/Imu".
 [[nodiscard]] std::string without_msg(std::string type);
 

@@ -274,6 +274,7 @@ void BagReader::read(const BagTopics& asked, const std::function<void(std::size_
   for (const std::string& damage : contents_.damages) {
     note(damage);
   }
+  recording_.partial = !contents_.whole;
   choose(asked);
   read_images();
   const auto* imu = stream("the IMU", topics_.imu, "sensor_msgs/Imu",

@@ -75,15 +75,22 @@ class Ros1Bag final : public ChunkedBag {
 
  private:
   void read_index() override;
-  void walk_file() override;
-  void walk_records(const Place& place) override;
+  [[nodiscard]] Place whole_file() override { return {file_, kMagicSize, file_.size(), nullptr, false}; }
+  [[nodiscard]] std::uint64_t step(const Place& place, std::uint64_t at) override;
+  [[nodiscard]] std::uint64_t find_record(const Place& place, std::uint64_t from, std::uint64_t end,
+                                          bool chunks_only) override;
+  [[nodiscard]] bool is_record(const Place& place, std::uint64_t at, bool chunks_only);
   [[nodiscard]] ChunkHead chunk_at(std::uint64_t at) override { return head_of(record_at(file_, at), at); }
+  /// @throws Damage also for what is no chunk
   [[nodiscard]] ChunkHead head_of(const Record& record, std::uint64_t at) const;
   void take(const Place& place, const Record& record, std::uint64_t at);
   void add_connection(ByteSource& bytes, const Record& record);
 };
 
 ChunkHead Ros1Bag::head_of(const Record& record, std::uint64_t at) const {
+  if (record.fields.integer<std::uint8_t>("op") != ros1::kChunk) {
+    throw Damage("another record than a chunk");
+  }
   ChunkHead head{at,
                  record.fields.text("compression"),
                  record.fields.integer<std::uint32_t>("size"),
@@ -123,7 +130,7 @@ void Ros1Bag::take(const Place& place, const Record& record, std::uint64_t at) {
       add_connection(place.bytes, record);
       break;
     case ros1::kChunk:
-      if (&place.bytes != &file_ || place.begin != kMagicSize) {
+      if (place.in_chunk) {
         throw Damage("a chunk within a chunk");
       }
       walk_chunk(head_of(record, at));
@@ -133,45 +140,78 @@ void Ros1Bag::take(const Place& place, const Record& record, std::uint64_t at) {
   }
 }
 
-void Ros1Bag::walk_records(const Place& place) {
-  std::uint64_t at = place.begin;
-  while (at < place.end) {
-    const Record record = record_at(place.bytes, at);
-    const std::uint64_t next = record.data_at + record.data_size;
-    if (next > place.end) {
-      throw Damage(fmt::format("{} bytes are missing at the end of its last record", next - place.end));
-    }
-    take(place, record, at);
-    at = next;
+std::uint64_t Ros1Bag::step(const Place& place, std::uint64_t at) {
+  const Record record = record_at(place.bytes, at);
+  const std::uint64_t next = record.data_at + record.data_size;
+  const bool is_chunk = record.fields.integer<std::uint8_t>("op") == ros1::kChunk;
+  if (next > place.end && !is_chunk) {  // a chunk is read as far as it goes
+    throw Damage(fmt::format("{} bytes are missing at its end", next - place.end));
   }
+  if (!place.in_chunk) {
+    if (is_chunk_by_index(at) && !is_chunk) {
+      throw Damage("another one than the chunk that the index says is here");
+    }
+    if (const auto chunk = next_chunk(at); chunk && next > *chunk) {
+      throw Damage(fmt::format("one that runs into the chunk at byte {}", *chunk));
+    }
+  }
+  take(place, record, at);
+  return next;
 }
 
 void Ros1Bag::read_index() {
   auto at = record_at(file_, kMagicSize).fields.integer<std::uint64_t>("index_pos");  // 0: never closed
   while (at > kMagicSize && at < file_.size()) {
     const Record record = record_at(file_, at);
-    if (record.fields.integer<std::uint8_t>("op") == ros1::kConnection) {
+    const auto op = record.fields.integer<std::uint8_t>("op");
+    if (op == ros1::kConnection) {
       add_connection(file_, record);
+    } else if (op == ros1::kChunkInfo) {
+      add_chunk(record.fields.integer<std::uint64_t>("chunk_pos"));
     }
     at = record.data_at + record.data_size;
   }
 }
 
-void Ros1Bag::walk_file() {
-  const Place whole{file_, kMagicSize, file_.size(), nullptr};
-  std::uint64_t at = kMagicSize;
+bool Ros1Bag::is_record(const Place& place, std::uint64_t at, bool chunks_only) {
   try {
-    while (at < whole.end) {
-      const Record record = record_at(file_, at);
-      take(whole, record, at);
-      at = record.data_at + record.data_size;
+    const Record record = record_at(place.bytes, at);
+    if (record.data_at > place.end || record.data_size > place.end - record.data_at) {
+      return false;
     }
-    if (at > whole.end) {
-      throw Damage(fmt::format("{} bytes are missing at its end", at - whole.end));
+    switch (record.fields.integer<std::uint8_t>("op")) {
+      case ros1::kChunk:
+        (void)record.fields.text("compression");
+        (void)record.fields.integer<std::uint32_t>("size");
+        return !place.in_chunk;
+      case ros1::kMessage:
+        (void)record.fields.integer<std::uint64_t>("time");
+        return !chunks_only && knows(record.fields.integer<std::uint32_t>("conn"));
+      default:
+        return false;
     }
-  } catch (const Damage& damage) {
-    damaged(at, fmt::format("a damaged record, {}; what follows is left out", damage.what()));
+  } catch (const Damage&) {
+    return false;
   }
+}
+
+// A header has the field "op" of five bytes, somewhere in it.
+std::uint64_t Ros1Bag::find_record(const Place& place, std::uint64_t from, std::uint64_t end,
+                                   bool chunks_only) {
+  using namespace std::string_view_literals;
+  constexpr std::string_view kField = "\x04\0\0\0op="sv;
+  constexpr std::uint64_t kLongestBefore = 256;  // [bytes] of a header, before the field
+  for (std::uint64_t at = find_bytes(place.bytes, from, end, kField); at < end;
+       at = find_bytes(place.bytes, at + 1, end, kField)) {
+    for (std::uint64_t begin = at > from + kLongestBefore ? at - kLongestBefore : from; begin + 4 <= at;
+         ++begin) {
+      const auto header = FieldReader(place.bytes.view(begin, 4)).integer<std::uint32_t>();
+      if (header <= 2 * kLongestBefore && begin + 4 + header > at && is_record(place, begin, chunks_only)) {
+        return begin;
+      }
+    }
+  }
+  return end;
 }
 
 }  // namespace

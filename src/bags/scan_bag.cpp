@@ -133,6 +133,7 @@ BagContents scan_bag(BagFile& bag, const std::function<bool(const BagTopic&)>& w
   std::for_each(out.streams.begin(), out.streams.end(), fall_back_on_bag_time);
   out.format = bag.format();
   out.damages = bag.damages();
+  out.whole = bag.is_whole();
   return out;
 }
 

@@ -28,6 +28,7 @@ class SqliteBag final : public BagFile {
   [[nodiscard]] std::vector<std::uint8_t> read(const BagPlace& place) override;
   [[nodiscard]] const std::vector<BagTopic>& topics() const override { return topics_; }
   [[nodiscard]] const std::vector<std::string>& damages() const override { return damages_; }
+  [[nodiscard]] bool is_whole() const override { return damages_.empty(); }
   [[nodiscard]] std::string format() const override { return "ROS 2 bag (sqlite3)"; }
 
  private:

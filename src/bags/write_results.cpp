@@ -51,7 +51,7 @@ class ResultsWriter {
   void write_row(const TrajectoryRow& row) {
     const Serialization serialization = sink_.serialization();
     put(row.t_ns, "/tf", types::kTfMessage, detail::transform_message(row, serialization));
-    put(row.t_ns, "/limber/odometry", types::kOdometry, detail::odometry_message(row, serialization));
+    put(row.t_ns, kOdometryOfRun.data(), types::kOdometry, detail::odometry_message(row, serialization));
     if (row.bias_gyro) {
       put(row.t_ns, "/limber/bias/gyro", types::kVector3Stamped,
           detail::vector_message(row.t_ns, *row.bias_gyro, serialization));

@@ -176,6 +176,20 @@ std::string to_string(RunEnd end) {
   return end == RunEnd::kDone ? "done" : end == RunEnd::kPartial ? "partial" : "lost";
 }
 
+std::string end_in_words(const ComparedRun& run) {
+  switch (run.end) {
+    case RunEnd::kDone:
+      break;
+    case RunEnd::kPartial:
+      return run.frames < run.frames_of_recording
+                 ? fmt::format("partial: {} of {} frames", run.frames, run.frames_of_recording)
+                 : "partial: of a damaged recording";
+    case RunEnd::kLost:
+      return fmt::format("lost since {:.1f} s", *run.lost_since_s);
+  }
+  return "done";
+}
+
 std::string to_string(Judgement judgement) {
   return judgement == Judgement::kBetter  ? "better"
          : judgement == Judgement::kWorse ? "worse"

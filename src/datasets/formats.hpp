@@ -19,6 +19,8 @@ namespace limber::detail {
 [[nodiscard]] Recording read_euroc_images(const std::filesystem::path& mav0);
 [[nodiscard]] Recording read_kitti_odometry(const std::filesystem::path& folder);
 
+[[nodiscard]] Recording read_kitti_raw(const std::filesystem::path& folder);
+
 /// The true rig over time, as a table of time [ns], ax, ay, az [rad], tx, ty, tz [m].
 [[nodiscard]] std::vector<CalibrationTruth> read_calibration_truth(const std::filesystem::path& file);
 

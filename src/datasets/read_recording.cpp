@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include "formats.hpp"
@@ -16,6 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool is_raw_drive(const fs::path& folder) {
+  return fs::exists(folder / "image_00" / "timestamps.txt") ||
+         fs::exists(folder / "image_02" / "timestamps.txt");
+}
+
 struct Format {
   const char* recognised_by;
   bool (*matches)(const fs::path& folder, const fs::path& mav0);
@@ -23,11 +29,11 @@ struct Format {
 };
 
 // Tracks go before images: who matched the points already wants them used.
-constexpr std::array<Format, 3> kFormats = {
+constexpr std::array<Format, 4> kFormats = {
     {{"mav0/tracks0 (track log)",
       [](const fs::path&, const fs::path& mav0) { return fs::exists(mav0 / "tracks0"); },
       [](const fs::path&, const fs::path& mav0) { return detail::read_track_log(mav0); }},
-     {"mav0/cam0/data.csv (EuRoC with images)",
+     {"mav0/cam0/data.csv (EuRoC or TUM-VI with images)",
       [](const fs::path&, const fs::path& mav0) { return fs::exists(mav0 / "cam0" / "data.csv"); },
       [](const fs::path&, const fs::path& mav0) { return detail::read_euroc_images(mav0); }},
      {"image_0 or image_2, or calib.txt and times.txt (KITTI odometry)",
@@ -35,7 +41,10 @@ constexpr std::array<Format, 3> kFormats = {
         return fs::exists(folder / "image_0") || fs::exists(folder / "image_2") ||
                (fs::exists(folder / "calib.txt") && fs::exists(folder / "times.txt"));
       },
-      [](const fs::path& folder, const fs::path&) { return detail::read_kitti_odometry(folder); }}}};
+      [](const fs::path& folder, const fs::path&) { return detail::read_kitti_odometry(folder); }},
+     {"image_00 or image_02 with data and timestamps.txt (KITTI raw drive)",
+      [](const fs::path& folder, const fs::path&) { return is_raw_drive(folder); },
+      [](const fs::path& folder, const fs::path&) { return detail::read_kitti_raw(folder); }}}};
 
 /// What a file may be that was given where a folder was expected, and what to do with it.
 struct Hint {
@@ -43,12 +52,14 @@ struct Hint {
 };
 // What are bags is read by limber::bags, and does not come here.
 constexpr const char* kOtherBag =
-    "a file that does not begin like a bag of its ending: ROS 1 (version 2.0), MCAP or ROS 2 (db3)";
+    "a file that does not begin like a bag of its ending: ROS 1 (version 2.0), MCAP or ROS 2 (db3); 'rosbag "
+    "fix' "
+    "brings older ROS 1 bags up to date";
 constexpr std::array<Hint, 16> kHints = {
     {{".bag", kOtherBag},
      {".mcap", kOtherBag},
      {".db3", kOtherBag},
-     {".zstd", "a compressed bag: unpack it with zstd -d"},
+     {".zstd", "a file that holds no bag packed by zstd, or a damaged one"},
      {".zip", "an archive: unpack it and give the folder"},
      {".gz", "an archive: unpack it and give the folder or the bag"},
      {".tar", "an archive: unpack it and give the folder"},
@@ -69,6 +80,17 @@ std::string what_a_file_is(const fs::path& path) {
   return hint == kHints.end() ? "a file of a kind that limber does not know" : std::string(hint->what);
 }
 
+/// By name, of a folder that holds KITTI raw drives; nothing if it holds none.
+std::optional<fs::path> first_drive(const fs::path& folder) {
+  std::optional<fs::path> first;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (is_raw_drive(entry.path()) && (!first || entry.path() < *first)) {
+      first = entry.path();
+    }
+  }
+  return first;
+}
+
 Recording read_any(const fs::path& folder) {
   const fs::path mav0 = fs::exists(folder / "mav0") ? folder / "mav0" : folder;
   std::string looked_for;
@@ -78,8 +100,11 @@ Recording read_any(const fs::path& folder) {
     }
     looked_for += (looked_for.empty() ? "" : "; or ") + std::string(format.recognised_by);
   }
+  const std::optional<fs::path> drive = first_drive(folder);
+  looked_for += "; or .db3 or .mcap files, or metadata.yaml (ROS 2 bag)";  // read by limber::bags
   throw DataError(folder.string(), 0, "a recording, recognised by " + looked_for,
-                  "none of these in the folder");
+                  drive ? "a day of KITTI raw drives: give one of them, " + drive->string()
+                        : "none of these in the folder");
 }
 
 }  // namespace

@@ -30,19 +30,24 @@ ImageKind image_kind(const StereoCalibration& calibration) {
              : ImageKind::kRaw;
 }
 
-void replace_calibration(Recording& recording, const RigFile& rig, std::optional<ImageKind> images) {
-  const StereoCalibration& own = recording.calibration;
-  const ImageKind are = images.value_or(image_kind(own));
+void require_calibration_of(const RigFile& rig, ImageKind images, WhoSays who) {
   const ImageKind meant = rig.images == ImageKind::kRaw ? image_kind(rig.calibration) : rig.images;
   // A raw camera may have no distortion to speak of: then both are the same.
-  if (are != meant && !(images && *images == rig.images)) {
+  if (images != meant && !(who == WhoSays::kUser && images == rig.images)) {
     throw std::invalid_argument(
         fmt::format("the calibration is of {} images ({}), {} {} ones: give the calibration of these images, "
                     "or say --images {} "
                     "if they are",
                     to_string(meant), meant == ImageKind::kRaw ? "with distortion" : "without distortion",
-                    images ? "said were" : "the recording's own is of", to_string(are), to_string(meant)));
+                    who == WhoSays::kUser ? "said were" : "the recording's own is of", to_string(images),
+                    to_string(meant)));
   }
+}
+
+void replace_calibration(Recording& recording, const RigFile& rig, std::optional<ImageKind> images) {
+  const StereoCalibration& own = recording.calibration;
+  require_calibration_of(rig, images.value_or(image_kind(own)),
+                         images ? WhoSays::kUser : WhoSays::kRecording);
   StereoCalibration calibration = rig.calibration;
   take_size(calibration.cam0, own.cam0, "cam0");
   take_size(calibration.cam1, own.cam1, "cam1");

@@ -41,6 +41,10 @@ Layout layout_of(const Recording& recording) {
             {"cam1/data", "cam1/data.csv", "calibration_truth0"},
             "mav0/cam1/data.csv"};
   }
+  if (!fs::exists(recording.path / "image_0") && !fs::exists(recording.path / "image_2")) {
+    throw DataError(recording.path.string(), 0, "an EuRoC or a KITTI odometry folder",
+                    "images in another one: limber convert makes an EuRoC folder of it");
+  }
   const char* const right = fs::exists(recording.path / "image_0") ? "image_1" : "image_3";
   return {recording.path, "", right, "calibration_truth.csv", {right, "calibration_truth.csv"}, ""};
 }

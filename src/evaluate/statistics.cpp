@@ -30,16 +30,6 @@ double student_within(double angle, double dof) {
   return sum * step / 3.0 / whole;
 }
 
-/// The x with P(|T| > x) = 2 kTail for Student's T, dof >= 1.
-double student_quantile(double dof) {
-  double low = 0.0, high = 0.5 * std::numbers::pi;
-  for (int k = 0; k < 50; ++k) {
-    const double middle = 0.5 * (low + high);
-    (student_within(middle, dof) < 1.0 - 2.0 * kTail ? low : high) = middle;
-  }
-  return std::sqrt(dof) * std::tan(low);
-}
-
 /// Correlation of neighbours, with the bias of so few values taken back; 0 to
 /// kLargestCorrelation.
 double neighbour_correlation(std::span<const double> values, double mean) {
@@ -53,6 +43,15 @@ double neighbour_correlation(std::span<const double> values, double mean) {
 }
 
 }  // namespace
+
+double student_quantile(double dof) {
+  double low = 0.0, high = 0.5 * std::numbers::pi;
+  for (int k = 0; k < 50; ++k) {
+    const double middle = 0.5 * (low + high);
+    (student_within(middle, dof) < 1.0 - 2.0 * kTail ? low : high) = middle;
+  }
+  return std::sqrt(dof) * std::tan(low);
+}
 
 Statistics statistics_of(std::span<const double> values) {
   if (values.empty()) {

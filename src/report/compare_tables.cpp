@@ -15,16 +15,7 @@ std::string digits(const std::optional<double>& value, const char* format = "{:.
 }
 
 TableCell end_cell(const ComparedRun& run) {
-  switch (run.end) {
-    case RunEnd::kDone:
-      break;
-    case RunEnd::kPartial:
-      return {fmt::format("partial: {} of {} frames", run.frames, run.frames_of_recording),
-              TableCell::Mark::kBad};
-    case RunEnd::kLost:
-      return {fmt::format("lost since {:.1f} s", *run.lost_since_s), TableCell::Mark::kBad};
-  }
-  return {"done"};
+  return {end_in_words(run), run.end == RunEnd::kDone ? TableCell::Mark::kNone : TableCell::Mark::kBad};
 }
 
 TableCell verdict_cell(const ComparedRun& run) {

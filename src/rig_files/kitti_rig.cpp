@@ -104,6 +104,9 @@ Camera pinhole_of(const LabelledNumbers& file, const std::string& label, const E
   return {K(0, 0), K(1, 1), K(0, 2), K(1, 2), 0, 0, NoDistortion{}};
 }
 
+/// P = K [I | t] places a rectified camera at X = X_reference + K^-1 (K t).
+Eigen::Vector3d shift_of(const Eigen::MatrixXd& P) { return P.leftCols<3>().inverse() * P.col(3); }
+
 /// Two rectified cameras: P = K [I | t].
 void read_rectified_pair(const LabelledNumbers& file, const std::string& left, const std::string& right,
                          RigFile& out) {
@@ -111,15 +114,17 @@ void read_rectified_pair(const LabelledNumbers& file, const std::string& left, c
   StereoCalibration& calibration = out.calibration;
   calibration.cam0 = pinhole_of(file, left, P0.leftCols<3>());
   calibration.cam1 = pinhole_of(file, right, P1.leftCols<3>());
-  const auto translation = [](const Eigen::MatrixXd& P) -> Eigen::Vector3d {
-    return P.leftCols<3>().inverse() * P.col(3);
-  };
-  calibration.theta << Eigen::Vector3d::Zero(), translation(P1) - translation(P0);
+  calibration.theta << Eigen::Vector3d::Zero(), shift_of(P1) - shift_of(P0);
   calibration.body = BodyFrame::kCam0;
   out.images = ImageKind::kRectified;
   check_rig(out, file.path(), file.line(right),
             fmt::format("are {} and {} swapped?", left.substr(0, left.size() - 1),
                         right.substr(0, right.size() - 1)));
+}
+
+/// Of a file without grey cameras the colour ones are taken.
+std::string left_camera(const LabelledNumbers& file, bool colour) {
+  return !colour && file.has("P_rect_00:") && file.has("P_rect_01:") ? "00" : "02";
 }
 
 void read_size(const LabelledNumbers& file, const std::string& label, Camera& camera) {
@@ -138,14 +143,17 @@ Camera raw_camera(const LabelledNumbers& file, const std::string& number, std::v
   return opencv_camera(camera, file.numbers(D, 5), file.path(), file.line(D), "camera " + number, notes);
 }
 
-/// Of the reference camera: X = R X_reference + T.
-Pose place_of(const LabelledNumbers& file, const std::string& number) {
-  const std::string label = "R_" + number + ":";
+Eigen::Matrix3d rotation_of(const LabelledNumbers& file, const std::string& label) {
   const auto R = checked_rotation(file.matrix(label, 3, 3));
   if (!R) {
     file.fail(label, "a rotation (R^T R = I, det R = 1)", "another matrix");
   }
-  return {*R, file.matrix("T_" + number + ":", 3, 1)};
+  return *R;
+}
+
+/// Of the reference camera: X = R X_reference + T.
+Pose place_of(const LabelledNumbers& file, const std::string& number) {
+  return {rotation_of(file, "R_" + number + ":"), file.matrix("T_" + number + ":", 3, 1)};
 }
 
 void read_raw_pair(const LabelledNumbers& file, const std::string& left, const std::string& right,
@@ -162,11 +170,8 @@ void read_raw_pair(const LabelledNumbers& file, const std::string& left, const s
 
 Pose kitti_colour_camera(const fs::path& path) {
   const LabelledNumbers file(path);
-  const auto translation = [&file](const char* label) -> Eigen::Vector3d {
-    const Eigen::MatrixXd P = file.matrix(label, 3, 4);
-    return P.leftCols<3>().inverse() * P.col(3);
-  };
-  return {Eigen::Matrix3d::Identity(), translation("P0:") - translation("P2:")};
+  return {Eigen::Matrix3d::Identity(),
+          shift_of(file.matrix("P0:", 3, 4)) - shift_of(file.matrix("P2:", 3, 4))};
 }
 
 RigFile read_kitti_odometry_rig(const fs::path& path, bool colour) {
@@ -177,12 +182,11 @@ RigFile read_kitti_odometry_rig(const fs::path& path, bool colour) {
   return out;
 }
 
-RigFile read_kitti_raw_rig(const fs::path& path, std::optional<ImageKind> images) {
+RigFile read_kitti_raw_rig(const fs::path& path, std::optional<ImageKind> images, bool colour) {
   const LabelledNumbers file(path);
   RigFile out;
   out.format = "KITTI calib_cam_to_cam.txt";
-  const bool grey = file.has("P_rect_00:") && file.has("P_rect_01:");
-  const std::string left = grey ? "00" : "02", right = grey ? "01" : "03";
+  const std::string left = left_camera(file, colour), right = left == "00" ? "01" : "03";
   if (chosen(images, path) == ImageKind::kRaw) {
     read_raw_pair(file, left, right, out);
     out.notes.push_back(fmt::format("cameras {} and {} of KITTI's rig, raw images", left, right));
@@ -193,6 +197,28 @@ RigFile read_kitti_raw_rig(const fs::path& path, std::optional<ImageKind> images
   read_size(file, "S_rect_" + right + ":", out.calibration.cam1);
   out.notes.push_back(fmt::format("cameras {} and {} of KITTI's rig, rectified images", left, right));
   return out;
+}
+
+std::pair<int, int> kitti_raw_size(const fs::path& path, ImageKind images, bool colour) {
+  const LabelledNumbers file(path);
+  Camera camera;
+  read_size(file, (images == ImageKind::kRaw ? "S_" : "S_rect_") + left_camera(file, colour) + ":", camera);
+  return {camera.width, camera.height};
+}
+
+Pose kitti_camera_on_imu(const fs::path& folder, ImageKind images, bool colour) {
+  const LabelledNumbers cameras(folder / "calib_cam_to_cam.txt");
+  const LabelledNumbers imu(folder / "calib_imu_to_velo.txt"), velodyne(folder / "calib_velo_to_cam.txt");
+  const auto pose_of = [](const LabelledNumbers& file) {
+    return Pose{rotation_of(file, "R:"), file.matrix("T:", 3, 1)};
+  };
+  const Pose T_reference_imu = pose_of(velodyne) * pose_of(imu);
+  const std::string number = left_camera(cameras, colour);
+  const Pose T_cam0_reference = images == ImageKind::kRaw
+                                    ? place_of(cameras, number)
+                                    : Pose{rotation_of(cameras, "R_rect_00:"),
+                                           shift_of(cameras.matrix("P_rect_" + number + ":", 3, 4))};
+  return (T_cam0_reference * T_reference_imu).inverse();
 }
 
 }  // namespace limber::detail

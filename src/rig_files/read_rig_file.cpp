@@ -43,6 +43,11 @@ RigFile read_folder(const fs::path& folder) {
 
 RigFile read_file(const fs::path& path, std::optional<ImageKind> images) {
   const std::string text = load_text(path);
+  if (text.starts_with("<?xml")) {
+    throw DataError(path.string(), 0, "OpenCV's YAML or JSON",
+                    "XML: cv::FileStorage writes YAML to a name that "
+                    "ends in .yml");
+  }
   if (has_label(text, "P_rect_0")) {
     return read_kitti_raw_rig(path, images);
   }
@@ -113,7 +118,9 @@ Camera fitted(const ForeignProjection& projection, const Camera& start, const fs
         fmt::format("a camera model that pinhole with radial-tangential (k1, k2, p1, p2) or equidistant "
                     "distortion can stand for to {} px",
                     kWorstFit_px),
-        fit ? fmt::format("{}: {:.2g} px off at worst", name, fit->worst_px) : name + ": nothing fits");
+        (fit ? fmt::format("{}: {:.2g} px off at worst", name, fit->worst_px) : name + ": nothing fits") +
+            "; Kalibr's --models pinhole-radtan and pinhole-equi give such models, and rectified images need "
+            "none");
   }
   notes.push_back(fmt::format(
       "{}: taken as pinhole with {} distortion, the same to {:.2g} px anywhere in the image", name,

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "limber/core/pose.hpp"
@@ -23,7 +24,16 @@ namespace limber::detail {
 [[nodiscard]] RigFile read_kitti_odometry_rig(const std::filesystem::path& path, bool colour = false);
 /// T_cam0_cam2: where the left colour camera stands, seen from the left grey one. Both are rectified.
 [[nodiscard]] Pose kitti_colour_camera(const std::filesystem::path& path);
-[[nodiscard]] RigFile read_kitti_raw_rig(const std::filesystem::path& path, std::optional<ImageKind> images);
+/// The grey cameras (00, 01) if the file has them, else the colour ones (02, 03); these also if `colour` is
+/// set.
+[[nodiscard]] RigFile read_kitti_raw_rig(const std::filesystem::path& path, std::optional<ImageKind> images,
+                                         bool colour = false);
+/// Width and height of the left images that read_kitti_raw_rig would take.
+[[nodiscard]] std::pair<int, int> kitti_raw_size(const std::filesystem::path& path, ImageKind images,
+                                                 bool colour);
+/// T_imu_cam0 of the left camera that read_kitti_raw_rig takes, by calib_cam_to_cam.txt,
+/// calib_velo_to_cam.txt and calib_imu_to_velo.txt in the folder.
+[[nodiscard]] Pose kitti_camera_on_imu(const std::filesystem::path& folder, ImageKind images, bool colour);
 
 /// Sets T_body_cam0, theta and the body from the places of the cameras on the IMU.
 void place_on_imu(StereoCalibration& calibration, const Pose& T_imu_cam0, const Pose& T_imu_cam1);

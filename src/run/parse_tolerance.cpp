@@ -7,16 +7,22 @@
 #include <span>
 #include <sstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
+#include "limber/core/nearest_word.hpp"
 #include "limber/sensors/parameters.hpp"
 
 namespace limber {
 namespace {
 
+const std::vector<std::string> kNames = {"px", "depth", "baselines", "ax", "ay", "az", "tx", "ty", "tz"};
+
 [[noreturn]] void fail(const std::string& item) {
   throw std::invalid_argument("tolerance: '" + item +
                               "', expected NAME=OK[:WRONG] with 0 < OK <= WRONG and NAME one of px, depth, "
-                              "baselines, ax, ay, az, tx, ty, tz");
+                              "baselines, ax, ay, az, tx, ty, tz" +
+                              did_you_mean(item.substr(0, item.find('=')), kNames));
 }
 
 double positive(const std::string& text, const std::string& item) {
@@ -51,7 +57,7 @@ Tolerance parse_tolerance(const std::string& text) {
     if (equals == std::string::npos) {
       fail(item);
     }
-    const std::string name = item.substr(0, equals), value = item.substr(equals + 1);
+    const std::string name = in_lower_case(item.substr(0, equals)), value = item.substr(equals + 1);
     const auto axes = std::span(kParameterNames).first(6);
     const auto axis = std::find(axes.begin(), axes.end(), name);
     if (name == "px") {

@@ -219,6 +219,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   record.theta_assumed = setup.calibration.theta;
   record.motion = motion;
   record.frames_of_recording = frame_count(recording);
+  record.recording_partial = recording.partial;
   const auto remarks = detail::remarks_on_input(recording, record.motion, setup.navigator.gravity);
   append(record.notes, remarks);
   if (first > 0) {

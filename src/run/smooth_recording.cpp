@@ -207,6 +207,7 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
     throw std::runtime_error(fmt::format("smooth: no solution after {} iterations", result.iterations));
   }
   RunRecord record = to_record(result, setup.calibration, how);
+  record.recording_partial = recording.partial;
   notes.push_back(fmt::format("smoothed over all {} frames at once, theta {}: {} iterations", frames.size(),
                               to_string(options.rig), result.iterations));
   notes.insert(notes.end(), record.notes.begin(), record.notes.end());

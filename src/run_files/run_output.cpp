@@ -186,7 +186,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["theta_assumed"] = std::vector<double>(record.theta_assumed.data(), record.theta_assumed.data() + 6);
   json["theta"] = std::vector<double>(record.theta.data(), record.theta.data() + 6);
   json["estimated"] = estimated_parameters(record);
-  json["complete"] = !record.stopped;
+  json["complete"] = record.is_complete();
   json["frames_of_recording"] = record.frames_of_recording;
   json["readout"] = s.readout ? Json{{"ms", 1e3 * s.readout->seconds},
                                      {"sigma_ms", 1e3 * s.readout->sigma},

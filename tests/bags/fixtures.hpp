@@ -24,8 +24,9 @@ inline std::filesystem::path fixture(const std::string& name) {
 
 /// All sound files: each format and compression, made by other people's writers.
 inline std::vector<std::string> sound_fixtures() {
-  return {"ros1_none.bag", "ros1_bz2.bag", "ros1_lz4.bag", "unchunked.mcap",
-          "chunked.mcap",  "zstd.mcap",    "lz4.mcap",     "ros2.db3"};
+  return {"ros1_none.bag",       "ros1_bz2.bag", "ros1_lz4.bag", "unchunked.mcap",    "chunked.mcap",
+          "zstd.mcap",           "lz4.mcap",     "ros2.db3",     "ros2_messages.db3", "ros2_file.db3.zstd",
+          "packed_messages.mcap"};
 }
 
 inline std::uint8_t fixture_pixel(int u, int v, std::size_t frame, int camera) {

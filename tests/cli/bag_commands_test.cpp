@@ -5,6 +5,7 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "limber/datasets/track_log.hpp"
 #include "run/short_recording.hpp"
@@ -91,7 +92,7 @@ TEST_F(BagCommands, AFileInThePlaceOfAFolderIsToldWhatItIs) {
   };
   EXPECT_THAT(refused("a.yaml", "cam0:\n"), HasSubstr("--calib"));
   EXPECT_THAT(refused("a.mp4", "x"), HasSubstr("a video"));
-  EXPECT_THAT(refused("a.db3.zstd", "x"), HasSubstr("zstd -d"));
+  EXPECT_THAT(refused("a.db3.zstd", "x"), HasSubstr("no bag packed by zstd"));
   EXPECT_THAT(refused("a.tum", "1 2"), HasSubstr("limber evaluate"));
   EXPECT_THAT(refused("a.xyz", "1 2"), HasSubstr("of a kind that limber does not know"));
 }
@@ -234,6 +235,79 @@ TEST_F(BagCommands, ARunBecomesMessagesThatFoxgloveAndRvizShow) {
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_THAT(missing.err, HasSubstr("landmarks.ply"));
   EXPECT_EQ(read_text(path("run.mcap")), before);
+}
+
+TEST_F(BagCommands, APointlessOptionIsRefused) {
+  const auto refused = [&](const std::vector<std::string>& arguments, int code) {
+    const ProgramResult result = run_limber(arguments);
+    EXPECT_EQ(result.exit_code, code) << result.err;
+    return result.err;
+  };
+  const std::string mcap = bag("zstd.mcap"), out = path("out");
+  EXPECT_THAT(refused({"run", mcap, "--calib", camchain, "--images", "rectified", "--out", out}, 1),
+              HasSubstr("camchain.yaml: the calibration is of raw images (with distortion), said were "
+                        "rectified ones"));
+  const std::string without_imu =
+      std::regex_replace(read_text(camchain), std::regex("  T_cam_imu:\n(  - .*\n){4}"), "");
+  const std::string cameras = write_text(folder.path() / "cameras.yaml", without_imu).string();
+  EXPECT_THAT(refused({"run", mcap, "--calib", cameras, "--imu", imu, "--out", out}, 2),
+              HasSubstr("does not place the cameras on an IMU (T_cam_imu)"));
+  EXPECT_THAT(refused({"run", mcap, "--calib", camchain, "--topics", "lft=/cam0/image_raw", "--out", out}, 2),
+              HasSubstr("did you mean left?"));
+  EXPECT_THAT(refused({"health", mcap, "--calib", camchain, "--tolerance", "dpth=5"}, 2),
+              HasSubstr("did you mean depth?"));
+  EXPECT_THAT(refused({"convert", mcap, "--calib", camchain, "--out", path("t.tum")}, 2),
+              HasSubstr("only a recording has it"));
+}
+
+TEST_F(BagCommands, ConvertNamesTheEndingsThatItKnows) {
+  for (const char* name : {"x.pdf", "x.mcp", "x.json"}) {
+    const ProgramResult result = convert(bag("zstd.mcap"), path(name), {"--calib", camchain});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, HasSubstr("FILE.mcap or FILE.bag (messages), FILE.tum"));
+    EXPECT_FALSE(fs::exists(path(name)));
+  }
+  EXPECT_THAT(convert(bag("zstd.mcap"), path("x.mcp"), {"--calib", camchain}).err,
+              HasSubstr("did you mean .mcap?"));
+  EXPECT_EQ(convert(bag("zstd.mcap"), path("flight.1"), {"--calib", camchain}).exit_code, 0);
+  EXPECT_EQ(convert(bag("zstd.mcap"), path("flight.raw/"), {"--calib", camchain}).exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder.path() / "flight.raw/mav0/cam0/data.csv"));
+}
+
+TEST_F(BagCommands, ARunThatBecameMessagesGivesItsTrajectoryAgain) {
+  write_track_log(testing::short_recording(), folder.path() / "log");
+  ASSERT_EQ(run_limber({"run", path("log"), "--init", "groundtruth", "--out", path("run")}).exit_code, 0);
+  ASSERT_EQ(convert(path("run"), path("run.mcap")).exit_code, 0);
+  const ProgramResult back = convert(path("run.mcap"), path("back.tum"));
+  ASSERT_EQ(back.exit_code, 0) << back.err;
+  EXPECT_THAT(back.err, HasSubstr("poses of /limber/odometry; --topics truth=TOPIC takes others"));
+  EXPECT_EQ(read_text(path("back.tum")).substr(0, 40), read_text(path("run/trajectory.tum")).substr(0, 40));
+  const ProgramResult judged = run_limber({"evaluate", path("run.mcap"), path("run.mcap"), "--json"});
+  EXPECT_EQ(judged.exit_code, 0) << "its own poses against the truth in it: " << judged.err;
+  const ProgramResult no_bag =
+      run_limber({"evaluate", path("run"), path("run.mcap"), "--estimate-topic", "/x"});
+  EXPECT_EQ(no_bag.exit_code, 1);
+  EXPECT_THAT(no_bag.err, HasSubstr("expected a bag, for the topic /x"));
+  const ProgramResult no_images =
+      run_limber({"run", path("log"), "--max-tracks", "50", "--out", path("other")});
+  EXPECT_EQ(no_images.exit_code, 2);
+  EXPECT_THAT(no_images.err, HasSubstr("holds matched points, no images"));
+  ASSERT_EQ(convert(path("run.mcap"), path("truth.tum"), {"--topics", "truth=/groundtruth"}).exit_code, 0);
+  EXPECT_NE(read_text(path("truth.tum")), read_text(path("back.tum")));
+  const ProgramResult no_recording = convert(path("run"), path("folder"));
+  EXPECT_EQ(no_recording.exit_code, 2);
+  EXPECT_THAT(no_recording.err, HasSubstr("a run becomes FILE.mcap"));
+}
+
+TEST_F(BagCommands, OfADamagedBagWhatIsReadableIsWrittenAndTheExitCodeIsOne) {
+  std::string content = read_text(bag("ros1_lz4.bag"));
+  content.replace(content.find("compression=", 4200) + 200, 40, 40, '\xee');
+  write_text(folder.path() / "holed.bag", content);
+  const ProgramResult result = convert(path("holed.bag"), path("x"), {"--calib", camchain});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("a damaged chunk"), HasSubstr("bytes are left out"),
+                                HasSubstr("written without the parts that are missing")));
+  EXPECT_TRUE(fs::exists(folder.path() / "x/mav0/cam0/data.csv"));
 }
 
 }  // namespace

@@ -159,6 +159,11 @@ TEST_F(HealthCommand, OfAFleetIsATableWithTheExitCodeOfTheWorst) {
   EXPECT_EQ(result.exit_code, 3) << result.err;
   EXPECT_THAT(result.out, HasSubstr("since " + log_of("monday")));
   EXPECT_THAT(files_below(out()), IsSupersetOf({"01-monday/health_state.json", "02-tuesday/health.csv"}));
+  for (std::size_t at = result.err.find("limber: "); at != std::string::npos;
+       at = result.err.find("limber: ", at + 1)) {
+    const std::string line = result.err.substr(at, result.err.find('\n', at) - at);
+    EXPECT_EQ(result.err.find(line, at + 1), std::string::npos) << "said twice: " << line;
+  }
 
   std::vector<std::string> json = both;
   json.resize(6);
@@ -169,6 +174,7 @@ TEST_F(HealthCommand, OfAFleetIsATableWithTheExitCodeOfTheWorst) {
   ASSERT_EQ(rigs.size(), 3u);
   EXPECT_EQ(rigs[0]["verdict"], "ok");
   EXPECT_EQ(rigs[1]["since"]["most_likely_axis"], "ax");
+  EXPECT_TRUE(rigs[1]["trend"].is_null()) << "of two recordings there is none";
   EXPECT_THAT(rigs[2]["failure"].get<std::string>(), HasSubstr("sunday"));
 
   expect_refused(run_limber({"health", log_of("monday"), log_of("tuesday")}), 2, "--fleet judges them all");

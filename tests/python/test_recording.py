@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 import gc
+import pathlib
 
 import numpy as np
 import pytest
@@ -23,6 +24,16 @@ def test_views_outlive_the_name_of_their_recording():
     gc.collect()
     np.zeros(10**6)
     assert np.array_equal(p, p_then) and np.array_equal(points, points_then)
+
+
+def test_a_bag_that_was_cut_off_is_partial(tmp_path):
+    bags = pathlib.Path(__file__).parents[1] / "bags" / "fixtures"
+    calib = str(bags / "camchain.yaml")
+    assert not limber.read(str(bags / "ros1_none.bag"), calib=calib).partial
+    cut = tmp_path / "cut.bag"
+    cut.write_bytes((bags / "ros1_none.bag").read_bytes()[:40000])
+    recording = limber.read(str(cut), calib=calib)
+    assert recording.partial and any("bytes are left out" in note for note in recording.notes)
 
 
 def test_rotations_are_rotations(recording):

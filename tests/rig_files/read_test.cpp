@@ -12,6 +12,7 @@
 namespace limber {
 namespace {
 
+using ::testing::AllOf;
 using testing::data_error_of;
 using ::testing::HasSubstr;
 using testing::replaced;
@@ -166,7 +167,7 @@ TEST(ReadRigFile, AThirdRadialCoefficientIsFoldedIntoTheModelOrRefused) {
   ASSERT_FALSE(small.notes.empty());
   EXPECT_THAT(small.notes.front(), HasSubstr("the same to"));
   EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(with("-5"), ImageKind::kRaw)); }).what(),
-              HasSubstr("camera 00"));
+              AllOf(HasSubstr("camera 00"), HasSubstr("--models pinhole-radtan and pinhole-equi")));
 }
 
 TEST(ReadRigFile, WhatIsNoCalibrationIsToldWhatWouldBeOne) {
@@ -177,6 +178,9 @@ TEST(ReadRigFile, WhatIsNoCalibrationIsToldWhatWouldBeOne) {
               HasSubstr("Kalibr camchain"));
   EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(folder.path())); }).what(),
               HasSubstr("cam0/sensor.yaml"));
+  const auto xml = write_text(folder.path() / "stereo.xml", "<?xml version=\"1.0\"?>\n<opencv_storage>\n");
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(xml)); }).what(),
+              HasSubstr("ends in .yml"));
   const auto one = write_text(folder.path() / "sensor.yaml", euroc_sensor_yaml(some_rig(), 0));
   EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(one)); }).what(), HasSubstr("the folder"));
 }

@@ -45,6 +45,7 @@ struct BagContents {
   /// in the order of their first appearance
   std::vector<BagStream> streams;
   std::vector<std::string> damages;  ///< what could not be read, and where
+  bool whole = true;                 ///< nothing of what was written is missing, see BagFile::is_whole
 };
 
 /// @brief Walks through a bag once and takes everything but the pixels.

@@ -29,10 +29,11 @@ struct BagTopic {
 struct BagPlace {
   std::uint64_t at =
       0;  ///< byte in the file, of the message or of its compressed chunk; or row of a database
-  std::uint64_t within = 0;  ///< byte in the chunk once it is decompressed
-  std::uint64_t size = 0;    ///< [bytes]
-  std::uint32_t file = 0;    ///< of a bag of several files
-  bool in_chunk = false;     ///< compressed
+  std::uint64_t within = 0;       ///< byte in the chunk once it is decompressed
+  std::uint64_t size = 0;         ///< [bytes]
+  std::uint32_t file = 0;         ///< of a bag of several files
+  bool in_chunk = false;          ///< compressed
+  std::uint64_t packed_size = 0;  ///< [bytes] of a message that is compressed by itself; 0: it is not
 };
 
 /// A message on the walk through a bag.
@@ -46,7 +47,8 @@ struct BagMessage {
 
 /// @brief One bag. Nothing of it is kept in memory but its topics and a few decompressed chunks.
 /// No index is needed: the messages themselves are walked through, so a bag that was never closed is read
-/// like any other. What is damaged is left out, and `damages` says what and where.
+/// like any other. What is damaged is left out, what lies behind it is read, and `damages` says what is
+/// missing.
 class BagFile {
  public:
   virtual ~BagFile() = default;
@@ -65,17 +67,20 @@ class BagFile {
 
   /// Topics that walk() has met, in the order of their appearance.
   [[nodiscard]] virtual const std::vector<BagTopic>& topics() const = 0;
-  /// What walk() could not read, in plain words with byte offsets; empty for a sound file.
+  /// What walk() could not read, in plain words with byte offsets and times; empty for a sound file.
   [[nodiscard]] virtual const std::vector<std::string>& damages() const = 0;
+  /// Whether walk() has met all that was written into the file. One that was never closed may be whole.
+  [[nodiscard]] virtual bool is_whole() const = 0;
   [[nodiscard]] virtual std::string format() const = 0;  ///< "ROS 1 bag", "MCAP", "ROS 2 bag (sqlite3)"
 };
 
 /// Whether open_bag() would know the file by its first bytes, or the folder by the bags in it.
 [[nodiscard]] bool is_bag(const std::filesystem::path& path);
 
-/// @brief Opens a bag; its content tells the format. A folder is a ROS 2 bag: all its .db3 or .mcap files, by
-/// name.
-/// @throws DataError if it is none, or of a version that is not read
+/// @brief Opens a bag; its content tells the format. A folder is a ROS 2 bag: the files that its
+/// metadata.yaml lists, in this order, or without one all its .db3 and .mcap files (also .zstd), by name.
+/// What is listed and missing counts as damage. A file that is packed by zstd is unpacked to a temporary one.
+/// @throws DataError if it is none, or of a version or compression that is not read
 [[nodiscard]] std::unique_ptr<BagFile> open_bag(const std::filesystem::path& path);
 
 }  // namespace limber

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "limber/bags/bag_file.hpp"
 #include "limber/core/pose.hpp"
@@ -46,6 +47,10 @@ struct ImageHeader {
 /// The whole image. Its rows must be there: height x step bytes.
 [[nodiscard]] std::optional<EncodedImage> decode_image(std::span<const std::uint8_t> data,
                                                        Serialization serialization, MessageKind kind);
+
+/// The same in the memory of the message, which is not copied.
+[[nodiscard]] std::optional<EncodedImage> take_image(std::vector<std::uint8_t> message,
+                                                     Serialization serialization, MessageKind kind);
 
 /// sensor_msgs/Imu.
 struct ImuMessage {

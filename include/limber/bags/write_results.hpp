@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <map>
+#include <string_view>
 #include <vector>
 
 #include "limber/bags/diagnostic.hpp"
@@ -12,6 +13,9 @@
 #include "limber/datasets/trajectory_files.hpp"
 
 namespace limber {
+
+/// The topic of a run's poses, in a bag that write_results made.
+inline constexpr std::string_view kOdometryOfRun = "/limber/odometry";
 
 /// What came of a run.
 struct RunResults {

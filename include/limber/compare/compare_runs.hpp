@@ -27,7 +27,7 @@ struct CompareOptions {
 /// How a run ended.
 enum class RunEnd : std::uint8_t {
   kDone,
-  kPartial,  ///< it was stopped
+  kPartial,  ///< it was stopped, or parts of its recording are missing
   kLost      ///< its inputs lost it, and nothing brought it back
 };
 /// "done", "partial", "lost".
@@ -60,6 +60,9 @@ struct ComparedRun {
   std::optional<std::string> verdict;          ///< on the calibration
   std::optional<double> ms_per_frame, ms_per_frame_p99;  ///< median and p99
 };
+
+/// "done", "partial: 80 of 160 frames", "partial: of a damaged recording", "lost since 3.2 s".
+[[nodiscard]] std::string end_in_words(const ComparedRun& run);
 
 /// What a difference says.
 enum class Judgement : std::uint8_t { kBetter, kWorse, kCannotTell };

@@ -66,6 +66,7 @@ struct Recording {
   /// theta_true(t); empty where nobody knows it
   std::vector<CalibrationTruth> calibration_true;
 
+  bool partial = false;            ///< parts of it are damaged or missing and left out; `notes` say which
   std::vector<std::string> notes;  ///< defaults that stood in for missing values, in plain words
 };
 

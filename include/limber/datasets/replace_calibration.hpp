@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "limber/datasets/recording.hpp"
@@ -10,6 +11,13 @@ namespace limber {
 
 /// Which images a recording holds, by its own calibration: rectified ones have no distortion.
 [[nodiscard]] ImageKind image_kind(const StereoCalibration& calibration);
+
+/// Who says which images there are.
+enum class WhoSays : std::uint8_t { kUser, kRecording /*!< by its own calibration */ };
+
+/// @brief What must hold of a calibration for images of this kind.
+/// @throws std::invalid_argument if it is of the other one
+void require_calibration_of(const RigFile& rig, ImageKind images, WhoSays who);
 
 /// @brief Puts another calibration in the place of the recording's own. What the file does not say (size of
 /// the images, place on the IMU, noise) stays; `notes` says what was taken. A body that is the left camera

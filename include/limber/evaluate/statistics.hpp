@@ -54,6 +54,9 @@ struct MeanInterval {
 /// Fewer values give no interval of their mean.
 inline constexpr std::size_t kFewestForMean = 5;
 
+/// The x that Student's |T| exceeds with 5 %. @param dof  degrees of freedom, one or more
+[[nodiscard]] double student_quantile(double dof);
+
 /// @brief Mean with Student's interval. Neighbours may be alike: with r, the correlation of neighbours (its
 /// bias 1/n added, 0 to 0.9), n values count as n (1 - r) / (1 + r), in the variance of the mean and in the
 /// degrees of freedom, of which there is one at least. [ZwiersStorch1995]

@@ -101,7 +101,11 @@ struct RunRecord {
   CleaningReport cleaning;  ///< what was taken out of the frames before the navigator saw them
   /// that a whole run would have had
   std::size_t frames_of_recording = 0;
-  bool stopped = false;  ///< before the last frame, because the caller asked to
+  bool stopped = false;            ///< before the last frame, because the caller asked to
+  bool recording_partial = false;  ///< Recording::partial: what is missing was not there to be run through
+
+  /// Neither of both.
+  [[nodiscard]] bool is_complete() const { return !stopped && !recording_partial; }
 };
 
 /// Adds what the front end behind the frame source did: source_ms becomes the work on each frame, where the
