@@ -215,9 +215,11 @@ bool convert_recording(const ConvertArguments& arguments, const std::optional<Ba
 std::vector<TrajectoryRow> rows_of(const TrajectoryInput& input) {
   std::vector<TrajectoryRow> rows;
   for (const StampedPose& pose : input.poses) {
-    rows.push_back({pose.t_ns, pose.T_world_body, {}, {}, {}, {}});
+    TrajectoryRow& row = rows.emplace_back();
+    row.t_ns = pose.t_ns;
+    row.T_world_body = pose.T_world_body;
     if (!input.covariances.empty() && input.covariances[rows.size() - 1].allFinite()) {
-      rows.back().covariance = input.covariances[rows.size() - 1];
+      row.covariance = input.covariances[rows.size() - 1];
     }
   }
   return rows;

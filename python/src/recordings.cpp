@@ -331,7 +331,7 @@ void bind_recordings(py::module_& module) {
         }
         try {
           return std::make_shared<Recording>(
-              app::open_recording({path, calib, imu, images, topics, readout_time}));
+              app::open_recording({path, calib, imu, images, topics, readout_time, {}}));
         } catch (const CLI::ValidationError& error) {  // an option that is missing or of no use
           throw std::invalid_argument(error.what());
         }

@@ -11,7 +11,8 @@
 
 /// @file
 /// Do the worlds of estimate and truth agree upon what is down? The truth of a recording may stand in the
-/// frame of a marker or of a first camera, whose z axis is not up. How it is decided: docs/formats.md.
+/// frame of a marker or of a first camera, whose z axis is not up. How it is decided:
+/// docs/truth-not-level.md.
 namespace limber {
 
 /// How the estimate's vertical (its z axis) lies in the world of the truth, over a whole run.
