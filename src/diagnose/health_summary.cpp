@@ -54,7 +54,8 @@ Json sizes_of(const CalibrationState& state, const Tolerance& tolerance) {
       {"windows", state.windows},
       {"tracks", state.tracks},
       {"points", state.points},
-      {"points_with_depth", state.deep}};
+      {"points_with_depth", state.deep},
+      {"tracks_with_depth", state.deep_tracks}};
 }
 
 Json json_of(const std::optional<RigDrift>& drift) {
@@ -116,6 +117,9 @@ std::string why_not(const CalibrationState& state) {
              depth = state.by_depth == HealthVerdict::kCannotTell;
   if (state.deep == 0) {
     return "the rig hardly moved, so that nothing but stereo tells a depth";
+  }
+  if (depth && state.tracks >= kFewestTracks && state.deep_tracks < kFewestTracks) {
+    return fmt::format("of only {} tracks is the depth known from motion", state.deep_tracks);
   }
   if (epipolar && depth) {
     return "the intervals reach over a limit";

@@ -24,8 +24,8 @@ BetaEstimate against(const RigRecord& record, const RigParameters& theta) {
 }  // namespace
 
 RigRecord rig_record(const CalibrationState& state, const RigParameters& theta, bool metric) {
-  return {theta,        metric,       state.from_ns, state.to_ns, state.windows,
-          state.tracks, state.points, state.deep,    state.whole};
+  return {theta,        metric,       state.from_ns, state.to_ns,       state.windows,
+          state.tracks, state.points, state.deep,    state.deep_tracks, state.whole};
 }
 
 CalibrationState change_between(const RigRecord& before, const RigRecord& now, const Tolerance& tolerance) {
@@ -40,6 +40,7 @@ CalibrationState change_between(const RigRecord& before, const RigRecord& now, c
   out.tracks = std::min(before.tracks, now.tracks);
   out.points = std::min(before.points, now.points);
   out.deep = std::min(before.deep, now.deep);
+  out.deep_tracks = std::min(before.deep_tracks, now.deep_tracks);
   judge_estimate(step, now.theta, before.metric && now.metric, tolerance, out);
   return out;
 }

@@ -26,7 +26,6 @@ constexpr double kTests = 2.0;                          // after a window: for c
 constexpr std::size_t kFewestOfADrift = 5;              // windows
 constexpr double kDoubt = 0.01;                         // p-value of a drift that is reckoned with
 constexpr std::array kEarlyLooks = {0.2, 0.4, 0.7};     // at the first window, as shares of its length
-constexpr std::size_t kFewestTracks = 30;
 constexpr double kLargestScale = 0.5;  // relative error of a metre: no sensor is believed to be worse
 
 void merge(const RigEvidence& other, RigEvidence& into) {
@@ -41,6 +40,7 @@ void merge(const RigEvidence& other, RigEvidence& into) {
   into.points += other.points;
   into.track_count += other.track_count;
   into.deep += other.deep;
+  into.deep_tracks += other.deep_tracks;
   into.scale_sigma = std::max(into.scale_sigma, other.scale_sigma);
   for (std::size_t k = 0; k < into.blocks.size() && k < other.blocks.size(); ++k) {
     into.blocks[k] += other.blocks[k];
@@ -178,6 +178,7 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
     out.points += window.points;
     out.tracks += window.track_count;
     out.deep += window.deep;
+    out.deep_tracks += window.deep_tracks;
   }
   const BetaEstimate estimate = windows.size() < kFewestOfADrift
                                     ? robust_estimate(windows, theta, metric)
@@ -206,7 +207,8 @@ void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bo
     out.axes[i] = judge(axis_size(out.estimate, k), out.bands[i]);
   }
   out.by_epipolar = judge(out.effect.epipolar_px, tolerance.epipolar_px);
-  out.by_depth = judge(out.effect.depth, tolerance.depth);
+  out.by_depth =
+      out.deep_tracks < kFewestTracks ? HealthVerdict::kCannotTell : judge(out.effect.depth, tolerance.depth);
   out.verdict = worst(out.by_epipolar, out.by_depth);
   for (std::size_t k = 0; k < 6; ++k) {
     out.verdict = tolerance.axes[k] ? worst(out.verdict, out.axes[k]) : out.verdict;

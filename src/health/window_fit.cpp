@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "limber/core/factors.hpp"
@@ -217,6 +218,7 @@ void WindowFit::sum_up() {
   out.to_ns = window_.to_ns;
   std::unordered_map<std::int64_t, Vector> tracks;
   std::map<std::pair<std::int64_t, int>, Vector> both;
+  std::unordered_set<std::int64_t> deep;
   for (const Row& row : rows_) {
     const NormalEquations one{row.weight * row.J * row.J.transpose(), row.weight * row.y * row.J};
     out.all += one;
@@ -226,6 +228,9 @@ void WindowFit::sum_up() {
     both.try_emplace({row.track, row.cell}, Vector::Zero()).first->second += score;
     if (row.along) {
       ++out.deep;
+      if (row.weight > 0.0) {
+        deep.insert(row.track);
+      }
     } else if (row.weight > 0.0) {
       Vector of_the_rig = row.J;  // what the lens does is not the rig's error
       std::swap(of_the_rig(kVergence), of_the_rig(kLens));
@@ -240,6 +245,7 @@ void WindowFit::sum_up() {
     out.both.noalias() += score * score.transpose();
   }
   out.track_count = tracks.size();
+  out.deep_tracks = deep.size();
 }
 
 std::vector<FrameHalves> WindowFit::frame_halves() const {

@@ -69,6 +69,9 @@ class StateReader {
   }
   [[nodiscard]] std::size_t count(const char* key) const { return static_cast<std::size_t>(whole(key)); }
 
+  /// Files of older versions lack some.
+  [[nodiscard]] bool has(const char* key) const { return json_.contains(key); }
+
   [[nodiscard]] bool flag(const char* key) const {
     if (!at(key).is_boolean()) {
       throw DataError(path_, 0, fmt::format("true or false at '{}'", key), at(key).dump());
@@ -136,6 +139,7 @@ std::string to_json(const HealthState& state) {
                      {"tracks", rig.tracks},
                      {"points", rig.points},
                      {"points_with_depth", rig.deep},
+                     {"tracks_with_depth", rig.deep_tracks},
                      {"beta", numbers(rig.estimate.beta.transpose())},
                      {"covariance", numbers(rig.estimate.covariance)},
                      {"epipolar", numbers(rig.estimate.epipolar)}};
@@ -158,6 +162,7 @@ HealthState parse_health_state(const std::string& text, const std::string& name)
   out.rig.tracks = in.count("tracks");
   out.rig.points = in.count("points");
   out.rig.deep = in.count("points_with_depth");
+  out.rig.deep_tracks = in.has("tracks_with_depth") ? in.count("tracks_with_depth") : out.rig.tracks;
   out.rig.estimate.beta = in.matrix<NormalEquations::kSize, 1>("beta");
   out.rig.estimate.covariance = in.square("covariance");
   out.rig.estimate.epipolar = in.square("epipolar");

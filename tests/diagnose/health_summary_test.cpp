@@ -83,8 +83,12 @@ TEST(HealthSummary, SaysWhyItCannotTell) {
   HealthSummary summary;
   EXPECT_THAT(in_words(summary, Tolerance{}), HasSubstr("hardly moved"));
   summary.present.deep = 500;
+  summary.present.deep_tracks = 50;
   summary.present.by_epipolar = kOk;
   EXPECT_THAT(in_words(summary, Tolerance{}), StartsWith("the depth is not known well enough"));
+  summary.present.tracks = 80;
+  summary.present.deep_tracks = 12;
+  EXPECT_THAT(in_words(summary, Tolerance{}), StartsWith("of only 12 tracks is the depth known from motion"));
 }
 
 TEST(HealthSummary, IsJsonInDegreesMillimetresAndPercent) {

@@ -159,6 +159,28 @@ TEST(CalibrationWatch, StandingStillItCannotTell) {
   EXPECT_EQ(judged.last->state.by_depth, kCannotTell);
 }
 
+/// On a recording of stars a handful of near tracks called the rig decalibrated by their depths.
+TEST(CalibrationWatch, AFewTracksWithADepthJudgeNoDepths) {
+  const WorldOptions options = with_step(0.0, 0.0);
+  const World world = fly_past(options);
+  const Judged judged = judge_world(options);
+  BetaEstimate off = judged.last->state.whole;
+  off.beta(NormalEquations::kVergence) += 20.0;  // of 0.1 deg
+  off.beta(NormalEquations::kLens) -= 20.0;      // and the lines know nothing of it
+  CalibrationState state;
+  state.tracks = 100;
+  state.deep_tracks = kFewestTracks;
+  judge_estimate(off, world.assumed.theta, true, {}, state);
+  EXPECT_EQ(state.by_depth, kDecalibrated);
+  EXPECT_EQ(state.verdict, kDecalibrated);
+  state = {};
+  state.tracks = 100;
+  state.deep_tracks = kFewestTracks - 1;
+  judge_estimate(off, world.assumed.theta, true, {}, state);
+  EXPECT_EQ(state.by_depth, kCannotTell);
+  EXPECT_EQ(state.verdict, state.by_epipolar == kOk ? kCannotTell : state.by_epipolar);
+}
+
 /// A window's regression is spread over the frames after it: 1 + 4 (1 + 3) + 2 slices at most, and a verdict.
 TEST(CalibrationWatch, WhatAWindowSaysIsDoneInSlices) {
   const World world = fly_past(with_step(8.0, 0.5));

@@ -27,6 +27,7 @@ HealthState some_state() {
   out.rig.tracks = 70;
   out.rig.points = 700;
   out.rig.deep = 500;
+  out.rig.deep_tracks = 50;
   out.rig.estimate.beta.setLinSpaced(-1.0 / 3.0, 2.0 / 3.0);
   out.rig.estimate.covariance = 0.1 * NormalEquations::Matrix::Identity();
   out.rig.estimate.covariance(0, 1) = out.rig.estimate.covariance(1, 0) = 0.01;
@@ -66,10 +67,18 @@ TEST_F(HealthStateFile, ComesBackAsItWasWritten) {
     EXPECT_EQ(read.rig.tracks, wanted.rig.tracks);
     EXPECT_EQ(read.rig.points, wanted.rig.points);
     EXPECT_EQ(read.rig.deep, wanted.rig.deep);
+    EXPECT_EQ(read.rig.deep_tracks, wanted.rig.deep_tracks);
     EXPECT_EQ(read.rig.estimate.beta, wanted.rig.estimate.beta);
     EXPECT_EQ(read.rig.estimate.covariance, wanted.rig.estimate.covariance);
     EXPECT_EQ(read.rig.estimate.epipolar, wanted.rig.estimate.epipolar);
   }
+}
+
+/// Files of older versions do not say how many tracks had a depth.
+TEST_F(HealthStateFile, OfAnOlderVersionIsRead) {
+  nlohmann::json json = nlohmann::json::parse(to_json(some_state()));
+  json.erase("tracks_with_depth");
+  EXPECT_EQ(parse_health_state(json.dump(), "old").rig.deep_tracks, some_state().rig.tracks);
 }
 
 TEST_F(HealthStateFile, IsRefusedWithWhatWasExpected) {

@@ -15,8 +15,8 @@ struct RigRecord {
   RigParameters theta = RigParameters::Zero();  ///< assumed [rad, m]
   bool metric = true;                           ///< inputs said how long a metre is
   std::int64_t from_ns = 0, to_ns = 0;          ///< first and last frame
-  /// what the estimate rests on; deep: points whose depth is known from motion
-  std::size_t windows = 0, tracks = 0, points = 0, deep = 0;
+  /// what the estimate rests on; deep: points whose depth is known from motion, and their tracks
+  std::size_t windows = 0, tracks = 0, points = 0, deep = 0, deep_tracks = 0;
   BetaEstimate estimate;  ///< against `theta`, in plausible errors of it
 };
 

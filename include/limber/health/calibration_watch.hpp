@@ -28,6 +28,9 @@ struct RigDrift {
   std::size_t named = 0;  ///< the axis that explains it best
 };
 
+/// Fewer are too few to judge a rig by; its depths, by tracks whose own depth is known from motion.
+inline constexpr std::size_t kFewestTracks = 30;
+
 /// What is known of the calibration since it changed last.
 struct CalibrationState {
   std::int64_t from_ns = 0, to_ns = 0;  ///< first and last frame
@@ -48,8 +51,8 @@ struct CalibrationState {
   RigMovement movement;  ///< about the mean, from frame to frame
   /// from the movement alone
   HealthVerdict by_movement = HealthVerdict::kCannotTell;
-  /// what the estimate rests on; deep: points whose depth is known from motion
-  std::size_t windows = 0, tracks = 0, points = 0, deep = 0;
+  /// what the estimate rests on; deep: points whose depth is known from motion, and their tracks
+  std::size_t windows = 0, tracks = 0, points = 0, deep = 0, deep_tracks = 0;
 
   /// From frame to frame, by more than what is ok.
   [[nodiscard]] bool moves() const;

@@ -26,6 +26,7 @@ struct RigEvidence {
   /// stereo points, one a frame and track; tracks
   std::size_t points = 0, track_count = 0;
   std::size_t deep = 0;             ///< points whose depth is known from motion
+  std::size_t deep_tracks = 0;      ///< tracks that have such points
   double scale_sigma = 0.0;         ///< relative standard deviation of the trajectory's scale
   std::vector<FrameHalves> blocks;  ///< fifths of it
 };
