@@ -50,7 +50,7 @@ std::string content_without_times(const fs::path& folder) {
   // The last two columns of frames.csv are times.
   content += std::regex_replace(read_text(folder / "frames.csv"), std::regex(",[0-9.]+,[0-9.]+\n"), "\n");
   Json summary = summary_in(folder);
-  for (const char* const key : {"ms_per_frame", "realtime_factor", "peak_rss_mb"}) {
+  for (const char* const key : {"ms_per_frame", "start_ms", "realtime_factor", "peak_rss_mb"}) {
     summary.erase(key);
   }
   return content + summary.dump();
