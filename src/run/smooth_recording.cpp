@@ -208,6 +208,7 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
   }
   RunRecord record = to_record(result, setup.calibration, how);
   record.recording_partial = recording.partial;
+  record.frames_of_recording = frame_count(recording);
   notes.push_back(fmt::format("smoothed over all {} frames at once, theta {}: {} iterations", frames.size(),
                               to_string(options.rig), result.iterations));
   notes.insert(notes.end(), record.notes.begin(), record.notes.end());

@@ -37,6 +37,7 @@ TEST_F(SmoothCommand, WritesTheFilesOfARun) {
   EXPECT_THAT(files_below(out()), Not(Contains("health.csv")));
   EXPECT_EQ(read_trajectory_csv(out() / "trajectory.csv").size(), 41u);
   EXPECT_EQ(summary()["method"], "smooth-constant");
+  EXPECT_EQ(summary()["frames_of_recording"], 41);  // else no run counts as one of the same recording
 }
 
 TEST_F(SmoothCommand, FindsTheRigOfTheLogWithinItsSigma) {
