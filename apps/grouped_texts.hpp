@@ -25,13 +25,4 @@ namespace limber::app {
   return out;
 }
 
-/// "a, b, c".
-[[nodiscard]] inline std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) {
-    text += (text.empty() ? "" : ", ") + word;
-  }
-  return text;
-}
-
 }  // namespace limber::app

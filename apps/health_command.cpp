@@ -130,7 +130,7 @@ void print_fleet_notes(const std::vector<FleetRow>& rows,
     }
   }
   for (const auto& [note, of] : by_text(names, notes)) {
-    print_note(of.size() == names.size() ? note : joined(of) + ": " + note);
+    print_note(of.size() == names.size() ? note : fmt::format("{}: {}", fmt::join(of, ", "), note));
   }
 }
 

@@ -57,13 +57,13 @@ void run_one(const std::string& method, const fs::path& folder, const RunOneMeth
 
 void print_notes(const std::vector<std::string>& methods, const Outcome& outcome) {
   for (const auto& [note, of] : by_text(methods, outcome.notes)) {
-    print_note(of.size() == outcome.folders.size() ? note : joined(of) + ": " + note);
+    print_note(of.size() == outcome.folders.size() ? note : fmt::format("{}: {}", fmt::join(of, ", "), note));
   }
 }
 
 void print_failures(const std::vector<std::string>& methods, const Outcome& outcome) {
   for (const auto& [why, of] : by_text(methods, outcome.failures)) {
-    print_error(why.starts_with(of.front()) ? why : joined(of) + ": " + why);
+    print_error(why.starts_with(of.front()) ? why : fmt::format("{}: {}", fmt::join(of, ", "), why));
   }
 }
 
@@ -112,7 +112,7 @@ void run_methods(const std::vector<std::string>& methods, const fs::path& out, b
   }
   print_failures(methods, outcome);
   if (!left.empty()) {
-    print_note("stopped: not run: " + joined(left));
+    print_note(fmt::format("stopped: not run: {}", fmt::join(left, ", ")));
   }
   if (!outcome.all_done || !left.empty()) {
     throw CLI::RuntimeError(kExitFailed);

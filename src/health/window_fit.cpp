@@ -34,11 +34,7 @@ constexpr int kStepsPerSlice = 4;
 constexpr int kMostLinearisations = 4;
 constexpr double kAsGood = 1.0;  // plausible errors from where the rows were made: linear enough
 
-Matrix solve(const NormalEquations& normal, Vector& beta) {
-  const Matrix inverse = Cholesky(normal.information).inverse();
-  beta = inverse * normal.vector;
-  return inverse;
-}
+Vector solve(const NormalEquations& normal) { return Cholesky(normal.information).inverse() * normal.vector; }
 
 }  // namespace
 
@@ -91,7 +87,7 @@ void WindowFit::advance() {
     case Stage::kWeights:
       weigh();
       if (weighted_ == kHuberSteps + kTukeySteps) {
-        stage_ = is_linear_enough() ? Stage::kSums : Stage::kRows;
+        stage_ = move_linearisation() ? Stage::kRows : Stage::kSums;
       }
       break;
     case Stage::kSums:
@@ -179,7 +175,8 @@ NormalEquations WindowFit::normal_equations() const {
   return out;
 }
 
-/// Some steps of the reweighting.
+/// Some steps of the reweighting: Huber's weights, then Tukey's; scales from the median absolute residual of
+/// either kind.
 void WindowFit::weigh() {
   const int last = std::min(weighted_ + kStepsPerSlice, kHuberSteps + kTukeySteps);
   for (; weighted_ < last; ++weighted_) {
@@ -200,16 +197,18 @@ void WindowFit::weigh() {
                                                     : 0.0;
       row.weight = weight / (sigma * sigma);
     }
-    solve(normal_equations(), beta_);
+    beta_ = solve(normal_equations());
   }
 }
 
-bool WindowFit::is_linear_enough() {
+/// What is hardly seen stays as assumed.
+bool WindowFit::move_linearisation() {
   const Matrix information = normal_equations().information;
   const Vector next = Cholesky(information + Matrix::Identity()).solve(information * beta_);
-  const bool enough = turns_ == kMostLinearisations || (next - at_).head<6>().cwiseAbs().maxCoeff() < kAsGood;
+  const bool near_enough =
+      turns_ == kMostLinearisations || (next - at_).head<6>().cwiseAbs().maxCoeff() < kAsGood;
   at_ = next;
-  return enough;
+  return !near_enough;
 }
 
 void WindowFit::sum_up() {
@@ -266,10 +265,7 @@ std::vector<FrameHalves> WindowFit::frame_halves() const {
   for (std::size_t n = 0; n < halves.size(); ++n) {
     const auto& [a, b] = halves[n];
     if (std::min(a.rows, b.rows) >= kFewestOfAHalf) {
-      Vector first, second;
-      solve(a.normal, first);
-      solve(b.normal, second);
-      out[n * kBlocks / halves.size()].add(first, second);
+      out[n * kBlocks / halves.size()].add(solve(a.normal), solve(b.normal));
     }
   }
   return out;

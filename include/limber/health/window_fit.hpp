@@ -92,8 +92,8 @@ class WindowFit {
                  const detail::LeftPoint& point);
   [[nodiscard]] NormalEquations normal_equations() const;
   void weigh();
-  /// The rows are weighted: whether they were made near enough to what they say.
-  [[nodiscard]] bool is_linear_enough();
+  /// To where the weighted rows put the rig. @return whether they have to be made anew there
+  [[nodiscard]] bool move_linearisation();
   void sum_up();
   /// What the frames alone say, without the outliers of the whole window.
   [[nodiscard]] std::vector<FrameHalves> frame_halves() const;
