@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <iterator>
-#include <numbers>
 #include <string_view>
+
+#include "limber/core/angle.hpp"
 
 namespace limber::app {
 namespace {
-
-constexpr double kToDegrees = 180.0 / std::numbers::pi;
 
 using Text = std::back_insert_iterator<std::string>;
 

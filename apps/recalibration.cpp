@@ -20,7 +20,7 @@ constexpr std::string_view kRecalibrationMark = "\"recalibration\"";
 std::optional<BeforeAfter> ate_of(const Recording& recording, const RunOptions& run,
                                   const Recalibration& found, const FramesOf& frames,
                                   std::vector<std::string>& notes) {
-  if (recording.groundtruth.empty()) {
+  if (recording.truth.motion.states.empty()) {
     return std::nullopt;
   }
   RunOptions options = run;

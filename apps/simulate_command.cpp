@@ -148,7 +148,7 @@ void simulate(const SimulateArguments& arguments) {
   fmt::print("{}: {} frames in {:.1f} s, {:.1f} points a frame, {} landmarks, written to {}\n", scenario.name,
              recording.frames.size(), scenario.duration,
              static_cast<double>(points) / static_cast<double>(recording.frames.size()),
-             recording.landmarks_true.size(), arguments.out.string());
+             recording.truth.landmarks.size(), arguments.out.string());
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ TrajectoryInput load_file(const fs::path& path) {
 
 TrajectoryInput load_groundtruth(const fs::path& folder) {
   TrajectoryInput input{folder, true, {}, {}, ""};
-  for (const GroundTruthState& state : limber::read_recording(folder).groundtruth) {
+  for (const GroundTruthState& state : limber::read_recording(folder).truth.motion.states) {
     input.poses.push_back({state.t_ns, {state.R_world_body, state.p_world_body}});
   }
   if (input.poses.empty()) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// One update beside another: constrained and plain EKF, with and without the health monitor. Same
-// covariance, same stereo frame.
+// One update beside another: constrained and plain EKF, with and without the health monitor; and the gate
+// beside the update it precedes. Same covariance, same stereo frame.
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <random>
@@ -14,6 +15,8 @@
 #include "limber/measure/rig.hpp"
 #include "limber/measure/stereo_model.hpp"
 #include "limber/navigate/method.hpp"
+#include "limber/update/gate.hpp"
+#include "limber/update/innovation.hpp"
 #include "limber/update/update.hpp"
 
 namespace {
@@ -23,7 +26,8 @@ using Eigen::MatrixXd;
 using Clock = std::chrono::steady_clock;
 
 constexpr Index kRowsPerPoint = 4;
-constexpr Index kBody = 15;  // with IMU; a witness or the map follows
+constexpr double kGate = 0.999;  // as the filter has it
+constexpr Index kBody = 15;      // with IMU; a witness or the map follows
 
 class Draws {
  public:
@@ -83,16 +87,6 @@ limber::LinearMeasurement make_frame(Index n, Index points, Draws& draws, Index 
   return z;
 }
 
-double time_update(const limber::Covariance& prior, const limber::LinearMeasurement& frame,
-                   const limber::ParameterErrorModel& treatment) {
-  limber::Covariance P = prior;
-  const Clock::time_point begin = Clock::now();
-  const limber::UpdateReport report = limber::update(P, frame, treatment);
-  const Clock::time_point end = Clock::now();
-  benchmark::DoNotOptimize(report.dx.data());
-  return std::chrono::duration<double>(end - begin).count();
-}
-
 /// All six parameters, scaled to one plausible error each.
 MatrixXd scaled_axes() { return limber::plausible_error(2.0).asDiagonal(); }
 
@@ -103,6 +97,24 @@ struct Contestant {
   limber::ParameterErrorModel treatment;
 };
 
+double time_update(const Contestant& of) {
+  limber::Covariance P = of.prior;
+  const Clock::time_point begin = Clock::now();
+  const limber::UpdateReport report = limber::update(P, of.frame, of.treatment);
+  const Clock::time_point end = Clock::now();
+  benchmark::DoNotOptimize(report.dx.data());
+  return std::chrono::duration<double>(end - begin).count();
+}
+
+double time_gate(const Contestant& of) {
+  const Clock::time_point begin = Clock::now();
+  const limber::Innovation innovation = limber::form_innovation(of.prior, of.frame);
+  const limber::GateReport report = limber::gate(innovation, of.frame.groups, of.treatment, kGate);
+  const Clock::time_point end = Clock::now();
+  benchmark::DoNotOptimize(report.distance.data());
+  return std::chrono::duration<double>(end - begin).count();
+}
+
 Contestant contestant(const benchmark::State& state, Index witness = 0) {
   Draws draws;
   const Index n = state.range(0) + witness;
@@ -111,13 +123,14 @@ Contestant contestant(const benchmark::State& state, Index witness = 0) {
 
 /// Times of both, taken in turn so that a busy machine slows both alike; each is judged by its fastest run,
 /// which is the one that nobody disturbed.
-void race(benchmark::State& state, const Contestant& base, const Contestant& rival) {
+void race(benchmark::State& state, const Contestant& base, const Contestant& rival,
+          double (*time_of_rival)(const Contestant&) = time_update) {
   double best_base = 1e9, best_rival = 1e9;
   bool base_first = true;
   for (auto _ : state) {
     double base_s = 0.0, rival_s = 0.0;
-    const auto time_base = [&] { base_s = time_update(base.prior, base.frame, base.treatment); };
-    const auto time_rival = [&] { rival_s = time_update(rival.prior, rival.frame, rival.treatment); };
+    const auto time_base = [&] { base_s = time_update(base); };
+    const auto time_rival = [&] { rival_s = time_of_rival(rival); };
     base_first ? (time_base(), time_rival()) : (time_rival(), time_base());
     base_first = !base_first;
     best_base = std::min(best_base, base_s);
@@ -152,6 +165,25 @@ void watched_beside_ekf(benchmark::State& state) {
   race(state, ekf, watched);
 }
 
+/// The gate beside the update of a frame without mismatches, where a share of the points is one.
+void gate_beside_update(benchmark::State& state) {
+  Contestant sound = contestant(state);
+  sound.treatment.constrained = scaled_axes();
+  Draws draws;
+  sound.frame.residual = draws.matrix(sound.frame.rows(), 1, 0.5);  // as innovations are: small beside S
+  Contestant mismatched = sound;
+  const Index points = state.range(1), wrong = points * state.range(2) / 100;
+  for (Index k = 0; k < wrong; ++k) {
+    mismatched.frame.residual.segment<kRowsPerPoint>(kRowsPerPoint * (k * points / wrong)) +=
+        draws.matrix(kRowsPerPoint, 1, static_cast<double>(state.range(3)));
+  }
+  race(state, sound, mismatched, time_gate);
+  const limber::Innovation innovation = limber::form_innovation(mismatched.prior, mismatched.frame);
+  const auto accepted =
+      limber::gate(innovation, mismatched.frame.groups, mismatched.treatment, kGate).accepted;
+  state.counters["refused"] = static_cast<double>(std::count(accepted.begin(), accepted.end(), false));
+}
+
 void sizes(benchmark::internal::Benchmark* benchmark) {
   benchmark->ArgNames({"states", "points"})
       ->ArgsProduct({{99, 249, 501, 750, 999}, {20, 40, 60, 100}})
@@ -163,6 +195,12 @@ void sizes(benchmark::internal::Benchmark* benchmark) {
 BENCHMARK(lcekf_beside_ekf)->Apply(sizes);
 BENCHMARK(watched_beside_lcekf)->Apply(sizes);
 BENCHMARK(watched_beside_ekf)->Apply(sizes);
+BENCHMARK(gate_beside_update)
+    ->ArgNames({"states", "points", "percent", "px"})
+    ->ArgsProduct({{249, 501}, {60, 120}, {0, 5, 20}, {30, 300}})
+    ->UseManualTime()
+    ->MinTime(0.3)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

@@ -35,7 +35,7 @@ int main() {
     }
     report = navigator.process(seen);
   }
-  const limber::NavigationState& state = navigator.estimate().nav;
+  const limber::NavigationState& state = navigator.estimate().nav();
   std::cout << "moved " << 1e3 * state.T_world_body.p.norm() << " mm in one second at rest, " << report.used
             << " points used, " << report.refused.size() << " refused, " << report.rank
             << " directions of the rig ignored\n";

@@ -43,8 +43,8 @@ int main() {
     return EXIT_FAILURE;
   }
   const limber::Estimate& estimate = navigator.estimate();
-  std::cout << "position " << estimate.nav.T_world_body.p.transpose() << " m, sigma "
-            << estimate.P.diagonal_block<3>(0).diagonal().cwiseSqrt().transpose() << " m\n"
+  std::cout << "position " << estimate.nav().T_world_body.p.transpose() << " m, sigma "
+            << estimate.P().diagonal_block<3>(0).diagonal().cwiseSqrt().transpose() << " m\n"
             << "the rig is " << to_string(navigator.health()->verdict) << "\n";
   return EXIT_SUCCESS;
 }

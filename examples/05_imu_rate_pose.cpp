@@ -19,7 +19,7 @@ int main() {
   options.imu_noise = *robot.imu_noise;
   options.sigma_px = *robot.pixel_noise;
   // A start that is known, say from a dock; examples/02_online_start.cpp has one from the sensors.
-  const limber::GroundTruthState& dock = robot.groundtruth.front();
+  const limber::GroundTruthState& dock = robot.truth.motion.states.front();
   limber::NavigationState nav;
   nav.T_world_body = {dock.R_world_body, dock.p_world_body};
   nav.v_world_body = dock.v_world_body;
@@ -36,7 +36,7 @@ int main() {
     }
     const limber::PredictedState pose = navigator.predict(t_ns);  // to the controller
     ++poses;
-    worst = std::max(worst, (pose.nav.T_world_body.p - robot.groundtruth[k].p_world_body).norm());
+    worst = std::max(worst, (pose.nav.T_world_body.p - robot.truth.motion.states[k].p_world_body).norm());
   }
   std::cout << poses << " poses from " << frame << " frames, " << worst << " m off at worst\n";
   return poses == robot.imu.size() && worst < 0.2 ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -22,7 +22,9 @@ namespace py = pybind11;
 void bind_errors(py::module_& module);
 void bind_sensors(py::module_& module);
 void bind_recordings(py::module_& module);
+void bind_navigator_data(py::module_& module);
 void bind_navigation(py::module_& module);
+void bind_evaluation(py::module_& module);
 void bind_runs(py::module_& module);
 void bind_studies(py::module_& module);
 

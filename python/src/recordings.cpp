@@ -76,7 +76,7 @@ void bind_recording(py::module_& module) {
            "A recording from memory: frames of matched points; add inputs with set_imu or set_odometry.")
       .def_readwrite("name", &Recording::name)
       .def_readonly("path", &Recording::path)
-      .def_readwrite("calibration", &Recording::calibration, DOC(Recording_calibration))
+      .def_readwrite("calibration", &Recording::calibration, DOC(SensorData_calibration))
       .def_property_readonly(
           "imu",
           [](const py::object& self) {
@@ -93,7 +93,7 @@ void bind_recording(py::module_& module) {
       .def_readwrite("odometry_noise", &Recording::odometry_noise)
       .def_readwrite("pixel_noise", &Recording::pixel_noise,
                      "Standard deviations of (u0, v0, u1, v1) [px], or None.")
-      .def_readonly("frames", &Recording::frames, DOC(Recording_frames))
+      .def_readonly("frames", &Recording::frames, DOC(SensorData_frames))
       .def_property_readonly(
           "images",
           [](const Recording& recording) {
@@ -106,7 +106,9 @@ void bind_recording(py::module_& module) {
           "Stereo pairs on disk: (t_ns, file of cam0, file of cam1).")
       .def_readonly("partial", &Recording::partial, DOC(Recording_partial))
       .def_readonly("notes", &Recording::notes, DOC(Recording_notes))
-      .def_readonly("landmarks_true", &Recording::landmarks_true, DOC(Recording_landmarks_true))
+      .def_property_readonly(
+          "landmarks_true", [](const Recording& recording) { return recording.truth.landmarks; },
+          DOC(RecordingTruth_landmarks))
       .def("__len__", [](const Recording& recording) { return frame_count(recording); })
       .def("__repr__", [](const Recording& recording) {
         return "<limber.Recording " + recording.name + ": " + std::to_string(frame_count(recording)) +
@@ -165,21 +167,21 @@ void bind_truth(py::module_& module) {
       .def_property_readonly(
           "truth_t_ns",
           [](const py::object& self) {
-            return view(self.cast<Recording&>().groundtruth, self,
+            return view(self.cast<Recording&>().truth.motion.states, self,
                         [](const GroundTruthState& s) -> const std::int64_t& { return s.t_ns; });
           },
           "Times of the ground truth [ns], (N,), a view.")
       .def_property_readonly(
           "truth_p",
           [](const py::object& self) {
-            return view(self.cast<Recording&>().groundtruth, self,
+            return view(self.cast<Recording&>().truth.motion.states, self,
                         [](const GroundTruthState& s) -> const Eigen::Vector3d& { return s.p_world_body; });
           },
           "True positions of the body in the world [m], (N, 3), a view.")
       .def_property_readonly(
           "truth_R",
           [](const py::object& self) {
-            return view(self.cast<Recording&>().groundtruth, self,
+            return view(self.cast<Recording&>().truth.motion.states, self,
                         [](const GroundTruthState& s) -> const Eigen::Matrix3d& { return s.R_world_body; });
           },
           "True attitudes R_world_body, (N, 3, 3), a view.")
@@ -187,10 +189,10 @@ void bind_truth(py::module_& module) {
           "truth_v",
           [](const py::object& self) -> py::object {
             const auto& it = self.cast<Recording&>();
-            if (!it.groundtruth_has_velocity) {
+            if (!it.truth.motion.has_velocity) {
               return py::none();
             }
-            return view(it.groundtruth, self,
+            return view(it.truth.motion.states, self,
                         [](const GroundTruthState& s) -> const Eigen::Vector3d& { return s.v_world_body; });
           },
           "True velocities in the world [m/s], (N, 3), a view; None if the recording does not have them.");

@@ -262,8 +262,8 @@ void ImageNavigator::tell_frame(const FrameReport& report) {
 
 void ImageNavigator::tell_state() {
   const Estimate& estimate = session_->navigator.estimate();
-  const TrajectoryRow row = trajectory_row(estimate.nav, estimate.layout().motion,
-                                           estimate.P.diagonal_block<StateLayout::kPoseSize>(0));
+  const TrajectoryRow row = trajectory_row(estimate.nav(), estimate.layout().motion,
+                                           estimate.P().diagonal_block<StateLayout::kPoseSize>(0));
   if (!row.T_world_body.p.allFinite() || !row.T_world_body.R.allFinite() || !row.covariance->allFinite()) {
     throw DivergenceError("the state is not finite");
   }

@@ -197,7 +197,7 @@ RecordingInfo inspect_folder(const fs::path& path) {
   add_stream(info, "matched points", "tracks", recording.frames);
   add_stream(info, "IMU", "imu", recording.imu);
   add_stream(info, "odometry", "odometry", recording.odometry);
-  add_stream(info, "true poses", "truth", recording.groundtruth);
+  add_stream(info, "true poses", "truth", recording.truth.motion.states);
   for (const StreamInfo& stream : info.streams) {
     note_times(stream, info.notes);
   }

@@ -239,7 +239,7 @@ void BagReader::read_truth(const BagStream& stream) {
     state.t_ns = stream.poses[k].t_ns;
     state.R_world_body = stream.poses[k].T_world_body.R;
     state.p_world_body = stream.poses[k].T_world_body.p;
-    recording_.groundtruth.push_back(state);
+    recording_.truth.motion.states.push_back(state);
   }
   note(stream.topic.name +
        ": taken for the true poses of the body; if they are those of markers beside it, errors contain the "

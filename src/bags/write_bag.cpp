@@ -76,7 +76,7 @@ class RecordingWriter {
   void up_to(std::int64_t t_ns) {
     put(recording_.imu, imu_, t_ns, "/imu0", types::kImu, imu_message);
     put(recording_.odometry, odometry_, t_ns, "/odometry", types::kTwistStamped, twist_message);
-    put(recording_.groundtruth, truth_, t_ns, "/groundtruth", types::kOdometry, truth_message);
+    put(recording_.truth.motion.states, truth_, t_ns, "/groundtruth", types::kOdometry, truth_message);
   }
   void image(std::size_t camera, std::int64_t t_ns, const EncodedImage& image) {
     const std::string frame = camera == 0 ? "cam0" : "cam1", topic = "/" + frame + "/image_raw";

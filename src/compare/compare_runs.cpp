@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "compare_folders.hpp"
+#include "limber/core/angle.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/evaluate/evaluation.hpp"
@@ -21,8 +21,6 @@ namespace fs = std::filesystem;
 
 namespace detail {
 namespace {
-
-constexpr double kToDegrees = 180.0 / std::numbers::pi;
 
 /// Two runs at the times that both have, and where both have a truth, with it.
 struct Pair {
@@ -95,14 +93,6 @@ RunDifference difference_of(const RunFolder& run, const RunFolder& against, doub
   return out;
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) {
-    text += (text.empty() ? "" : ", ") + word;
-  }
-  return text;
-}
-
 /// The first run of the same recording; the run itself if there is none before it.
 std::size_t first_alike(const std::vector<RunFolder>& runs, std::size_t run) {
   const auto it = std::find_if(runs.begin(), runs.begin() + static_cast<std::ptrdiff_t>(run),
@@ -118,8 +108,9 @@ void note_tilted_truth(RunComparison& out) {
     }
   }
   if (!tilted.empty()) {
-    out.notes.push_back(joined(tilted) +
-                        ": the world of the truth is not level; that tilt is taken out of errors and ANEES");
+    out.notes.push_back(
+        fmt::format("{}: the world of the truth is not level; that tilt is taken out of errors and ANEES",
+                    fmt::join(tilted, ", ")));
   }
 }
 
@@ -128,7 +119,7 @@ void note_unpaired(const RunDifference& difference, bool across, RunComparison& 
     out.notes.push_back(fmt::format(
         "{} and {} assume different things of {}: {}; {}", out.runs[difference.run].label,
         out.runs[difference.against].label, out.runs[difference.run].recording,
-        joined(difference.assumptions),
+        fmt::join(difference.assumptions, ", "),
         across ? "their difference is of both, method and assumptions" : "their errors are not paired"));
   }
 }

@@ -149,10 +149,7 @@ void read_odometry(const fs::path& folder, Recording& recording) {
 }
 
 void read_truth(const fs::path& folder, Recording& recording) {
-  GroundTruth truth = read_euroc_groundtruth(folder / "data.csv");
-  recording.groundtruth = std::move(truth.states);
-  recording.groundtruth_has_velocity = truth.has_velocity;
-  recording.groundtruth_has_biases = truth.has_biases;
+  recording.truth.motion = read_euroc_groundtruth(folder / "data.csv");
   if (const auto yaml = optional_yaml(folder)) {
     require_body_frame(*yaml, "ground truth");
   }
@@ -161,7 +158,7 @@ void read_truth(const fs::path& folder, Recording& recording) {
 void read_landmarks(const fs::path& folder, Recording& recording) {
   TableReader table(folder / "data.csv", {.names = {"track_id", "x [m]", "y [m]", "z [m]"}, .counts = {4}});
   while (table.next()) {
-    if (!recording.landmarks_true.emplace(table.integer(0), table.vector3(1)).second) {
+    if (!recording.truth.landmarks.emplace(table.integer(0), table.vector3(1)).second) {
       table.fail("every track_id once", fmt::format("{} again", table.field(0)));
     }
   }
@@ -169,7 +166,7 @@ void read_landmarks(const fs::path& folder, Recording& recording) {
 }
 
 void read_rig_truth(const fs::path& folder, Recording& recording) {
-  recording.calibration_true = read_calibration_truth(folder / "data.csv");
+  recording.truth.rig = read_calibration_truth(folder / "data.csv");
 }
 
 // One line of camN/data.csv.
@@ -244,13 +241,13 @@ void read_image_pairs(const fs::path& mav0, Recording& recording) {
 
 }  // namespace
 
-std::vector<CalibrationTruth> read_calibration_truth(const fs::path& file) {
+std::vector<TrueRig> read_calibration_truth(const fs::path& file) {
   TableReader table(
       file, {.names = {"timestamp [ns]", "ax [rad]", "ay [rad]", "az [rad]", "tx [m]", "ty [m]", "tz [m]"},
              .counts = {7}});
-  std::vector<CalibrationTruth> rows;
+  std::vector<TrueRig> rows;
   while (table.next()) {
-    CalibrationTruth truth;
+    TrueRig truth;
     truth.t_ns = table.increasing_time();
     truth.theta.head<3>() = table.vector3(1);
     truth.theta.tail<3>() = table.vector3(4);

@@ -84,10 +84,8 @@ void EurocFolder::write_odometry(const Recording& recording) const {
 }
 
 void EurocFolder::write_groundtruth(const Recording& recording) const {
-  if (!recording.groundtruth.empty()) {
-    write("state_groundtruth_estimate0", "data.csv",
-          groundtruth_text(
-              {recording.groundtruth, recording.groundtruth_has_velocity, recording.groundtruth_has_biases}));
+  if (!recording.truth.motion.states.empty()) {
+    write("state_groundtruth_estimate0", "data.csv", groundtruth_text(recording.truth.motion));
   }
 }
 

@@ -22,7 +22,7 @@ namespace limber::detail {
 [[nodiscard]] Recording read_kitti_raw(const std::filesystem::path& folder);
 
 /// The true rig over time, as a table of time [ns], ax, ay, az [rad], tx, ty, tz [m].
-[[nodiscard]] std::vector<CalibrationTruth> read_calibration_truth(const std::filesystem::path& file);
+[[nodiscard]] std::vector<TrueRig> read_calibration_truth(const std::filesystem::path& file);
 
 /// From KITTI's world (the first left camera: x right, y down, z forward) to one with z up that it looks
 /// along x.

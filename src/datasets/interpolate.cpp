@@ -41,13 +41,13 @@ std::optional<GroundTruthState> groundtruth_at(const std::vector<GroundTruthStat
   return state;
 }
 
-RigParameters calibration_at(const std::vector<CalibrationTruth>& truth, std::int64_t t_ns) {
+TrueRig true_rig_at(const std::vector<TrueRig>& truth, std::int64_t t_ns) {
   if (truth.empty()) {
-    throw std::invalid_argument("calibration_at: no sample of the true calibration");
+    throw std::invalid_argument("true_rig_at: no sample of the true calibration");
   }
   const auto after = std::upper_bound(truth.begin(), truth.end(), t_ns,
-                                      [](std::int64_t t, const CalibrationTruth& c) { return t < c.t_ns; });
-  return (after == truth.begin() ? after : after - 1)->theta;
+                                      [](std::int64_t t, const TrueRig& c) { return t < c.t_ns; });
+  return {t_ns, (after == truth.begin() ? after : after - 1)->theta};
 }
 
 }  // namespace limber

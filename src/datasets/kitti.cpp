@@ -104,7 +104,7 @@ void read_kitti_truth(const fs::path& path, const Pose& T_cam0_body, Recording& 
     const Pose T_world_body = poses[k].T_world_body * T_cam0_body;
     state.R_world_body = so3_normalized(T_world_body.R);
     state.p_world_body = T_world_body.p;
-    recording.groundtruth.push_back(state);
+    recording.truth.motion.states.push_back(state);
   }
 }
 
@@ -128,7 +128,7 @@ Recording read_kitti_odometry(const fs::path& folder) {
     note_if_cut_off(*poses, recording.notes);
   }
   if (const fs::path truth = folder / "calibration_truth.csv"; fs::exists(truth)) {
-    recording.calibration_true = read_calibration_truth(truth);
+    recording.truth.rig = read_calibration_truth(truth);
     note_if_cut_off(truth, recording.notes);
   }
   return recording;

@@ -239,7 +239,7 @@ void read_oxts_into(const RawDrive& drive, Recording& recording) {
     recording.calibration.body = BodyFrame::kImu;
     recording.calibration.T_body_cam0 = T_imu_cam0;
     recording.imu = std::move(oxts.samples);
-    recording.groundtruth = std::move(oxts.poses);
+    recording.truth.motion.states = std::move(oxts.poses);
   } else {
     recording.notes.emplace_back(
         "oxts: its inertial samples come at less than 50 Hz, which is too slow for an IMU: they are not used "
@@ -247,7 +247,7 @@ void read_oxts_into(const RawDrive& drive, Recording& recording) {
     for (GroundTruthState& state : oxts.poses) {
       state.p_world_body += state.R_world_body * T_imu_cam0.p;
       state.R_world_body = so3_normalized(state.R_world_body * T_imu_cam0.R);
-      recording.groundtruth.push_back(state);
+      recording.truth.motion.states.push_back(state);
     }
   }
   recording.notes.emplace_back(

@@ -79,12 +79,12 @@ void write_tracks(const Recording& recording, const EurocFolder& mav0) {
 }
 
 void write_landmarks(const Recording& recording, const EurocFolder& mav0) {
-  if (recording.landmarks_true.empty()) {
+  if (recording.truth.landmarks.empty()) {
     return;
   }
   TableText table("write_track_log, landmarks", ',');
   table.header("#track_id,x [m],y [m],z [m]");
-  for (const auto& [id, p_world_landmark] : recording.landmarks_true) {
+  for (const auto& [id, p_world_landmark] : recording.truth.landmarks) {
     table.cell(id);
     table.cells(p_world_landmark);
     table.end_row();
@@ -93,10 +93,10 @@ void write_landmarks(const Recording& recording, const EurocFolder& mav0) {
 }
 
 void write_calibration_truth(const Recording& recording, const EurocFolder& mav0) {
-  if (recording.calibration_true.empty()) {
+  if (recording.truth.rig.empty()) {
     return;
   }
-  mav0.write("calibration_truth0", "data.csv", calibration_truth_text(recording.calibration_true));
+  mav0.write("calibration_truth0", "data.csv", calibration_truth_text(recording.truth.rig));
 }
 
 void require(bool condition, const std::string& rule) {
@@ -138,10 +138,10 @@ void require_writable_content(const Recording& recording) {
 
 }  // namespace
 
-std::string calibration_truth_text(const std::vector<CalibrationTruth>& truth) {
+std::string calibration_truth_text(const std::vector<TrueRig>& truth) {
   TableText table("true calibration", ',');
   table.header("#timestamp [ns],ax [rad],ay [rad],az [rad],tx [m],ty [m],tz [m]");
-  for (const CalibrationTruth& row : truth) {
+  for (const TrueRig& row : truth) {
     table.time(row.t_ns);
     table.cells(row.theta);
     table.end_row();

@@ -21,12 +21,11 @@ class FrameBender {
         after_(pose_from_rig(rig.after(t_ns))),
         turn_(rig.turn_of_cam1(t_ns)),
         shift_(after_.p - turn_ * before_.p) {
-    if (recording.landmarks_true.empty()) return;
-    if (const auto truth = groundtruth_at(recording.groundtruth, t_ns)) {
-      StereoCalibration taken_by = recording.calibration;
-      taken_by.theta = rig.before(t_ns);
-      T_cam1_world_ =
-          before_ * (Pose{truth->R_world_body, truth->p_world_body} * body_from_cam0(taken_by)).inverse();
+    if (recording.truth.landmarks.empty()) return;
+    if (const auto truth = groundtruth_at(recording.truth.motion.states, t_ns)) {
+      T_cam1_world_ = before_ * (Pose{truth->R_world_body, truth->p_world_body} *
+                                 body_from_cam0(recording.calibration, {t_ns, rig.before(t_ns)}))
+                                    .inverse();
     }
   }
 
@@ -47,8 +46,8 @@ class FrameBender {
  private:
   /// In cam1.
   [[nodiscard]] std::optional<Eigen::Vector3d> landmark(const StereoObservation& point) const {
-    const auto found = recording_.landmarks_true.find(point.track_id);
-    if (!T_cam1_world_ || found == recording_.landmarks_true.end()) return std::nullopt;
+    const auto found = recording_.truth.landmarks.find(point.track_id);
+    if (!T_cam1_world_ || found == recording_.truth.landmarks.end()) return std::nullopt;
     return *T_cam1_world_ * found->second;
   }
 
@@ -90,7 +89,7 @@ TrackBending bend_tracks(const Recording& recording, const BentRig& rig) {
     std::erase_if(frame.observations,
                   [](const StereoObservation& point) { return !point.in_cam0 && !point.in_cam1; });
   }
-  result.recording.calibration_true = rig.truth();
+  result.recording.truth.rig = rig.truth();
   return result;
 }
 

@@ -36,8 +36,8 @@ RigParameters BentRig::delta(std::int64_t t_ns) const {
 }
 
 RigParameters BentRig::before(std::int64_t t_ns) const {
-  return recording_.calibration_true.empty() ? recording_.calibration.theta
-                                             : calibration_at(recording_.calibration_true, t_ns);
+  return recording_.truth.rig.empty() ? recording_.calibration.theta
+                                      : true_rig_at(recording_.truth.rig, t_ns).theta;
 }
 
 RigParameters BentRig::after(std::int64_t t_ns) const {
@@ -54,15 +54,15 @@ Eigen::Matrix3d BentRig::turn_of_cam1(std::int64_t t_ns) const {
   return pose_from_rig(after(t_ns)).R * pose_from_rig(before(t_ns)).R.transpose();
 }
 
-std::vector<CalibrationTruth> BentRig::truth() const {
+std::vector<TrueRig> BentRig::truth() const {
   std::vector<std::int64_t> times = times_;
   for (const std::int64_t jump : decalibration_.jumps(times_.back() - times_.front())) {
     times.push_back(times_.front() + jump);
   }
-  for (const CalibrationTruth& known : recording_.calibration_true) times.push_back(known.t_ns);
+  for (const TrueRig& known : recording_.truth.rig) times.push_back(known.t_ns);
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
-  std::vector<CalibrationTruth> truth;
+  std::vector<TrueRig> truth;
   for (const std::int64_t t_ns : times) truth.push_back({t_ns, after(t_ns)});
   return truth;
 }

@@ -6,11 +6,11 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "diagnose/gyro_attitude.hpp"
 #include "diagnose/left_turn.hpp"
+#include "limber/core/angle.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
 
@@ -24,7 +24,6 @@ constexpr double kUnitRange = 0.3;  // of an accelerometer's length about what i
 constexpr std::size_t kFewestTurns = 50;
 constexpr double kLeastTurning = 0.05;  // median of the camera's rate, less its mean [rad/s]
 constexpr double kLittle = 0.5, kMost = 0.8, kAsGood = 0.03;  // shares of the camera's turning
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// Rates of the left camera (cam0 frame) and of the gyro (IMU frame) at the same times, without their means.
 struct Rates {
@@ -104,7 +103,7 @@ struct Candidate {
 };
 
 std::vector<Candidate> candidates(const Matrix3d& R_cam0_imu, const BestMount& best) {
-  const double unit = 1.0 / kDegreesPerRadian;
+  const double unit = 1.0 / kToDegrees;
   const Vector3d off = so3_log(Matrix3d(R_cam0_imu * best.proper.transpose()));
   const Vector3d axis = off.stableNormalized();
   return {
@@ -112,7 +111,7 @@ std::vector<Candidate> candidates(const Matrix3d& R_cam0_imu, const BestMount& b
       {R_cam0_imu.transpose(), "T_BS of cam0 is inverted (it maps IMU to camera coordinates)"},
       {best.proper, fmt::format("T_BS of cam0 does not fit the IMU's axes: it is turned by {:.0f} deg about "
                                 "({:.2f}, {:.2f}, {:.2f}) of cam0",
-                                off.norm() * kDegreesPerRadian, axis.x(), axis.y(), axis.z())},
+                                off.norm() * kToDegrees, axis.x(), axis.y(), axis.z())},
       {best.improper, "an axis of the gyro has the wrong sign, or two of them are swapped"}};
 }
 

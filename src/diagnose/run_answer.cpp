@@ -5,12 +5,12 @@
 
 #include <cmath>
 
+#include "limber/core/angle.hpp"
 #include "limber/core/time.hpp"
 
 namespace limber {
 namespace {
 
-constexpr double kDegrees = 180.0 / M_PI;
 constexpr double kTooSure = 2.0;  // times as wrong as claimed; half: too careful
 
 AnswerLight light_of(HealthVerdict verdict) {
@@ -57,7 +57,7 @@ std::string claimed_pose(const RunRecord& record) {
   }
   const auto variance = last.covariance->diagonal();
   return fmt::format("no truth is known; the filter claims {:.2g} m and {:.2g} deg (1σ) at the end",
-                     std::sqrt(variance.head<3>().sum()), kDegrees * std::sqrt(variance.tail<3>().sum()));
+                     std::sqrt(variance.head<3>().sum()), kToDegrees * std::sqrt(variance.tail<3>().sum()));
 }
 
 std::string pose_in_words(const RunRecord& record, const RunSummary& s) {

@@ -12,6 +12,7 @@
 #include <span>
 #include <utility>
 
+#include "limber/core/angle.hpp"
 #include "limber/core/median.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/evaluate/consistency.hpp"
@@ -19,16 +20,6 @@
 
 namespace limber {
 namespace {
-
-constexpr double kDegreesPerRadian = 180.0 / M_PI;
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) {
-    return 0.0;
-  }
-  const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-  return order_statistic(std::move(values), rank);
-}
 
 double sum(std::span<const double> values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
@@ -77,14 +68,14 @@ std::vector<StampedPose> truth_seen_from(const std::vector<MatchedPose>& poses, 
 GroundTruth motion_seen_from(const Recording& recording, const std::vector<MatchedPose>& poses,
                              const Alignment& alignment) {
   GroundTruth out;
-  if (!recording.groundtruth_has_velocity && !recording.groundtruth_has_biases) {
+  if (!recording.truth.motion.has_velocity && !recording.truth.motion.has_biases) {
     return out;
   }
-  out.has_velocity = recording.groundtruth_has_velocity;
-  out.has_biases = recording.groundtruth_has_biases;
+  out.has_velocity = recording.truth.motion.has_velocity;
+  out.has_biases = recording.truth.motion.has_biases;
   const Pose T_est_true = alignment.T_true_est.inverse();
   for (const MatchedPose& pose : poses) {
-    GroundTruthState state = groundtruth_at(recording.groundtruth, pose.t_ns).value();
+    GroundTruthState state = groundtruth_at(recording.truth.motion.states, pose.t_ns).value();
     const Pose seen = T_est_true * pose.truth;
     state.R_world_body = seen.R;
     state.p_world_body = seen.p;
@@ -100,7 +91,7 @@ Alignment alignment_of(std::span<const MatchedPose> poses, std::span<const PoseC
   StartAlignment taken = start_alignment(poses, start, motion);
   if (taken.in_words == kFirstPoseAlignment) {
     if (const auto tilt = world_tilt(poses, covariances)) {
-      out.truth_tilt_deg = kDegreesPerRadian * tilt->angle;
+      out.truth_tilt_deg = kToDegrees * tilt->angle;
       out.truth_is_level = !tilt->is_askew();
       taken = out.truth_is_level ? taken : upright_alignment(poses, *tilt);
     }
@@ -116,7 +107,7 @@ void judge(const Recording& recording, const RunOptions& options, const RunRecor
     estimate.push_back({row.t_ns, row.T_world_body});
     covariances.push_back(*row.covariance);
   }
-  for (const GroundTruthState& state : recording.groundtruth) {
+  for (const GroundTruthState& state : recording.truth.motion.states) {
     truth.push_back({state.t_ns, {state.R_world_body, state.p_world_body}});
   }
   const std::vector<MatchedPose> poses = match_by_time(estimate, truth);
@@ -144,7 +135,7 @@ void judge(const Recording& recording, const RunOptions& options, const RunRecor
   out.attitude_max_deg = errors.attitude_deg.max;
   const PoseErrorVector last = pose_error(start * poses.back().estimate, poses.back().truth);
   out.position_final_m = last.head<3>().norm();
-  out.attitude_final_deg = last.tail<3>().norm() * kDegreesPerRadian;
+  out.attitude_final_deg = last.tail<3>().norm() * kToDegrees;
   const Consistency consistency = average_nees(poses, covariances, start, estimate.front().t_ns);
   out.frames_refused = consistency.frames_refused;
   out.anees_scale = consistency.anees_scale;
@@ -165,6 +156,9 @@ double estimated_length(const RunRecord& record) {
 }
 
 FrameTime frame_time(const std::vector<double>& ms) {
+  if (ms.empty()) {
+    return {};
+  }
   return {quantile(ms, 0.5), quantile(ms, 0.99), quantile(ms, 1.0)};
 }
 
@@ -213,7 +207,7 @@ StartAlignment start_alignment(std::span<const MatchedPose> poses, StartMode sta
 
 StartAlignment upright_alignment(std::span<const MatchedPose> poses, const WorldTilt& tilt) {
   return {align_upright(poses, tilt), fmt::format("tilt of the truth's world ({:.1f} deg), then {}",
-                                                  kDegreesPerRadian * tilt.angle, kFirstPoseAlignment)};
+                                                  kToDegrees * tilt.angle, kFirstPoseAlignment)};
 }
 
 void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibration& assumed,
@@ -237,7 +231,7 @@ RunSummary summarize(const Recording& recording, const RunOptions& options, cons
   out.frames = record.trajectory.size();
   out.duration_s = 1e-9 * static_cast<double>(record.trajectory.back().t_ns - record.trajectory.front().t_ns);
   out.path_length_m = estimated_length(record);
-  if (!recording.groundtruth.empty()) {
+  if (!recording.truth.motion.states.empty()) {
     judge(recording, options, record, out);
   }
   double used = 0.0;

@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kShortestShare = 0.01, kLongestShare = 0.5;  // of the path
 
-/// @param values  not empty
-double quantile(const std::vector<double>& values, double share) {
-  return order_statistic(
-      values, static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1))));
-}
-
 ErrorSpread spread_of(const std::vector<double>& values) {
   return {statistics_of(values).mean, quantile(values, 0.25), quantile(values, 0.5), quantile(values, 0.75)};
 }

@@ -157,9 +157,9 @@ void OnlineNavigator::reset(const InitialState& initial) {
   hand_over(initial, count_on ? inputs_ : std::deque<Input>{});
 }
 
-void OnlineNavigator::assume_theta(const RigParameters& theta) {
+void OnlineNavigator::show_true_rig(const TrueRig& truth) {
   (void)navigator();
-  navigator_->assume_theta(theta);
+  navigator_->show_true_rig(truth);
 }
 
 const Navigator& OnlineNavigator::navigator() const {

@@ -105,8 +105,8 @@ bool linearise_new_landmark(const Estimate& estimate, const StereoObservation& o
   landmark.at = -1;
   for (Index cam = 0; cam < cameras; ++cam) {
     const MountedCamera& mounted = rig[static_cast<std::size_t>(cam)];
-    const std::optional<PointProjection> projection =
-        project_point(mounted, body_point_at_exposure(mounted, estimate.nav.T_world_body, landmark, anchor));
+    const std::optional<PointProjection> projection = project_point(
+        mounted, body_point_at_exposure(mounted, estimate.nav().T_world_body, landmark, anchor));
     if (!projection) {
       return false;
     }
@@ -139,7 +139,7 @@ bool initialize_classically(Estimate& estimate, const StereoObservation& observa
       landmark.value += G * weight.cwiseProduct(measurement.residual);
     }
   }
-  const Innovation innovation = form_innovation(estimate.P, measurement);
+  const Innovation innovation = form_innovation(estimate.P(), measurement);
   const MatrixXd P_xl = -innovation.PHt * G.transpose();
   estimate.add_landmark(landmark, G * innovation.S * G.transpose(), P_xl);
   return true;
@@ -167,7 +167,7 @@ bool initialize_bearing(Estimate& estimate, StereoObservation observation, const
       landmark.value.head<2>() += G * sigma_px.head<2>().cwiseInverse().cwiseProduct(measurement.residual);
     }
   }
-  const Innovation innovation = form_innovation(estimate.P, measurement);
+  const Innovation innovation = form_innovation(estimate.P(), measurement);
   const Vector2d of_rho = -G * sigma_px.head<2>().cwiseInverse().cwiseProduct(H_l.col(2));
   const double variance = rho_sigma * rho_sigma;
   Matrix3d P_ll;
@@ -257,7 +257,7 @@ std::optional<RemainingRows> initialize_cartesian(Estimate& estimate, const Ster
   landmark.track_id = observation.track_id;
   landmark.kind = LandmarkKind::kCartesian;
   landmark.last_seen_ns = t_ns;
-  landmark.value = estimate.nav.T_world_body * (rig[0].T_cam_body.inverse() * p_cam0);
+  landmark.value = estimate.nav().T_world_body * (rig[0].T_cam_body.inverse() * p_cam0);
   if (options.mode == LandmarkInitMode::kClassical) {
     if (!initialize_classically(estimate, observation, rig, sigma_px, landmark, nullptr)) {
       return std::nullopt;

@@ -65,10 +65,10 @@ double linearity_index(const Estimate& estimate, const Landmark& landmark) {
   if (rho <= 0.0) {
     return std::numeric_limits<double>::infinity();
   }
-  const double sigma_rho = std::sqrt(estimate.P.diagonal_block<3>(landmark.at)(2, 2));
+  const double sigma_rho = std::sqrt(estimate.P().diagonal_block<3>(landmark.at)(2, 2));
   const Vector3d p_world_landmark = world_position(landmark, anchor);
   const Vector3d from_anchor = p_world_landmark - anchor->T_world_body * anchor->T_body_cam0.p;
-  const Vector3d from_here = p_world_landmark - estimate.nav.T_world_body * anchor->T_body_cam0.p;
+  const Vector3d from_here = p_world_landmark - estimate.nav().T_world_body * anchor->T_body_cam0.p;
   const double distance = from_here.norm();
   const double cos_alpha = from_anchor.dot(from_here) / (from_anchor.norm() * distance);
   return 4.0 * sigma_rho / (rho * rho) / distance * std::abs(cos_alpha);
@@ -76,7 +76,7 @@ double linearity_index(const Estimate& estimate, const Landmark& landmark) {
 
 double projection_curvature(const Estimate& estimate, const Landmark& landmark, const MountedCamera& cam0) {
   const Anchor* anchor = estimate.anchor_of(landmark);
-  const BodyPoint point = body_point_at_exposure(cam0, estimate.nav.T_world_body, landmark, anchor);
+  const BodyPoint point = body_point_at_exposure(cam0, estimate.nav().T_world_body, landmark, anchor);
   const Eigen::RowVector3d axis = cam0.T_cam_body.R.row(2);
   const double depth = axis * point.Y + point.w * cam0.T_cam_body.p.z();
   const std::optional<PointProjection> projection = project_point(cam0, point);
@@ -102,7 +102,7 @@ double projection_curvature(const Estimate& estimate, const Landmark& landmark, 
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (const auto& [row, J_row] : J) {
     for (const auto& [col, J_col] : J) {
-      covariance += J_row * estimate.P.triplet_block(row, col) * J_col.transpose();
+      covariance += J_row * estimate.P().triplet_block(row, col) * J_col.transpose();
     }
   }
   const double pixel = std::sqrt(std::max(covariance(0, 0) + covariance(1, 1), 0.0));
@@ -113,7 +113,7 @@ double depth_shift(const Estimate& estimate, const Landmark& landmark) {
   if (landmark.kind != LandmarkKind::kInverseDepth || landmark.rho_assumed <= 0.0) {
     return 0.0;
   }
-  const double sigma = std::sqrt(estimate.P.diagonal_block<3>(landmark.at)(2, 2));
+  const double sigma = std::sqrt(estimate.P().diagonal_block<3>(landmark.at)(2, 2));
   const double shift = std::abs(landmark.value.z() - landmark.rho_assumed);
   return shift > sigma ? shift / landmark.rho_assumed : 0.0;
 }

@@ -70,6 +70,12 @@ Pose body_from_cam0(const StereoCalibration& calibration) {
   return {};
 }
 
+Pose body_from_cam0(const StereoCalibration& calibration, const TrueRig& truth) {
+  StereoCalibration as_built = calibration;
+  as_built.theta = truth.theta;
+  return body_from_cam0(as_built);
+}
+
 MountedRig mount(const StereoCalibration& calibration) {
   MountedCamera cam0;
   if (calibration.body == BodyFrame::kMiddleOfBaseline) {

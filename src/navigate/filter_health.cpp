@@ -39,9 +39,9 @@ std::optional<ParameterEvidence> StereoFilter::gathered(const ParameterErrorMode
     return std::nullopt;
   }
   const Index k = model.watched.cols();
-  const MatrixXd P = estimate_.P.diagonal_block<kWitnessSize>(model.witness->at);
+  const MatrixXd P = estimate_.P().diagonal_block<kWitnessSize>(model.witness->at);
   const MatrixXd information = Cholesky(P).inverse();
-  ParameterEvidence out{information.topLeftCorner(k, k), (information * estimate_.witness).head(k)};
+  ParameterEvidence out{information.topLeftCorner(k, k), (information * estimate_.witness()).head(k)};
   out.information.diagonal().array() -= 1.0 / (kWidestErrors * kWidestErrors);
   return out;
 }

@@ -38,10 +38,16 @@ constexpr double kAnewBiasGyro = 0.02, kAnewBiasAccel = 0.2;
 }  // namespace
 
 std::int64_t StereoFilter::started_at(std::int64_t t_ns) const {
-  const std::int64_t state_ns = estimate_.nav.t_ns;
+  const std::int64_t state_ns = estimate_.nav().t_ns;
   const bool is_untouched =
       state_ns == 0 && inputs_.empty() && last_frame_ns_ == std::numeric_limits<std::int64_t>::min();
   return is_untouched && seconds_between(0, t_ns) > kNeverGivenATime ? t_ns : state_ns;
+}
+
+void StereoFilter::set_time(std::int64_t t_ns) {
+  NavigationState nav = estimate_.nav();
+  nav.t_ns = t_ns;
+  estimate_.set_nav(nav);
 }
 
 void StereoFilter::add(const InputSample& sample) {
@@ -52,12 +58,12 @@ void StereoFilter::add(const InputSample& sample) {
                                 " ns: is that another clock?");
   }
   checks_.add(sample, inputs_);
-  estimate_.nav.t_ns = state_ns;
+  set_time(state_ns);
   late_ += sample.t_ns < state_ns && has_processed_ ? 1 : 0;
 }
 
 std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {
-  const std::int64_t begin_ns = estimate_.nav.t_ns;
+  const std::int64_t begin_ns = estimate_.nav().t_ns;
   if (options_.motion != MotionModel::kConstantVelocity) {
     return inputs_.steps(begin_ns, t_ns);
   }
@@ -69,31 +75,31 @@ std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {
 
 /// The body carried to t_ns by the inputs so far; changes nothing.
 Propagation StereoFilter::propagated(std::int64_t t_ns) const {
-  const bool distrusts = estimate_.nav.t_ns < trusted_again_ns_;
+  const bool distrusts = estimate_.nav().t_ns < trusted_again_ns_;
   const OdometryNoise odometry = odometry_noise_ ? odometry_noise_->assumed() : options_.odometry_noise;
-  return propagate(estimate_.nav, steps_to(t_ns), options_, odometry, inputs_.usual_interval_s(),
+  return propagate(estimate_.nav(), steps_to(t_ns), options_, odometry, inputs_.usual_interval_s(),
                    distrusts ? distrust_ : MoreNoise{});
 }
 
 void StereoFilter::predict_to(std::int64_t t_ns) {
-  if (t_ns <= estimate_.nav.t_ns) {
+  if (t_ns <= estimate_.nav().t_ns) {
     return;
   }
-  const double dt = seconds_between(estimate_.nav.t_ns, t_ns);
+  const double dt = seconds_between(estimate_.nav().t_ns, t_ns);
   const Propagation to = propagated(t_ns);
   inputs_.forget_before(t_ns);
-  estimate_.nav = to.nav;
+  estimate_.set_nav(to.nav);
   omega_input_ = to.omega_input;
-  estimate_.P.propagate_leading(to.whole.Phi, to.whole.Q);
+  estimate_.mutable_P().propagate_leading(to.whole.Phi, to.whole.Q);
   blind_turn_ += to.whole.Q.diagonal().segment<3>(StateLayout::kAttitude).maxCoeff();
   walk_parameters(dt);
 }
 
 PredictedState StereoFilter::predict(std::int64_t t_ns) const {
   const Index k = estimate_.layout().body_size();
-  const MatrixXd P = estimate_.P.block(0, 0, k, k);
-  if (t_ns <= estimate_.nav.t_ns) {
-    return {estimate_.nav, P};
+  const MatrixXd P = estimate_.P().block(0, 0, k, k);
+  if (t_ns <= estimate_.nav().t_ns) {
+    return {estimate_.nav(), P};
   }
   const Propagation to = propagated(t_ns);
   return {to.nav, to.whole.Phi * P * to.whole.Phi.transpose() + to.whole.Q};
@@ -106,7 +112,7 @@ InputReport StereoFilter::report_inputs(std::int64_t t_ns) {
   }
   InputFaultCounts faults = checks_.take_counts();
   faults[InputFault::kLate] = std::exchange(late_, 0);
-  return report_on(inputs_, faults, estimate_.nav.t_ns, t_ns);
+  return report_on(inputs_, faults, estimate_.nav().t_ns, t_ns);
 }
 
 /// chi^2 of the inputs against the images: what the frame corrected, beside what it could have had to
@@ -133,8 +139,8 @@ void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& r
 void StereoFilter::distrust_inputs(const InputContradiction& found) {
   const double turn = found.turn / found.dt, speed = found.shift / found.dt;
   const auto open = [&](Index at, double sigma) {
-    estimate_.P.set_diagonal_block(
-        at, estimate_.P.diagonal_block<3>(at) + sigma * sigma * Eigen::Matrix3d::Identity());
+    estimate_.mutable_P().set_diagonal_block(
+        at, estimate_.P().diagonal_block<3>(at) + sigma * sigma * Eigen::Matrix3d::Identity());
   };
   const bool imu = options_.motion == MotionModel::kImu;
   open(StateLayout::kAttitude, found.turn);
@@ -145,11 +151,11 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
   }
   const double of_turn = turn * turn * found.dt;
   const double of_speed = speed * speed * (imu ? 1.0 / InputAlarm::kCalm : found.dt);
-  if (estimate_.nav.t_ns >= trusted_again_ns_) {
+  if (estimate_.nav().t_ns >= trusted_again_ns_) {
     distrust_ = {};  // an older quarrel is over
   }
   distrust_ = {std::max(distrust_.angular, of_turn), std::max(distrust_.linear, of_speed)};
-  trusted_again_ns_ = estimate_.nav.t_ns + static_cast<std::int64_t>(1e9 * InputAlarm::kCalm);
+  trusted_again_ns_ = estimate_.nav().t_ns + static_cast<std::int64_t>(1e9 * InputAlarm::kCalm);
 }
 
 /// Where nobody knows how the body turned, no landmark of before can be found in the image by a linear
@@ -169,9 +175,9 @@ std::size_t StereoFilter::forget_after_blindness(const StereoFrame& frame) {
 }
 
 bool StereoFilter::is_broken() const {
-  const NavigationState& nav = estimate_.nav;
+  const NavigationState& nav = estimate_.nav();
   const Index k = estimate_.layout().body_size();
-  const Eigen::VectorXd variance = estimate_.P.block(0, 0, k, k).diagonal();
+  const Eigen::VectorXd variance = estimate_.P().block(0, 0, k, k).diagonal();
   return !nav.T_world_body.p.allFinite() || !nav.T_world_body.R.allFinite() ||
          !nav.v_world_body.allFinite() || !variance.allFinite() || variance.minCoeff() < 0.0 ||
          nav.T_world_body.p.norm() > kFarthest || nav.v_world_body.norm() > kFastest;
@@ -179,7 +185,7 @@ bool StereoFilter::is_broken() const {
 
 /// Time goes on; pose, velocity and biases of the last sound frame stay, with what that start cannot know.
 void StereoFilter::begin_anew() {
-  const std::int64_t t_ns = estimate_.nav.t_ns;
+  const std::int64_t t_ns = estimate_.nav().t_ns;
   const double silence = std::max(seconds_between(sound_.nav.t_ns, t_ns), 0.0);
   InitialState anew = sound_;
   anew.nav.t_ns = t_ns;

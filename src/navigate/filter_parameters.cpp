@@ -33,11 +33,11 @@ RigParameters default_theta_walk(double baseline) {
 /// The cameras of a calibration on the body as it moves now.
 MountedRig StereoFilter::mounted(const StereoCalibration& calibration) const {
   MountedRig out = mount(calibration);
-  BodyMotion motion{estimate_.nav.v_world_body, omega_input_};
+  BodyMotion motion{estimate_.nav().v_world_body, omega_input_};
   if (options_.motion == MotionModel::kImu) {
-    motion.omega_body -= estimate_.nav.bias_gyro;
+    motion.omega_body -= estimate_.nav().bias_gyro;
   } else if (options_.motion == MotionModel::kConstantVelocity) {
-    motion.omega_body = estimate_.nav.omega_body;
+    motion.omega_body = estimate_.nav().omega_body;
   }
   for (MountedCamera& camera : out) {
     camera.motion = motion;
@@ -48,9 +48,9 @@ MountedRig StereoFilter::mounted(const StereoCalibration& calibration) const {
 
 void StereoFilter::use_estimated_calibration() {
   ParameterVector error;
-  error << RigParameters::Zero(), estimate_.more;
+  error << RigParameters::Zero(), estimate_.more();
   calibration_ = corrected(given_, error);
-  calibration_.theta = estimate_.theta;
+  calibration_.theta = estimate_.theta();
 }
 
 CalibrationEstimate StereoFilter::calibration_estimate() const {
@@ -60,9 +60,9 @@ CalibrationEstimate StereoFilter::calibration_estimate() const {
     out.parameters |= theta_parameters();
   }
   const StateLayout& layout = estimate_.layout();
-  out.error << estimate_.theta - given_.theta, estimate_.more;
+  out.error << estimate_.theta() - given_.theta, estimate_.more();
   const auto read_sigma = [&](ParameterBlock block, Index at) {
-    out.sigma.segment<6>(first_of(block)) = estimate_.P.diagonal_block<6>(at).diagonal().cwiseSqrt();
+    out.sigma.segment<6>(first_of(block)) = estimate_.P().diagonal_block<6>(at).diagonal().cwiseSqrt();
   };
   if (layout.has_theta) {
     read_sigma(ParameterBlock::kTheta, layout.theta());
@@ -87,8 +87,8 @@ void StereoFilter::walk_parameters(double dt) {
     if (layout.has_more[k]) {
       const Eigen::Matrix<double, 6, 6> walk =
           estimated_walk.segment<6>(first_of(kMoreBlocks[k])).asDiagonal();
-      estimate_.P.set_diagonal_block(layout.more(k),
-                                     estimate_.P.diagonal_block<6>(layout.more(k)) + walk * dt);
+      estimate_.mutable_P().set_diagonal_block(layout.more(k),
+                                               estimate_.P().diagonal_block<6>(layout.more(k)) + walk * dt);
     }
   }
   if (!estimates_theta(options_)) {
@@ -105,14 +105,14 @@ void StereoFilter::walk_parameters(double dt) {
     walk = without_length(walk, calibration_.theta);
   }
   const Index at = estimate_.layout().theta();
-  estimate_.P.set_diagonal_block(at, estimate_.P.diagonal_block<6>(at) + walk * dt);
+  estimate_.mutable_P().set_diagonal_block(at, estimate_.P().diagonal_block<6>(at) + walk * dt);
 }
 
 void StereoFilter::distrust(const CalibrationPrior& prior) {
   const Index at = estimate_.layout().theta();
   Eigen::Matrix<double, 6, 6> jump = scale_.asDiagonal() * prior.jump * scale_.asDiagonal();
   jump.diagonal() += kTrustedSigma * kTrustedSigma * scale_.cwiseAbs2();  // keeps P positive definite
-  estimate_.P.set_diagonal_block(at, estimate_.P.diagonal_block<6>(at) + jump);
+  estimate_.mutable_P().set_diagonal_block(at, estimate_.P().diagonal_block<6>(at) + jump);
   fresh_.begin(prior.fresh);
 }
 
@@ -139,8 +139,8 @@ void StereoFilter::follow(const StereoFilter& constrained) {
   estimate_.restart_witness(kTrustedSigma);
   estimate_.promote_witness(constrained.error_model().watched.topRows<kBlockSize>());
   const RigParameters trusted = kTrustedSigma * kTrustedSigma * scale_.cwiseAbs2();
-  estimate_.P.set_diagonal_block(estimate_.layout().theta(),
-                                 Eigen::Matrix<double, 6, 6>(trusted.asDiagonal()));
+  estimate_.mutable_P().set_diagonal_block(estimate_.layout().theta(),
+                                           Eigen::Matrix<double, 6, 6>(trusted.asDiagonal()));
   use_estimated_calibration();
 }
 
@@ -154,7 +154,7 @@ ParameterErrorModel StereoFilter::error_model() const {
   ParameterErrorModel out;
   MatrixXd C_theta(kBlockSize, 0);
   if (options_.method == Method::kLcekf) {
-    C_theta = constraint_directions(options_.constraints, estimate_.theta);
+    C_theta = constraint_directions(options_.constraints, estimate_.theta());
     const MatrixXd C_more = unit_directions(options_.constraints.more(), plausible_errors(given_));
     out.nuisance = C_more.cols();
     out.constrained.resize(c, C_theta.cols() + C_more.cols());
@@ -171,7 +171,7 @@ ParameterErrorModel StereoFilter::error_model() const {
   }
   if (has_witness(options_)) {
     out.watched = of_theta(C_theta);
-    out.witness = Witness{estimate_.layout().witness(), estimate_.witness};
+    out.witness = Witness{estimate_.layout().witness(), estimate_.witness()};
   } else if (watches(options_)) {
     out.watched = of_theta(scale_.asDiagonal());
   }
@@ -184,7 +184,7 @@ MatrixXd StereoFilter::linearization_prior() const {
   const Index c = has_more(options_) ? kParameters : kBlockSize;
   MatrixXd F_theta = options_.softened.head<6>().asDiagonal();
   if (options_.method == Method::kLcekf) {
-    F_theta = kWidestErrors * constraint_directions(options_.constraints, estimate_.theta);
+    F_theta = kWidestErrors * constraint_directions(options_.constraints, estimate_.theta());
   } else if (options_.method == Method::kSoft) {
     F_theta = theta_sigma(options_, calibration_).asDiagonal();
   } else if (!fresh_.is_zero()) {

@@ -43,11 +43,13 @@ StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const Line
   for (auto& [id, rows] : fresh) {
     rows = RemainingRows::kNone;
   }
-  const Pose predicted = estimate_.nav.T_world_body;
+  const NavigationState predicted = estimate_.nav();
   const auto stacked_at = [&](const Vector6& shift, FrameReport& said) {
-    estimate_.nav.T_world_body = shifted(predicted, shift);
+    NavigationState nav = predicted;
+    nav.T_world_body = shifted(predicted.T_world_body, shift);
+    estimate_.set_nav(nav);
     StackedFrame out = stack(frame, at, fresh, said);
-    estimate_.nav.T_world_body = predicted;
+    estimate_.set_nav(predicted);
     refer_to_prediction(out.measurement, shift);
     return out;
   };
@@ -56,7 +58,7 @@ StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const Line
     FrameReport said = report;
     StackedFrame stacked = stacked_at(shift, said);
     FrameReport gated = said;
-    Covariance P = estimate_.P;
+    Covariance P = estimate_.P();
     const UpdateReport updated =
         update(P, stacked.measurement.subset(gate_points(stacked, model, gated)), model);
     if (updated.status != UpdateStatus::kUpdated || updated.dx.segment<3>(3).norm() > kFarthestTurn) {

@@ -45,8 +45,8 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
       options.estimated.cwiseMax(kNotEstimated * plausible_errors(calibration)).cwiseAbs2();
   for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
     if (layout.has_more[k]) {
-      out.P.set_diagonal_block(layout.more(k),
-                               MatrixXd(prior.segment<6>(first_of(kMoreBlocks[k])).asDiagonal()));
+      out.mutable_P().set_diagonal_block(layout.more(k),
+                                         MatrixXd(prior.segment<6>(first_of(kMoreBlocks[k])).asDiagonal()));
     }
   }
   if (has_witness(options)) {

@@ -47,7 +47,7 @@ HealthOptions handover_alarm() {
 
 /// Whether an epoch of the map ended in the filter's last frame.
 bool ends_epoch(const StereoFilter& filter) {
-  return filter.estimate().epoch_began_ns() == filter.estimate().nav.t_ns;
+  return filter.estimate().epoch_began_ns() == filter.estimate().nav().t_ns;
 }
 
 }  // namespace
@@ -157,7 +157,7 @@ void Navigator::replay() {
   }
   if (s.replay->empty()) {
     s.replay.reset();
-    watch_anew(filter_.estimate().nav.t_ns);
+    watch_anew(filter_.estimate().nav().t_ns);
   }
 }
 
@@ -189,12 +189,12 @@ void Navigator::watch(const StereoFrame& frame, const StereoFilter& filter, cons
       report.status == UpdateStatus::kUpdated && !report.reset && !report.inputs.contradiction &&
       (report.inputs.status == InputStatus::kSound || report.inputs.status == InputStatus::kNotNeeded);
   if (filter.options().motion == MotionModel::kImu) {
-    const Eigen::Vector3d& v = estimate.nav.v_world_body;
+    const Eigen::Vector3d& v = estimate.nav().v_world_body;
     quality.speed_squared = v.squaredNorm();
     const Eigen::Vector3d along = v.stableNormalized();
-    quality.speed_variance = along.dot(estimate.P.diagonal_block<3>(StateLayout::kVelocity) * along);
+    quality.speed_variance = along.dot(estimate.P().diagonal_block<3>(StateLayout::kVelocity) * along);
   }
-  watch_->add(frame, estimate.nav.T_world_body * T_body_cam0_, quality);
+  watch_->add(frame, estimate.nav().T_world_body * T_body_cam0_, quality);
 }
 
 std::shared_ptr<const CalibrationReport> Navigator::known_calibration() const {

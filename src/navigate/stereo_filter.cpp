@@ -92,15 +92,16 @@ void StereoFilter::add_odometry(const OdometrySample& sample) {
   }
 }
 
-void StereoFilter::assume_theta(const RigParameters& theta) {
-  if (estimate_.layout().has_theta) {
-    throw std::invalid_argument("navigator: theta is part of the state and cannot be assumed");
+void StereoFilter::show_true_rig(const TrueRig& truth) {
+  if (options_.method != Method::kOracle) {
+    throw std::logic_error("navigator: the true rig is for the method oracle, not for " +
+                           to_string(options_.method));
   }
-  StereoCalibration assumed = calibration_;
-  assumed.theta = theta;
-  check_calibration(assumed);
-  calibration_ = assumed;
-  estimate_.theta = theta;
+  StereoCalibration as_built = calibration_;
+  as_built.theta = truth.theta;
+  check_calibration(as_built);
+  calibration_ = as_built;
+  estimate_.assume_theta(truth.theta);
 }
 
 /// Where theta is trusted a new landmark may believe all its pixels at once: lcekf without constraints is the
@@ -134,10 +135,10 @@ StereoFilter::NewLandmarks StereoFilter::initialize_landmarks(const StereoFrame&
       // Where the place of the camera on the body, or its time, is estimated, the camera itself is the
       // anchor.
       const std::array<bool, 3>& has_more = estimate_.layout().has_more;
-      anchor =
-          has_more.front() || has_more.back()
-              ? estimate_.add_camera_anchor(cam0_pose(rig[0], estimate_.nav.T_world_body, estimate_.layout()))
-              : estimate_.add_anchor(rig[0].T_cam_body.inverse());
+      anchor = has_more.front() || has_more.back()
+                   ? estimate_.add_camera_anchor(
+                         cam0_pose(rig[0], estimate_.nav().T_world_body, estimate_.layout()))
+                   : estimate_.add_anchor(rig[0].T_cam_body.inverse());
     }
     const std::optional<RemainingRows> remaining =
         initialize_landmark(estimate_, observation, rig, sigma_px(), frame.t_ns, anchor, how);
@@ -177,7 +178,7 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const P
   if (!options_.gate || stacked.measurement.rows() == 0) {
     return accepted;
   }
-  const Innovation innovation = form_innovation(estimate_.P, stacked.measurement);
+  const Innovation innovation = form_innovation(estimate_.P(), stacked.measurement);
   const GateReport gated =
       gate(innovation, stacked.measurement.groups, gate_model(model), options_.gate_probability);
   report.gate_overruled = gated.overruled;
@@ -196,19 +197,19 @@ void StereoFilter::constrained_update(const StackedFrame& stacked, const std::ve
   if (stacked.measurement.rows() > 0) {
     const bool all = std::find(accepted.begin(), accepted.end(), false) == accepted.end();
     const Eigen::Matrix<double, 6, 6> P_theta =
-        has_theta(options_) ? estimate_.P.diagonal_block<6>(estimate_.layout().theta())
+        has_theta(options_) ? estimate_.P().diagonal_block<6>(estimate_.layout().theta())
                             : Eigen::Matrix<double, 6, 6>::Zero().eval();
-    const PoseCorrection::Matrix6 P_pose = estimate_.P.diagonal_block<6>(0);
-    UpdateReport updated =
-        update(estimate_.P, all ? stacked.measurement : stacked.measurement.subset(accepted), model);
+    const PoseCorrection::Matrix6 P_pose = estimate_.P().diagonal_block<6>(0);
+    UpdateReport updated = update(estimate_.mutable_P(),
+                                  all ? stacked.measurement : stacked.measurement.subset(accepted), model);
     if (options_.method == Method::kConsider && updated.status == UpdateStatus::kUpdated) {
       // Schmidt: the gain's theta rows are zero, so its block stays; the cross-covariances are those of the
       // EKF.
       const Index at = estimate_.layout().theta();
-      estimate_.P.set_diagonal_block(at, P_theta);
+      estimate_.mutable_P().set_diagonal_block(at, P_theta);
       updated.dx.segment<6>(at).setZero();
     }
-    const PoseCorrection::Matrix6 corrected_by = P_pose - estimate_.P.diagonal_block<6>(0);
+    const PoseCorrection::Matrix6 corrected_by = P_pose - estimate_.P().diagonal_block<6>(0);
     estimate_.retract(updated.dx);
     report.status = updated.status;
     report.nis = updated.nis;
@@ -253,9 +254,9 @@ void StereoFilter::record(const StackedFrame& stacked, const std::vector<bool>& 
 FrameReport StereoFilter::process(const StereoFrame& raw) {
   const std::int64_t state_ns = started_at(raw.t_ns);
   check_frame(raw, state_ns, last_frame_ns_);
-  estimate_.nav.t_ns = state_ns;
+  set_time(state_ns);
   const StereoFrame frame = visible(raw, options_.method);
-  const double dt = seconds_between(estimate_.nav.t_ns, frame.t_ns);
+  const double dt = seconds_between(estimate_.nav().t_ns, frame.t_ns);
   FrameReport report;
   report.t_ns = frame.t_ns;
   report.observed = frame.observations.size();
@@ -298,8 +299,8 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   if (report.reset) {
     begin_anew();
   } else {
-    sound_ = {estimate_.nav,
-              estimate_.P.block(0, 0, sound_.body_covariance.rows(), sound_.body_covariance.rows())};
+    sound_ = {estimate_.nav(),
+              estimate_.P().block(0, 0, sound_.body_covariance.rows(), sound_.body_covariance.rows())};
   }
   return report;
 }

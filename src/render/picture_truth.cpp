@@ -66,9 +66,9 @@ double PictureTruth::time_of_row(std::size_t camera, std::int64_t stamp_ns, doub
 
 View PictureTruth::view(std::size_t camera, double t) const {
   const double within = std::clamp(t, 0.0, duration_);
-  StereoCalibration rig = calibration_;
-  rig.theta += decalibration_.at(std::llround(1e9 * within));
-  const Pose T_world_cam0 = trajectory_.at(within).T_world_body * body_from_cam0(rig);
+  const std::int64_t t_ns = std::llround(1e9 * within);
+  const TrueRig rig{t_ns, calibration_.theta + decalibration_.at(t_ns)};
+  const Pose T_world_cam0 = trajectory_.at(within).T_world_body * body_from_cam0(calibration_, rig);
   return {t, camera == 0 ? T_world_cam0 : T_world_cam0 * pose_from_rig(rig.theta).inverse()};
 }
 

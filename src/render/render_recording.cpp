@@ -137,12 +137,12 @@ std::size_t render_recording(const Scenario& scenario, std::uint64_t seed, std::
   const Studio studio(scenario, seed, run, options);
   Recording recording = simulate(scenario, seed, run);
   recording.pixel_noise.reset();
-  recording.landmarks_true.clear();
+  recording.truth.landmarks.clear();
   if (options.tell_readout) recording.calibration.readout_time_s.fill(options.rolling_shutter);
   write_track_log(recording, folder);
   const fs::path mav0 = folder / "mav0";
   fs::remove_all(mav0 / "tracks0");
-  detail::write_scene(studio.scene(), times_of(recording.groundtruth), mav0 / "scene0");
+  detail::write_scene(studio.scene(), times_of(recording.truth.motion.states), mav0 / "scene0");
   const std::vector<std::int64_t> times = times_of(recording.frames);
   const std::vector<FramePictures> pictures = draw_faults(times.size(), options, seed, run);
   if (options.dropped > 0.0 || options.swapped > 0.0) {

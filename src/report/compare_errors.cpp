@@ -2,17 +2,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "compare/same_recording.hpp"
 #include "compare_sections.hpp"
+#include "limber/core/angle.hpp"
 #include "limber/evaluate/alignment.hpp"
 #include "limber/evaluate/trajectory_error.hpp"
 
 namespace limber::detail {
 namespace {
-
-constexpr double kToDegrees = 180.0 / std::numbers::pi;
 
 /// Length of position and attitude error over time, each with its bound.
 struct ErrorFigures {

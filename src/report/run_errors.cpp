@@ -3,14 +3,12 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "limber/core/angle.hpp"
 #include "run_sections.hpp"
 
 namespace limber::detail {
 namespace {
-
-constexpr double kToDegrees = 180.0 / std::numbers::pi;
 
 /// Three components over time, each in a panel, with the bounds of three standard deviations. Without truth
 /// the bounds alone.

@@ -21,17 +21,17 @@ inline double milliseconds(Clock::time_point begin, Clock::time_point end) {
 /// Feeds inputs in time.
 class InputFeed {
  public:
-  explicit InputFeed(const Recording& recording) : recording_(recording) {}
+  explicit InputFeed(const SensorData& sensors) : sensors_(sensors) {}
 
   /// All samples up to the first one at or after t, to a navigator or a start.
   template <typename Receiver>
   void feed(Receiver& receiver, MotionModel motion, std::int64_t t_ns) {
     switch (motion) {
       case MotionModel::kImu:
-        advance(recording_.imu, t_ns, [&](const ImuSample& s) { receiver.add_imu(s); });
+        advance(sensors_.imu, t_ns, [&](const ImuSample& s) { receiver.add_imu(s); });
         break;
       case MotionModel::kOdometry:
-        advance(recording_.odometry, t_ns, [&](const OdometrySample& s) { receiver.add_odometry(s); });
+        advance(sensors_.odometry, t_ns, [&](const OdometrySample& s) { receiver.add_odometry(s); });
         break;
       case MotionModel::kConstantVelocity:
         break;
@@ -46,7 +46,7 @@ class InputFeed {
     }
   }
 
-  const Recording& recording_;
+  const SensorData& sensors_;
   std::size_t next_ = 0;
 };
 

@@ -82,8 +82,8 @@ void PointCount::add(const StereoFrame& frame) {
   }
 }
 
-std::int64_t frame_time(const Recording& recording, std::size_t n) {
-  return recording.images.empty() ? recording.frames[n].t_ns : recording.images[n].t_ns;
+std::int64_t frame_time(const SensorData& sensors, std::size_t n) {
+  return sensors.images.empty() ? sensors.frames[n].t_ns : sensors.images[n].t_ns;
 }
 
 std::string covered_seconds(std::int64_t begin_ns, std::int64_t end_ns) {
@@ -105,7 +105,7 @@ std::vector<std::string> remarks_on_input(const Recording& recording, MotionMode
   if (motion == MotionModel::kOdometry) {
     remark_on_gaps(recording.odometry, begin_ns, end_ns, "odometry", remarks);
   }
-  const auto& truth = recording.groundtruth;
+  const auto& truth = recording.truth.motion.states;
   if (!truth.empty() && (truth.back().t_ns < begin_ns || truth.front().t_ns > end_ns)) {
     remarks.push_back(fmt::format("ground truth covers {}, the frames {}: no errors are known",
                                   covered_seconds(truth.front().t_ns, truth.back().t_ns),

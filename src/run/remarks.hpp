@@ -11,7 +11,7 @@
 /// What a user should know about a recording and a run beside the results: in plain words, with numbers.
 namespace limber::detail {
 
-[[nodiscard]] std::int64_t frame_time(const Recording& recording, std::size_t n);  ///< [ns]
+[[nodiscard]] std::int64_t frame_time(const SensorData& sensors, std::size_t n);  ///< [ns]
 
 /// "0.000 s to 34.990 s"
 [[nodiscard]] std::string covered_seconds(std::int64_t begin_ns, std::int64_t end_ns);

@@ -19,11 +19,11 @@ constexpr double kSmallestSigmaPx = 1e-6, kLargestSigmaPx = 1e3;
 constexpr double kImageSigmaPx = 0.5;
 constexpr double kTrackSigmaPx = 1.0;
 
-MotionModel choose_motion(const Recording& recording, RunSetup& setup) {
-  if (!recording.imu.empty()) {
+MotionModel choose_motion(const SensorData& sensors, RunSetup& setup) {
+  if (!sensors.imu.empty()) {
     return MotionModel::kImu;
   }
-  if (!recording.odometry.empty()) {
+  if (!sensors.odometry.empty()) {
     return MotionModel::kOdometry;
   }
   setup.notes.emplace_back("neither IMU nor odometry: constant-velocity model");
@@ -54,15 +54,15 @@ void take(const std::optional<T>& given, T& value, const std::string& note, RunS
   }
 }
 
-void choose_noise(const Recording& recording, const RunOptions& options, RunSetup& setup) {
+void choose_noise(const SensorData& sensors, const RunOptions& options, RunSetup& setup) {
   NavigatorOptions& navigator = setup.navigator;
   if (navigator.motion == MotionModel::kImu) {
-    take(recording.imu_noise, navigator.imu_noise,
-         "IMU noise not given: that of a small MEMS IMU (ADIS16448)", setup);
+    take(sensors.imu_noise, navigator.imu_noise, "IMU noise not given: that of a small MEMS IMU (ADIS16448)",
+         setup);
   }
   if (navigator.motion == MotionModel::kOdometry) {
-    navigator.learn_odometry_noise = !recording.odometry_noise;
-    take(recording.odometry_noise, navigator.odometry_noise,
+    navigator.learn_odometry_noise = !sensors.odometry_noise;
+    take(sensors.odometry_noise, navigator.odometry_noise,
          fmt::format("odometry noise not given: learned, from {} m/s and {} rad/s per sample on",
                      navigator.odometry_noise.sigma_v.x(), navigator.odometry_noise.sigma_omega.x()),
          setup);
@@ -70,10 +70,10 @@ void choose_noise(const Recording& recording, const RunOptions& options, RunSetu
   if (options.sigma_px) {
     navigator.sigma_px.setConstant(*options.sigma_px);
   } else {
-    const double sigma = recording.images.empty() ? kTrackSigmaPx : kImageSigmaPx;
+    const double sigma = sensors.images.empty() ? kTrackSigmaPx : kImageSigmaPx;
     navigator.sigma_px.setConstant(sigma);
-    navigator.learn_pixel_noise = !recording.pixel_noise;
-    take(recording.pixel_noise, navigator.sigma_px,
+    navigator.learn_pixel_noise = !sensors.pixel_noise;
+    take(sensors.pixel_noise, navigator.sigma_px,
          fmt::format("pixel noise not given: learned, from {} px on", sigma), setup);
   }
   if (navigator.sigma_px.minCoeff() < kSmallestSigmaPx || navigator.sigma_px.maxCoeff() > kLargestSigmaPx) {
@@ -115,11 +115,11 @@ void check_assumed(const StereoCalibration& given, const StereoCalibration& assu
 }
 
 void check(const Recording& recording, const RunOptions& options) {
-  if (options.start == StartMode::kGroundTruth && recording.groundtruth.empty()) {
+  if (options.start == StartMode::kGroundTruth && recording.truth.motion.states.empty()) {
     throw std::invalid_argument("--init groundtruth: " + recording.name +
                                 " has no ground truth; use --init auto");
   }
-  if (options.method == Method::kOracle && recording.calibration_true.empty()) {
+  if (options.method == Method::kOracle && recording.truth.rig.empty()) {
     throw std::invalid_argument(
         "oracle: " + recording.name +
         " does not say what the true calibration is (mav0/calibration_truth0); only simulated "

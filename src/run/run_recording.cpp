@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "limber/core/angle.hpp"
 #include "limber/core/divergence_error.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/navigate/navigator.hpp"
@@ -31,7 +32,6 @@ using detail::read_frame;
 using detail::ReadFrame;
 using detail::SensorWindow;
 
-constexpr double kDegreesPerRadian = 180.0 / M_PI;
 constexpr double kLargestPosition = 1e9;  // [m]
 
 /// The first and the last time of the inputs that drive the prediction; nothing if it needs none.
@@ -55,7 +55,7 @@ std::size_t first_frame(const Recording& recording, const RunOptions& options, M
   for (std::size_t n = 0; n < frame_count(recording); ++n) {
     const std::int64_t t = frame_time(recording, n);
     const bool driven = !inputs || (inputs->first <= t && t <= inputs->second);
-    if (driven && (!from_truth || groundtruth_at(recording.groundtruth, t))) {
+    if (driven && (!from_truth || groundtruth_at(recording.truth.motion.states, t))) {
       return n;
     }
   }
@@ -65,8 +65,8 @@ std::size_t first_frame(const Recording& recording, const RunOptions& options, M
                            covered_seconds(inputs->first, inputs->second));
   }
   if (from_truth) {
-    covered += ", ground truth " +
-               covered_seconds(recording.groundtruth.front().t_ns, recording.groundtruth.back().t_ns);
+    covered += ", ground truth " + covered_seconds(recording.truth.motion.states.front().t_ns,
+                                                   recording.truth.motion.states.back().t_ns);
   }
   throw std::invalid_argument(recording.name + ": no frame to start from: " + covered +
                               "; do they have the same clock?");
@@ -76,14 +76,14 @@ TrajectoryRow row_of(const Navigator& navigator) {
   const Estimate& estimate = navigator.estimate();
   constexpr Eigen::Index kPose = StateLayout::kPoseSize;
   const Eigen::Index rest = estimate.layout().body_size() - kPose;
-  return trajectory_row(estimate.nav, estimate.layout().motion, estimate.P.diagonal_block<kPose>(0),
-                        estimate.P.block(kPose, kPose, rest, rest));
+  return trajectory_row(estimate.nav(), estimate.layout().motion, estimate.P().diagonal_block<kPose>(0),
+                        estimate.P().block(kPose, kPose, rest, rest));
 }
 
 void keep_calibration(const Navigator& navigator, RunRecord& record) {
   const CalibrationEstimate estimate = navigator.calibration_estimate();
   if (estimate.parameters.any()) {
-    record.calibration.push_back({navigator.estimate().nav.t_ns, estimate});
+    record.calibration.push_back({navigator.estimate().nav().t_ns, estimate});
   }
 }
 
@@ -101,7 +101,7 @@ void take_end(const Navigator& navigator, RunRecord& record) {
   for (std::size_t k = 0; k < positions.size(); ++k) {
     record.landmarks[estimate.landmarks()[k].track_id] = positions[k];
   }
-  record.theta = navigator.estimate().theta;
+  record.theta = navigator.estimate().theta();
   if (const LearnedPixelNoise* learned = navigator.pixel_noise()) {
     record.pixel_noise = learned->report();
   }
@@ -155,7 +155,7 @@ void keep_window(const SensorWindow& window, const Navigator& navigator, RunReco
   record.notes.push_back(fmt::format(
       "{}{:.2g} s, which are smoothed: tilt known to {:.2g} deg, {}{}",
       report.status == StartStatus::kWaiting ? "nothing but a start, all " : "started from the first ",
-      report.waited_s, report.tilt_sigma * kDegreesPerRadian,
+      report.waited_s, report.tilt_sigma * kToDegrees,
       report.scale_sigma < 1.0 ? fmt::format("scale to {:.2g} %", 100.0 * report.scale_sigma)
                                : "scale not at all",
       report.missing.empty() ? "" : "; not known: " + report.missing));
@@ -163,8 +163,8 @@ void keep_window(const SensorWindow& window, const Navigator& navigator, RunReco
 
 }  // namespace
 
-std::size_t frame_count(const Recording& recording) {
-  return recording.images.empty() ? recording.frames.size() : recording.images.size();
+std::size_t frame_count(const SensorData& sensors) {
+  return sensors.images.empty() ? sensors.frames.size() : sensors.images.size();
 }
 
 void FrontendRecord::add(const StereoFrame& frame, double decoding_ms, double tracking_ms) {
@@ -190,8 +190,8 @@ void add_frontend(const FrontendRecord& frontend, RunRecord& record) {
   record.elapsed_s += 1e-3 * frontend.earlier_ms;
 }
 
-FrameSource matched_frames(const Recording& recording) {
-  return [&recording](std::size_t n) { return recording.frames[n]; };
+FrameSource matched_frames(const SensorData& sensors) {
+  return [&sensors](std::size_t n) { return sensors.frames[n]; };
 }
 
 RunRecord run_recording(const Recording& recording, const RunOptions& options, const FrameSource& source,
@@ -256,7 +256,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     points.add(frame);
     feed.feed(navigator, motion, frame.t_ns);
     if (options.method == Method::kOracle) {
-      navigator.assume_theta(calibration_at(recording.calibration_true, frame.t_ns));
+      navigator.show_true_rig(true_rig_at(recording.truth.rig, frame.t_ns));
     }
     try {
       record.frames.push_back(navigator.process(frame));

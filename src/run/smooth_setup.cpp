@@ -37,17 +37,17 @@ std::vector<NavigationState> states_before(const std::vector<TrajectoryRow>& row
 }
 
 /// Learned from all samples, where nobody stated it; at the speed that the body has on average.
-OdometryNoise odometry_noise(const NavigatorOptions& navigator, const Recording& recording) {
-  if (!navigator.learn_odometry_noise || recording.odometry.empty()) {
+OdometryNoise odometry_noise(const NavigatorOptions& navigator, const SensorData& sensors) {
+  if (!navigator.learn_odometry_noise || sensors.odometry.empty()) {
     return navigator.odometry_noise;
   }
   LearnedOdometryNoise learned(navigator.odometry_noise);
   double speeds = 0.0;
-  for (const OdometrySample& sample : recording.odometry) {
+  for (const OdometrySample& sample : sensors.odometry) {
     learned.add(sample);
     speeds += sample.v_body.norm();
   }
-  return learned.assumed(speeds / static_cast<double>(recording.odometry.size()));
+  return learned.assumed(speeds / static_cast<double>(sensors.odometry.size()));
 }
 
 }  // namespace
@@ -79,7 +79,7 @@ Guess guess_by(Method method, const Recording& recording, RunOptions options, Ke
   out.record = run_recording(recording, options, [&frames](std::size_t n) { return frames(n); },
                              {.progress = progress, .observe = [&out](const ObservedFrame& frame) {
                                 if (frame.navigator != nullptr) {
-                                  out.states.push_back(frame.navigator->estimate().nav);
+                                  out.states.push_back(frame.navigator->estimate().nav());
                                 }
                               }});
   const std::vector<NavigationState> before =
@@ -105,12 +105,12 @@ InitialState without_data(const NavigationState& first, MotionModel motion) {
   return start;
 }
 
-SmootherOptions smoother_options(const Recording& recording, const SmoothOptions& options,
+SmootherOptions smoother_options(const SensorData& sensors, const SmoothOptions& options,
                                  const RunSetup& setup, std::vector<std::string>& notes) {
   const NavigatorOptions& navigator = setup.navigator;
   SmootherOptions out;
   out.motion = navigator.motion;
-  out.noise = {navigator.imu_noise, odometry_noise(navigator, recording), navigator.constant_velocity_noise};
+  out.noise = {navigator.imu_noise, odometry_noise(navigator, sensors), navigator.constant_velocity_noise};
   out.sigma_px = navigator.sigma_px;
   out.gravity = navigator.gravity;
   out.rig = options.rig;

@@ -38,7 +38,7 @@ class KeptFrames {
 /// made from the same pixels and samples.
 [[nodiscard]] InitialState without_data(const NavigationState& first, MotionModel motion);
 
-[[nodiscard]] SmootherOptions smoother_options(const Recording& recording, const SmoothOptions& options,
+[[nodiscard]] SmootherOptions smoother_options(const SensorData& sensors, const SmoothOptions& options,
                                                const RunSetup& setup, std::vector<std::string>& notes);
 
 }  // namespace limber::detail

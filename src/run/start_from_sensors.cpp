@@ -15,10 +15,10 @@ constexpr double kLongestShare = 0.5, kLongestMovingShare = 0.8;
 constexpr double kLeastFiltered = 1.0;  // [s]
 
 /// Reads a little further and lets the window's frames have what those behind it say of them.
-void smooth(const Recording& recording, const FrameSource& source, std::size_t next, MotionModel motion,
+void smooth(const SensorData& sensors, const FrameSource& source, std::size_t next, MotionModel motion,
             InputFeed& feed, SensorStart& start, SensorWindow& window) {
   const std::int64_t begin_ns = window.frames.front().t_ns;
-  for (std::size_t n = next; n < frame_count(recording) && frame_time(recording, n) - begin_ns <= kSmoothedNs;
+  for (std::size_t n = next; n < frame_count(sensors) && frame_time(sensors, n) - begin_ns <= kSmoothedNs;
        ++n) {
     window.ahead.push_back(read_frame(source, n));
     feed.feed(start, motion, window.ahead.back().frame.t_ns);
@@ -58,22 +58,22 @@ void note_bias_step(SensorWindow& window) {
 
 }  // namespace
 
-SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setup, const FrameSource& source,
+SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup, const FrameSource& source,
                                 std::size_t first, const RunCallbacks& callbacks) {
   const MotionModel motion = setup.navigator.motion;
   StartOptions options;
-  const double duration_s = 1e-9 * static_cast<double>(frame_time(recording, frame_count(recording) - 1) -
-                                                       frame_time(recording, first));
+  const double duration_s =
+      1e-9 * static_cast<double>(frame_time(sensors, frame_count(sensors) - 1) - frame_time(sensors, first));
   options.longest_s = std::min(options.longest_s, kLongestShare * duration_s);
   options.longest_moving_s = std::min(
       options.longest_moving_s,
       std::max(options.longest_s, std::min(kLongestMovingShare * duration_s, duration_s - kLeastFiltered)));
   SensorStart start(setup.navigator, setup.calibration, options);
-  InputFeed feed(recording);
+  InputFeed feed(sensors);
   SensorWindow out;
   std::vector<ReadFrame> seen;
   std::size_t n = first;
-  while (n < frame_count(recording) && out.report.status == StartStatus::kWaiting) {
+  while (n < frame_count(sensors) && out.report.status == StartStatus::kWaiting) {
     if (callbacks.stop && callbacks.stop()) {
       out.stopped = true;
       break;
@@ -98,7 +98,7 @@ SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setu
   keep_used(motion == MotionModel::kOdometry ? 0 : out.result.trajectory.size(), std::move(seen), out);
   note_bias_step(out);
   if (motion != MotionModel::kOdometry && !out.stopped && out.ahead.empty()) {
-    smooth(recording, source, n, motion, feed, start, out);
+    smooth(sensors, source, n, motion, feed, start, out);
   }
   return out;
 }

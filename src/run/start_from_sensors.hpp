@@ -23,7 +23,7 @@ struct SensorWindow {
 
 /// Reads frames from `first` on until they tell where the body is and how it moves, or the caller stops it:
 /// then the window holds what is known by then, no frame if there was none.
-[[nodiscard]] SensorWindow start_from_sensors(const Recording& recording, const RunSetup& setup,
+[[nodiscard]] SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup,
                                               const FrameSource& source, std::size_t first,
                                               const RunCallbacks& callbacks);
 

@@ -15,7 +15,7 @@ constexpr double kUnknownVelocity = 0.1;   // [m/s], truth without velocity: dif
 
 /// Velocity of a truth that does not give it.
 Eigen::Vector3d differenced_velocity(const Recording& recording, std::int64_t t_ns) {
-  const auto& truth = recording.groundtruth;
+  const auto& truth = recording.truth.motion.states;
   const auto it = std::lower_bound(truth.begin(), truth.end(), t_ns,
                                    [](const GroundTruthState& s, std::int64_t t) { return s.t_ns < t; });
   const std::size_t k = std::min<std::size_t>(static_cast<std::size_t>(it - truth.begin()), truth.size() - 1);
@@ -30,16 +30,16 @@ Eigen::Vector3d differenced_velocity(const Recording& recording, std::int64_t t_
 
 InitialState start_from_truth(const Recording& recording, const RunOptions& options, const RunSetup& setup,
                               std::int64_t t_ns) {
-  GroundTruthState truth = *groundtruth_at(recording.groundtruth, t_ns);
+  GroundTruthState truth = *groundtruth_at(recording.truth.motion.states, t_ns);
   InitialSigma sigma = options.initial;
   InitialSigma error = options.initial_error.value_or(options.initial);
-  if (!recording.groundtruth_has_velocity) {
+  if (!recording.truth.motion.has_velocity) {
     truth.v_world_body = differenced_velocity(recording, t_ns);
     sigma.velocity = std::max(sigma.velocity, kUnknownVelocity);
     error.velocity = std::max(error.velocity, kUnknownVelocity);
   }
   InitialSigma drawn = error;
-  if (!recording.groundtruth_has_biases) {
+  if (!recording.truth.motion.has_biases) {
     drawn.bias_accel = drawn.bias_gyro = 0.0;
     sigma.bias_accel = std::max(sigma.bias_accel, kUnknownBiasAccel);
     sigma.bias_gyro = std::max(sigma.bias_gyro, kUnknownBiasGyro);

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <system_error>
 
+#include "limber/core/angle.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/landmarks_ply.hpp"
 #include "limber/diagnose/run_answer.hpp"
@@ -22,15 +23,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegreesPerRadian = 180.0 / M_PI;
-
 template <typename T>
 Json or_null(const std::optional<T>& value) {
   return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
 }
 
 std::vector<double> in_degrees_and_metres(RigParameters theta) {
-  theta.head<3>() *= kDegreesPerRadian;
+  theta.head<3>() *= kToDegrees;
   return {theta.data(), theta.data() + theta.size()};
 }
 

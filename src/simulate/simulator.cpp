@@ -31,6 +31,9 @@ struct Run {
   [[nodiscard]] Kinematics at(std::int64_t t_ns) const {
     return trajectory.at(static_cast<double>(t_ns) / 1e9);
   }
+  [[nodiscard]] TrueRig rig_at(std::int64_t t_ns) const {
+    return {t_ns, scenario.rig.theta + decalibration.at(t_ns)};
+  }
   [[nodiscard]] bool moves(std::size_t id) const {
     const auto& body = scenario.world.moving_body;
     return body && stream("moving_body").uniform(id) < body->share;
@@ -66,25 +69,25 @@ void fill_groundtruth(const Run& run, Recording& recording) {
       bias_gyro += s.noise.gyro_walk * step * walk_gyro.normal3(k);
       bias_accel += s.noise.accel_walk * step * walk_accel.normal3(k);
     }
-    recording.groundtruth.push_back(state);
+    recording.truth.motion.states.push_back(state);
   }
   if (s.use_imu) {
-    detail::step_biases(s.faults, run.seed, run.run, recording.groundtruth);
+    detail::step_biases(s.faults, run.seed, run.run, recording.truth.motion.states);
   }
-  recording.groundtruth_has_velocity = true;
-  recording.groundtruth_has_biases = s.use_imu;
+  recording.truth.motion.has_velocity = true;
+  recording.truth.motion.has_biases = s.use_imu;
 }
 
 void fill_imu(const Run& run, Recording& recording) {
   const Scenario& s = run.scenario;
   const RandomStream noise_gyro = run.stream("noise_gyro"), noise_accel = run.stream("noise_accel");
   const RandomStream dropout = run.stream("dropout_imu");
-  const std::size_t last = recording.groundtruth.size() - 1;
+  const std::size_t last = recording.truth.motion.states.size() - 1;
   for (std::size_t k = 0; k <= last; ++k) {
     if (k > 0 && k < last && dropout.uniform(k) < s.dropout.imu_samples) {
       continue;
     }
-    const GroundTruthState& state = recording.groundtruth[k];
+    const GroundTruthState& state = recording.truth.motion.states[k];
     const Kinematics truth = run.at(state.t_ns);
     recording.imu.push_back(
         {state.t_ns, truth.omega_body + state.bias_gyro + s.noise.gyro * noise_gyro.normal3(k),
@@ -171,10 +174,9 @@ class FrameMaker {
   };
 
   [[nodiscard]] Cameras cameras_at(std::int64_t t_ns) const {
-    StereoCalibration calibration_true = nominal_;
-    calibration_true.theta = run_.scenario.rig.theta + run_.decalibration.at(t_ns);
-    const Pose T_body_cam0 = body_from_cam0(calibration_true);
-    return {(run_.at(t_ns).T_world_body * T_body_cam0).inverse(), pose_from_rig(calibration_true.theta)};
+    const TrueRig rig = run_.rig_at(t_ns);
+    const Pose T_body_cam0 = body_from_cam0(nominal_, rig);
+    return {(run_.at(t_ns).T_world_body * T_body_cam0).inverse(), pose_from_rig(rig.theta)};
   }
 
   [[nodiscard]] StereoObservation observe(std::size_t id, std::uint32_t j, const Eigen::Vector2d& uv_cam0,
@@ -227,7 +229,7 @@ void fill_frames(const Run& run, Recording& recording) {
     for (const StereoObservation& o : frame.observations) {
       const auto id = static_cast<std::size_t>(o.track_id);
       if (!run.moves(id)) {
-        recording.landmarks_true[o.track_id] = run.world[id];
+        recording.truth.landmarks[o.track_id] = run.world[id];
       }
     }
   }
@@ -242,7 +244,7 @@ void fill_calibration_truth(const Run& run, Recording& recording) {
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   for (const std::int64_t t_ns : times) {
-    recording.calibration_true.push_back({t_ns, run.scenario.rig.theta + run.decalibration.at(t_ns)});
+    recording.truth.rig.push_back(run.rig_at(t_ns));
   }
 }
 

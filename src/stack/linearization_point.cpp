@@ -46,7 +46,7 @@ Matrix2d predicted_covariance(const Estimate& estimate, const Landmark& landmark
   Matrix2d covariance = Matrix2d::Zero();
   for (const auto& [row, J_row] : J) {
     for (const auto& [col, J_col] : J) {
-      covariance += J_row * estimate.P.triplet_block(row, col) * J_col.transpose();
+      covariance += J_row * estimate.P().triplet_block(row, col) * J_col.transpose();
     }
   }
   return covariance;
@@ -62,7 +62,7 @@ std::vector<Clue> collect(const Estimate& estimate, const StereoFrame& frame, co
     }
     const Anchor* anchor = estimate.anchor_of(*landmark);
     std::optional<PointProjection> projection =
-        project_point(cam1, body_point_at_exposure(cam1, estimate.nav.T_world_body, *landmark, anchor));
+        project_point(cam1, body_point_at_exposure(cam1, estimate.nav().T_world_body, *landmark, anchor));
     if (projection) {
       estimate.refer_to_epoch(*landmark, *projection);
       Matrix2d S = predicted_covariance(estimate, *landmark, anchor, *projection);

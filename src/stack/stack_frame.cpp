@@ -27,7 +27,7 @@ struct Row {
 /// them
 bool project_used(const Estimate& estimate, const MountedRig& rig, RemainingRows remaining, Row& row) {
   const auto seen_by = [&](const MountedCamera& mounted) {
-    return body_point_at_exposure(mounted, estimate.nav.T_world_body, *row.landmark,
+    return body_point_at_exposure(mounted, estimate.nav().T_world_body, *row.landmark,
                                   estimate.anchor_of(*row.landmark));
   };
   BodyPoint point = seen_by(rig[0]);

@@ -60,7 +60,7 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
     }
   }
   const std::size_t passive_before = passive_blocks_.size();
-  if (!passive_.change_epoch(P, layout_.map_begin(), change)) {
+  if (!passive_.change_epoch(P_, layout_.map_begin(), change)) {
     throw DivergenceError("map: the covariance is not positive definite where an epoch ends");
   }
   for (std::size_t k = 0; k < passive_before; ++k) {
@@ -77,12 +77,12 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
   }
   carry_active(kept);
   carry_passive(passive);
-  frozen_end_ = passive_.z_size() > 0 ? P.size() : layout_.map_begin();
+  frozen_end_ = passive_.z_size() > 0 ? P_.size() : layout_.map_begin();
   drift_.setZero(frozen_end_ - layout_.map_begin());
   moved_ = drift_;
   grown_ = {};
   refresh_map_scale();
-  epoch_began_ns_ = nav.t_ns;
+  epoch_began_ns_ = nav_.t_ns;
 }
 
 /// What transport() does for the rest of the state, for those whose displacement has gathered since.
@@ -93,12 +93,12 @@ void Estimate::carry_active(const std::vector<Move>& kept) {
     const Index at = first + kTriplet * static_cast<Index>(k), column = at - layout_.map_begin();
     if (kept[k].block.owner == Owner::kAnchorAttitude) {
       const Matrix3d turned_back = so3_exp(-kept[k].displacement);
-      P.transform_triplet(at, turned_back);
+      P_.transform_triplet(at, turned_back);
       if (!passive_.empty()) {
         passive_.transform_column(column, turned_back);
       }
     } else if (is_world_vector(kept[k].block)) {
-      U.block<kTriplet, kTriplet>(at, 0) = -skew(kept[k].displacement) * nav.T_world_body.R;
+      U.block<kTriplet, kTriplet>(at, 0) = -skew(kept[k].displacement) * nav_.T_world_body.R;
     }
     couple_scale(U, at, grown(kept[k].block, kept[k].displacement));
   }
@@ -118,7 +118,7 @@ void Estimate::carry_passive(const std::vector<Move>& passive) {
     if (passive[k].block.owner == Owner::kAnchorAttitude) {
       passive_.transform_row(row, so3_exp(-passive[k].displacement));
     } else if (is_world_vector(passive[k].block)) {
-      passive_.couple_row(row, L::kAttitude, -skew(passive[k].displacement) * nav.T_world_body.R);
+      passive_.couple_row(row, L::kAttitude, -skew(passive[k].displacement) * nav_.T_world_body.R);
     }
     if (layout_.has_map_scale) {
       passive_.couple_row(row, layout_.map_scale(),
@@ -135,7 +135,7 @@ Vector3d Estimate::displacement_in_epoch(Index at) const {
 void Estimate::refer_to_epoch(const Landmark& landmark, PointProjection& projection) const {
   const Anchor* anchor = anchor_of(landmark);
   // Error of a world vector now: its own in P − [displacement]_x R dtheta, as in transport().
-  const Matrix3d R = nav.T_world_body.R;
+  const Matrix3d R = nav_.T_world_body.R;
   if (layout_.has_map_scale && landmark.at < frozen_end_) {
     const auto grown_since = [&](Index at) {
       return grown(active_blocks_[slot(at)], displacement_in_epoch(at));
@@ -183,7 +183,7 @@ void Estimate::recall(const std::vector<std::int64_t>& recalled) {
     corrections.push_back(passive_.correction(row, drift_));
     retract_triplet(block, woken.back().displacement);
   }
-  passive_.recall(P, layout_.map_begin(), rows);
+  passive_.recall(P_, layout_.map_begin(), rows);
   std::sort(rows.rbegin(), rows.rend());
   for (const Index row : rows) {
     const StateBlock moved = passive_blocks_.back();
@@ -211,12 +211,12 @@ void Estimate::recall(const std::vector<std::int64_t>& recalled) {
 
 Matrix3d Estimate::joint_block(Index row, bool row_passive, Index col, bool col_passive) const {
   if (row_passive && col_passive) {
-    return passive_.triplet_block(P, layout_.map_begin(), row, col);
+    return passive_.triplet_block(P_, layout_.map_begin(), row, col);
   }
   if (row_passive) {
-    return passive_.cross(P, layout_.map_begin(), row).middleCols<kTriplet>(col);
+    return passive_.cross(P_, layout_.map_begin(), row).middleCols<kTriplet>(col);
   }
-  return col_passive ? joint_block(col, true, row, false).transpose() : P.triplet_block(row, col);
+  return col_passive ? joint_block(col, true, row, false).transpose() : P_.triplet_block(row, col);
 }
 
 Landmark Estimate::corrected(Landmark landmark, const Vector3d& correction) {

@@ -30,21 +30,21 @@ void retract_attitude(Matrix3d& R, const Vector3d& dtheta) { R = so3_normalized(
 
 Estimate::Estimate(StateLayout layout, const NavigationState& nav_state, const MatrixXd& body_covariance,
                    const RigParameters& rig, const Eigen::Matrix<double, 6, 6>& theta_covariance)
-    : nav(nav_state), theta(rig), layout_(layout) {
+    : nav_(nav_state), theta_(rig), layout_(layout) {
   if (body_covariance.rows() != layout.body_size() || body_covariance.cols() != layout.body_size()) {
     throw std::invalid_argument("estimate: the body's covariance is " +
                                 std::to_string(body_covariance.rows()) + "x" +
                                 std::to_string(body_covariance.cols()) + ", expected " +
                                 std::to_string(layout.body_size()) + " wide");
   }
-  P.append(layout.map_begin());
+  P_.append(layout.map_begin());
   frozen_end_ = layout.map_begin();
-  P.set_diagonal_block(0, body_covariance);
+  P_.set_diagonal_block(0, body_covariance);
   if (layout.has_theta) {
-    P.set_diagonal_block(layout.theta(), theta_covariance);
+    P_.set_diagonal_block(layout.theta(), theta_covariance);
   }
   if (layout.has_map_scale) {
-    P.set_diagonal_block(layout.map_scale(), Matrix3d::Identity());
+    P_.set_diagonal_block(layout.map_scale(), Matrix3d::Identity());
     refresh_map_scale();
   }
 }
@@ -67,21 +67,21 @@ void Estimate::retract(const Eigen::VectorXd& dx) {
   const Growth by = growth(dx);
   const VectorXd moved = displacements(dx, by);
   transport(moved);
-  nav.T_world_body.p += moved.segment<3>(L::kPosition);
-  retract_attitude(nav.T_world_body.R, dx.segment<3>(L::kAttitude));
+  nav_.T_world_body.p += moved.segment<3>(L::kPosition);
+  retract_attitude(nav_.T_world_body.R, dx.segment<3>(L::kAttitude));
   if (layout_.motion != MotionModel::kOdometry) {
-    nav.v_world_body += moved.segment<3>(L::kVelocity);
+    nav_.v_world_body += moved.segment<3>(L::kVelocity);
   }
   if (layout_.motion == MotionModel::kConstantVelocity) {
-    nav.omega_body += dx.segment<3>(L::kRate);
+    nav_.omega_body += dx.segment<3>(L::kRate);
   }
   if (layout_.motion == MotionModel::kImu) {
-    nav.bias_gyro += dx.segment<3>(L::kBiasGyro);
-    nav.bias_accel += dx.segment<3>(L::kBiasAccel);
+    nav_.bias_gyro += dx.segment<3>(L::kBiasGyro);
+    nav_.bias_accel += dx.segment<3>(L::kBiasAccel);
   }
   retract_parameters(dx);
   if (layout_.has_witness) {
-    witness += dx.segment<6>(layout_.witness());
+    witness_ += dx.segment<6>(layout_.witness());
   }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     retract_triplet(active_blocks_[k],
@@ -94,17 +94,17 @@ void Estimate::retract(const Eigen::VectorXd& dx) {
 
 void Estimate::retract_parameters(const Eigen::VectorXd& dx) {
   if (layout_.has_theta) {
-    theta += dx.segment<6>(layout_.theta());
+    theta_ += dx.segment<6>(layout_.theta());
   }
   for (std::size_t k = 0; k < layout_.has_more.size(); ++k) {
     if (layout_.has_more[k]) {
-      more.segment<6>(6 * static_cast<Index>(k)) += dx.segment<6>(layout_.more(k));
+      more_.segment<6>(6 * static_cast<Index>(k)) += dx.segment<6>(layout_.more(k));
     }
   }
   if (layout_.has_more.back()) {  // the mount's rotation: Exp(more) := Exp(dx) Exp(more)
     const Index k = kMoreParameters - 6;
     const Vector3d turn = dx.segment<3>(layout_.more(layout_.has_more.size() - 1));
-    more.segment<3>(k) = so3_log(so3_exp(turn) * so3_exp(more.segment<3>(k) - turn));
+    more_.segment<3>(k) = so3_log(so3_exp(turn) * so3_exp(more_.segment<3>(k) - turn));
   }
 }
 
@@ -131,30 +131,30 @@ bool Estimate::is_world_vector(StateBlock block) const {
 }
 
 void Estimate::restart_witness(double sigma) {
-  witness.setZero();
+  witness_.setZero();
   const std::array<Index, 2> block = {layout_.witness(), layout_.witness() + kTriplet};
   MatrixXd columns = MatrixXd::Zero(size(), 6);
   columns.middleRows<6>(layout_.witness()).diagonal().setConstant(sigma * sigma);
-  P.scatter(block, columns);
+  P_.scatter(block, columns);
 }
 
 void Estimate::promote_witness(const MatrixXd& directions) {
   MatrixXd B = MatrixXd::Zero(6, 6);
   B.leftCols(directions.cols()) = directions;
-  theta += B * witness;
+  theta_ += B * witness_;
   const std::array<Index, 2> block = {layout_.witness(), layout_.witness() + kTriplet};
   MatrixXd columns;
-  P.gather(block, columns);
+  P_.gather(block, columns);
   columns = multiply(columns, transposed(B));
   columns.middleRows<6>(layout_.witness()) = (B * columns.middleRows<6>(layout_.witness())).eval();
-  P.scatter(block, columns);
+  P_.scatter(block, columns);
   layout_.has_theta = true;
   layout_.has_witness = false;
 }
 
 Index Estimate::append_triplet(StateBlock block) {
   active_blocks_.push_back(block);
-  return P.append(kTriplet);
+  return P_.append(kTriplet);
 }
 
 void Estimate::remove_triplet(Index at, bool passive) {
@@ -163,7 +163,7 @@ void Estimate::remove_triplet(Index at, bool passive) {
     return;
   }
   std::vector<StateBlock>& blocks = passive ? passive_blocks_ : active_blocks_;
-  const Index moved_from = passive ? passive_.remove(at) : P.remove_triplet(at);
+  const Index moved_from = passive ? passive_.remove(at) : P_.remove_triplet(at);
   const StateBlock moved = blocks.back();
   blocks.pop_back();
   if (moved_from != at) {
@@ -220,16 +220,16 @@ void Estimate::add_jitter(const Anchor& anchor, MatrixXd& columns) const {
 }
 
 int Estimate::add_anchor(const Pose& T_body_cam0) {
-  const int index = append_anchor(nav.T_world_body, T_body_cam0);
+  const int index = append_anchor(nav_.T_world_body, T_body_cam0);
   const Anchor& anchor = anchors_[static_cast<std::size_t>(index)];
   // Same rows as the pose, plus the jitter on the diagonal.
   const std::array<Index, 2> pose = {L::kPosition, L::kAttitude};
   const std::array<Index, 2> clone = {anchor.position_at, anchor.attitude_at};
   MatrixXd columns;
-  P.gather(pose, columns);
+  P_.gather(pose, columns);
   columns.middleRows<L::kPoseSize>(anchor.position_at) = columns.topRows<L::kPoseSize>().eval();
   add_jitter(anchor, columns);
-  P.scatter(clone, columns);
+  P_.scatter(clone, columns);
   return index;
 }
 
@@ -238,7 +238,7 @@ int Estimate::add_camera_anchor(const CameraPose& pose) {
   const Anchor& anchor = anchors_[static_cast<std::size_t>(index)];
   MatrixXd columns = MatrixXd::Zero(size(), L::kPoseSize), sources;
   for (const CameraPose::Block& block : pose.blocks) {
-    P.gather(std::array<Index, 1>{block.col}, sources);
+    P_.gather(std::array<Index, 1>{block.col}, sources);
     columns.noalias() += sources * block.value.transpose();
   }
   Eigen::Matrix<double, L::kPoseSize, L::kPoseSize> own;
@@ -248,7 +248,7 @@ int Estimate::add_camera_anchor(const CameraPose& pose) {
   }
   columns.middleRows<L::kPoseSize>(anchor.position_at) = 0.5 * (own + own.transpose());
   add_jitter(anchor, columns);
-  P.scatter(std::array<Index, 2>{anchor.position_at, anchor.attitude_at}, columns);
+  P_.scatter(std::array<Index, 2>{anchor.position_at, anchor.attitude_at}, columns);
   return index;
 }
 
@@ -260,7 +260,7 @@ Landmark& Estimate::add_landmark(Landmark landmark, const Matrix3d& P_ll, const 
     columns.topRows(before) = P_xl;
   }
   columns.bottomRows<kTriplet>() = 0.5 * (P_ll + P_ll.transpose());
-  P.scatter(std::array<Index, 1>{landmark.at}, columns);
+  P_.scatter(std::array<Index, 1>{landmark.at}, columns);
   if (landmark.kind == LandmarkKind::kInverseDepth) {
     ++anchors_[static_cast<std::size_t>(landmark.anchor)].users;
   }
@@ -326,7 +326,7 @@ void Estimate::convert_to_cartesian(Landmark& landmark) {
   const Eigen::Matrix<double, 3, 9> J = world_position_jacobian(landmark, anchor);
   const std::array<Index, 3> sources = {anchor.position_at, anchor.attitude_at, landmark.at};
   MatrixXd gathered;
-  P.gather(sources, gathered);
+  P_.gather(sources, gathered);
   MatrixXd columns = gathered * J.transpose();
   Matrix3d P_ll = Matrix3d::Zero();
   for (std::size_t k = 0; k < sources.size(); ++k) {
@@ -334,7 +334,7 @@ void Estimate::convert_to_cartesian(Landmark& landmark) {
         J.middleCols<kTriplet>(kTriplet * static_cast<Index>(k)) * columns.middleRows<kTriplet>(sources[k]);
   }
   columns.middleRows<kTriplet>(landmark.at) = 0.5 * (P_ll + P_ll.transpose());
-  P.scatter(std::array<Index, 1>{landmark.at}, columns);
+  P_.scatter(std::array<Index, 1>{landmark.at}, columns);
   if (landmark.at < frozen_end_) {
     const auto column = [&](Index at) { return at - layout_.map_begin(); };
     passive_.transform_column(column(landmark.at), J.rightCols<3>());

@@ -51,9 +51,9 @@ VectorXd Estimate::displacements(const VectorXd& dx, const Growth& by) const {
   if (!layout_.has_map_scale) {
     return out;
   }
-  out.segment<3>(L::kPosition) += by.beyond_linear() * nav.T_world_body.p;
+  out.segment<3>(L::kPosition) += by.beyond_linear() * nav_.T_world_body.p;
   if (layout_.motion != MotionModel::kOdometry) {
-    out.segment<3>(L::kVelocity) += by.beyond_linear() * nav.v_world_body;
+    out.segment<3>(L::kVelocity) += by.beyond_linear() * nav_.v_world_body;
   }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     const Index at = layout_.map_begin() + kTriplet * static_cast<Index>(k);
@@ -100,7 +100,7 @@ std::vector<Estimate::LogDepth> Estimate::log_depths() const {
       continue;
     }
     if (landmark.kind == LandmarkKind::kCartesian) {
-      const Vector3d ray = landmark.value - nav.T_world_body.p;
+      const Vector3d ray = landmark.value - nav_.T_world_body.p;
       depth.of_landmark = ray / ray.squaredNorm();
       depth.of_body = -depth.of_landmark;
     } else if (landmark.value.z() > 0.0) {
@@ -108,10 +108,10 @@ std::vector<Estimate::LogDepth> Estimate::log_depths() const {
     } else {
       continue;
     }
-    const Vector3d of_both = P.triplet_block(landmark.at, L::kPosition) * depth.of_body;
+    const Vector3d of_both = P_.triplet_block(landmark.at, L::kPosition) * depth.of_body;
     depth.variance =
-        depth.of_landmark.dot(P.diagonal_block<3>(landmark.at) * depth.of_landmark + 2.0 * of_both) +
-        depth.of_body.dot(P.diagonal_block<3>(L::kPosition) * depth.of_body);
+        depth.of_landmark.dot(P_.diagonal_block<3>(landmark.at) * depth.of_landmark + 2.0 * of_both) +
+        depth.of_body.dot(P_.diagonal_block<3>(L::kPosition) * depth.of_body);
     depths.push_back(depth);
   }
   return depths;
@@ -138,12 +138,12 @@ void Estimate::refresh_map_scale() {
   c /= total;
   const Index at = layout_.map_scale();
   MatrixXd columns = MatrixXd::Zero(size(), kTriplet);
-  columns.col(0) = P.times(c);
+  columns.col(0) = P_.times(c);
   columns.middleRows<kTriplet>(at).setIdentity();
   columns(at, 0) = c.dot(columns.col(0)) + kJitter * kJitter;
-  P.scatter(std::array<Index, 1>{at}, columns);
+  P_.scatter(std::array<Index, 1>{at}, columns);
   if (columns(at, 0) > kWidest * kWidest) {  // as if it had been measured, and nothing been wrong
-    P.subtract_outer(columns.leftCols<1>() / std::sqrt(columns(at, 0) + kWidest * kWidest));
+    P_.subtract_outer(columns.leftCols<1>() / std::sqrt(columns(at, 0) + kWidest * kWidest));
   }
 }
 

@@ -20,7 +20,7 @@ void Estimate::transport(const Eigen::VectorXd& dx) {
   // Rows of the world vectors: error − [dx]_x R dtheta; of lengths: + displacement * (error of the scale).
   MatrixXd U = MatrixXd::Zero(size(), coupled_columns());
   const auto couple = [&](Index at) {
-    U.block<kTriplet, kTriplet>(at, 0) = -skew(dx.segment<3>(at)) * nav.T_world_body.R;
+    U.block<kTriplet, kTriplet>(at, 0) = -skew(dx.segment<3>(at)) * nav_.T_world_body.R;
   };
   couple(L::kPosition);
   couple_scale(U, L::kPosition, dx.segment<3>(L::kPosition));
@@ -31,7 +31,7 @@ void Estimate::transport(const Eigen::VectorXd& dx) {
   for (Index at = frozen_end_; at < size(); at += kTriplet) {
     const StateBlock block = active_blocks_[slot(at)];
     if (block.owner == Owner::kAnchorAttitude) {
-      P.transform_triplet(at, so3_exp(-dx.segment<3>(at)));
+      P_.transform_triplet(at, so3_exp(-dx.segment<3>(at)));
     } else if (is_world_vector(block)) {
       couple(at);
     }
@@ -47,12 +47,12 @@ void Estimate::add_couplings(const MatrixXd& U) {
   const std::array<Index, 2> to = {L::kAttitude, layout_.map_scale()};
   const auto triplets = static_cast<std::size_t>(U.cols() / kTriplet);
   MatrixXd G, own(U.cols(), U.cols());
-  P.gather(std::span(to).first(triplets), G);
+  P_.gather(std::span(to).first(triplets), G);
   for (std::size_t k = 0; k < triplets; ++k) {
     own.middleRows<kTriplet>(kTriplet * static_cast<Index>(k)) = G.middleRows<kTriplet>(to[k]);
   }
   add_product(G, 0.5, U, own);
-  P.add_symmetric_product(U, G);
+  P_.add_symmetric_product(U, G);
 }
 
 }  // namespace limber

@@ -22,7 +22,7 @@ namespace {
 constexpr double kPlacelessRanges = 10.0;
 
 Pose true_pose(const Recording& recording, std::int64_t t_ns) {
-  const GroundTruthState truth = *groundtruth_at(recording.groundtruth, t_ns);
+  const GroundTruthState truth = *groundtruth_at(recording.truth.motion.states, t_ns);
   return {truth.R_world_body, truth.p_world_body};
 }
 
@@ -108,7 +108,7 @@ void RunObserver::observe_map(const Navigator& navigator) {
       continue;
     }
     map_error_.mean_squared +=
-        (alignment_->T_true_est * positions[k] - recording_.landmarks_true.at(landmark.track_id))
+        (alignment_->T_true_est * positions[k] - recording_.truth.landmarks.at(landmark.track_id))
             .squaredNorm();
     ++map_error_.points;
   }
@@ -121,12 +121,12 @@ void RunObserver::observe_map(const Navigator& navigator) {
 
 void RunObserver::observe_theta(const Navigator& navigator) {
   const Estimate& estimate = navigator.estimate();
-  const RigParameters theta_true = calibration_at(recording_.calibration_true, estimate.nav.t_ns);
-  const Eigen::Matrix<double, 6, 6> P = estimate.P.diagonal_block<6>(estimate.layout().theta());
+  const RigParameters theta_true = true_rig_at(recording_.truth.rig, estimate.nav().t_ns).theta;
+  const Eigen::Matrix<double, 6, 6> P = estimate.P().diagonal_block<6>(estimate.layout().theta());
   for (std::size_t axis = 0; axis < 6; ++axis) {
     const auto k = static_cast<Eigen::Index>(axis);
-    const double error = estimate.theta(k) - theta_true(k);
-    set(theta_axis(CurveQuantity::kDeltaAx, axis), estimate.theta(k) - recording_.calibration.theta(k));
+    const double error = estimate.theta()(k) - theta_true(k);
+    set(theta_axis(CurveQuantity::kDeltaAx, axis), estimate.theta()(k) - recording_.calibration.theta(k));
     set(theta_axis(CurveQuantity::kThetaSquaredErrorAx, axis), error * error);
     set(theta_axis(CurveQuantity::kThetaVarianceAx, axis), P(k, k));
   }

@@ -181,9 +181,9 @@ ExampleRun StudyDatabase::example(std::size_t study_case) const {
   const Recording recording = simulate(info.scenario, this->info().seed, 0);
   ExampleRun out;
   for (const StereoFrame& frame : recording.frames) {
-    out.truth.push_back(groundtruth_at(recording.groundtruth, frame.t_ns)->p_world_body);
+    out.truth.push_back(groundtruth_at(recording.truth.motion.states, frame.t_ns)->p_world_body);
   }
-  for (const auto& [id, p_world_landmark] : recording.landmarks_true) {
+  for (const auto& [id, p_world_landmark] : recording.truth.landmarks) {
     out.landmarks.push_back(p_world_landmark);
   }
   for (std::size_t method = 0; method < info.methods.size(); ++method) {

@@ -5,9 +5,9 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 #include "io/base64.hpp"
+#include "limber/core/angle.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/diagnose/health_summary.hpp"
 
@@ -16,7 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 template <typename Vector>
@@ -115,7 +114,7 @@ std::string to_json(const ViewFrame& frame, const WatchOptions& watch) {
   }
   if (frame.sigma) {
     out["sigma_m"] = list_of(frame.sigma->head<3>());
-    out["sigma_deg"] = list_of(frame.sigma->tail<3>(), kDegreesPerRadian);
+    out["sigma_deg"] = list_of(frame.sigma->tail<3>(), kToDegrees);
   }
   out["status"] = frame.status;
   out["waiting"] = frame.waiting;

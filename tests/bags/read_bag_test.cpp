@@ -37,8 +37,8 @@ TEST_P(ReadBag, GivesARecordingWhoseImagesStayInTheBag) {
     const EncodedImage image = recording.image_store->load(camera, 3);
     EXPECT_EQ(image.data[18], fixture_pixel(2, 1, 3, static_cast<int>(camera)));
   }
-  ASSERT_EQ(recording.groundtruth.size(), kFixtureFrames);
-  EXPECT_EQ(recording.groundtruth[2].p_world_body.x(), 1.0);
+  ASSERT_EQ(recording.truth.motion.states.size(), kFixtureFrames);
+  EXPECT_EQ(recording.truth.motion.states[2].p_world_body.x(), 1.0);
   EXPECT_TRUE(recording.odometry.empty()) << "there is an IMU";
   EXPECT_THAT(recording.notes, Contains(HasSubstr("left=/cam0/image_raw,right=/cam1/image_raw")));
 }
@@ -59,7 +59,7 @@ TEST(AskedTopics, AreTakenAndTheOthersProposed) {
   EXPECT_TRUE(recording.image_store->load(1, 0).encoding.empty());
   EXPECT_EQ(recording.odometry.size(), kFixtureFrames);
   EXPECT_TRUE(recording.imu.empty()) << "odometry was asked for instead";
-  EXPECT_EQ(recording.groundtruth.size(), kFixtureFrames);
+  EXPECT_EQ(recording.truth.motion.states.size(), kFixtureFrames);
 }
 
 TEST(AskedTopics, ThatAreNotThereOrOfAnotherTypeAreRefused) {

@@ -47,11 +47,11 @@ void expect_same(const Recording& a, const Recording& b) {
     EXPECT_EQ(a.odometry[k].v_body, b.odometry[k].v_body);
     EXPECT_EQ(a.odometry[k].omega_body, b.odometry[k].omega_body);
   }
-  ASSERT_EQ(a.groundtruth.size(), b.groundtruth.size());
-  for (std::size_t k = 0; k < a.groundtruth.size(); ++k) {
-    EXPECT_EQ(a.groundtruth[k].t_ns, b.groundtruth[k].t_ns);
-    EXPECT_EQ(a.groundtruth[k].p_world_body, b.groundtruth[k].p_world_body);
-    EXPECT_TRUE(a.groundtruth[k].R_world_body.isApprox(b.groundtruth[k].R_world_body, 1e-14));
+  ASSERT_EQ(a.truth.motion.states.size(), b.truth.motion.states.size());
+  for (std::size_t k = 0; k < a.truth.motion.states.size(); ++k) {
+    EXPECT_EQ(a.truth.motion.states[k].t_ns, b.truth.motion.states[k].t_ns);
+    EXPECT_EQ(a.truth.motion.states[k].p_world_body, b.truth.motion.states[k].p_world_body);
+    EXPECT_TRUE(a.truth.motion.states[k].R_world_body.isApprox(b.truth.motion.states[k].R_world_body, 1e-14));
   }
   ASSERT_EQ(a.images.size(), b.images.size());
   for (std::size_t n = 0; n < a.images.size(); ++n) {

@@ -25,7 +25,7 @@ TEST_F(DecalibrateCommand, WritesALogWhoseTruthRunsAndReportsRead) {
   EXPECT_THAT(result.out, HasSubstr("right pixels moved"));
   const Recording sound = read_recording(log()), bent = read_recording(out());
   EXPECT_EQ(bent.calibration.theta, sound.calibration.theta);
-  const RigParameters change = bent.calibration_true.front().theta - sound.calibration_true.front().theta;
+  const RigParameters change = bent.truth.rig.front().theta - sound.truth.rig.front().theta;
   EXPECT_NEAR(change[1], 0.3 * 0.017453292519943295, 1e-9);
   EXPECT_NEAR(std::abs(change[3]), 0.05 * sound.calibration.baseline(), 1e-9);
   const auto run =
@@ -58,7 +58,7 @@ TEST_F(DecalibrateCommand, ReplacesOnlyWithForceWhatItMadeAndNeverItsInput) {
   };
   EXPECT_EQ(forced(out().string()).exit_code, 0);
   const auto turned_by = [](const std::filesystem::path& folder) {
-    return read_recording(folder).calibration_true.front().theta[1];
+    return read_recording(folder).truth.rig.front().theta[1];
   };
   EXPECT_NEAR(turned_by(out()) - turned_by(log()), 2.0 * 0.017453292519943295, 1e-9);
   EXPECT_THAT(forced(log().string()).err, HasSubstr("expected a folder outside the recording"));
@@ -94,7 +94,7 @@ TEST_F(DecalibrateCommand, BendsWhatSimulateHasRendered) {
   EXPECT_EQ(run_limber(forced).exit_code, 0);
   ASSERT_EQ(run_limber({"decalibrate", pictures.string(), "--as", "az=1", "--out", out().string()}).exit_code,
             0);
-  EXPECT_NEAR(read_recording(out()).calibration_true.front().theta[2], 0.017453292519943295, 1e-9);
+  EXPECT_NEAR(read_recording(out()).truth.rig.front().theta[2], 0.017453292519943295, 1e-9);
   EXPECT_EQ(
       run_limber({"simulate", scenario.string(), "--scene", "hall", "--out", pictures.string()}).exit_code,
       2);

@@ -34,7 +34,7 @@ class ImageFolder : public ::testing::Test {
     recording.frames.push_back({0, {}});
     for (std::int64_t k = 0; k < kFrames; ++k) {
       const Pose T_world_cam0 = testing::flight(static_cast<int>(k));
-      recording.groundtruth.push_back({k * kPeriodNs, T_world_cam0.R, T_world_cam0.p, {}, {}, {}});
+      recording.truth.motion.states.push_back({k * kPeriodNs, T_world_cam0.R, T_world_cam0.p, {}, {}, {}});
     }
     write_track_log(recording, root_.path());
     fs::remove_all(mav0() / "tracks0");

@@ -76,11 +76,11 @@ TEST_F(SimulateCommand, WritesATrackLogAndSaysWhatIsInIt) {
   EXPECT_EQ(recording.frames.size(), 21u);
   EXPECT_EQ(recording.imu.size(), 101u);
   EXPECT_EQ(recording.odometry.size(), 21u);
-  EXPECT_EQ(recording.groundtruth.size(), 101u);
-  EXPECT_TRUE(recording.groundtruth_has_velocity && recording.groundtruth_has_biases);
-  EXPECT_FALSE(recording.landmarks_true.empty());
-  ASSERT_FALSE(recording.calibration_true.empty());
-  EXPECT_NEAR(recording.calibration_true.front().theta[3] - recording.calibration.theta[3], 0.1, 1e-12);
+  EXPECT_EQ(recording.truth.motion.states.size(), 101u);
+  EXPECT_TRUE(recording.truth.motion.has_velocity && recording.truth.motion.has_biases);
+  EXPECT_FALSE(recording.truth.landmarks.empty());
+  ASSERT_FALSE(recording.truth.rig.empty());
+  EXPECT_NEAR(recording.truth.rig.front().theta[3] - recording.calibration.theta[3], 0.1, 1e-12);
   EXPECT_THAT(recording.notes, IsEmpty());
 }
 
@@ -123,7 +123,7 @@ TEST_F(SimulateCommand, MakesPixelsRealisticAndSensorsFaultyWhenAsked) {
   const Recording sound = read_recording(folder() / "sound"), faulty = read_recording(out());
   EXPECT_EQ(faulty.imu.size(), 71u);
   EXPECT_EQ(faulty.frames.size(), 17u);
-  EXPECT_EQ(faulty.groundtruth.back().p_world_body, sound.groundtruth.back().p_world_body);
+  EXPECT_EQ(faulty.truth.motion.states.back().p_world_body, sound.truth.motion.states.back().p_world_body);
   EXPECT_NE(faulty.frames[0].observations[0].uv_cam0, sound.frames[0].observations[0].uv_cam0);
 }
 

@@ -51,7 +51,7 @@ int main() {
     }
   }
 
-  const double moved = navigator.estimate().nav.T_world_body.p.norm();
+  const double moved = navigator.estimate().nav().T_world_body.p.norm();
   std::cout << "used " << report.used << " of " << report.observed << " points, moved " << moved << " m\n";
   const bool ok = report.status == limber::UpdateStatus::kUpdated && report.used == 20 && moved < 0.01;
   return ok ? EXIT_SUCCESS : EXIT_FAILURE;

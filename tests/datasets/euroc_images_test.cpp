@@ -72,7 +72,7 @@ TEST_F(EurocFolder, MayHaveKalibrsFilesBesideItAsTumViHas) {
   EXPECT_TRUE(recording.calibration.T_body_cam0.p.isApprox(own.calibration.T_body_cam0.p, 1e-12));
   EXPECT_EQ(recording.calibration.cam1.width, 752);
   EXPECT_EQ(recording.imu_noise->accel_density, 3e-3);
-  EXPECT_EQ(recording.groundtruth.size(), own.groundtruth.size());
+  EXPECT_EQ(recording.truth.motion.states.size(), own.truth.motion.states.size());
   fs::remove(dso / "camchain.yaml");
   EXPECT_NE(std::string(error().what()).find("cam0/sensor.yaml"), std::string::npos);
 }

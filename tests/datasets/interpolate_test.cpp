@@ -102,14 +102,13 @@ TEST(GroundtruthAt, HoldsALoneSample) {
 }
 
 TEST(CalibrationAt, IsTheLatestSampleAtOrBeforeTheTime) {
-  const std::vector<CalibrationTruth> truth = {{100, RigParameters::Constant(1)},
-                                               {200, RigParameters::Constant(2)}};
-  EXPECT_EQ(calibration_at(truth, 50)[0], 1.0) << "before the first sample: the first";
-  EXPECT_EQ(calibration_at(truth, 100)[0], 1.0);
-  EXPECT_EQ(calibration_at(truth, 199)[0], 1.0) << "a step is not smeared";
-  EXPECT_EQ(calibration_at(truth, 200)[0], 2.0);
-  EXPECT_EQ(calibration_at(truth, 1000)[0], 2.0);
-  EXPECT_THROW(static_cast<void>(calibration_at({}, 0)), std::invalid_argument);
+  const std::vector<TrueRig> truth = {{100, RigParameters::Constant(1)}, {200, RigParameters::Constant(2)}};
+  EXPECT_EQ(true_rig_at(truth, 50).theta[0], 1.0) << "before the first sample: the first";
+  EXPECT_EQ(true_rig_at(truth, 100).theta[0], 1.0);
+  EXPECT_EQ(true_rig_at(truth, 199).theta[0], 1.0) << "a step is not smeared";
+  EXPECT_EQ(true_rig_at(truth, 200).theta[0], 2.0);
+  EXPECT_EQ(true_rig_at(truth, 1000).theta[0], 2.0);
+  EXPECT_THROW(static_cast<void>(true_rig_at({}, 0)), std::invalid_argument);
 }
 
 }  // namespace

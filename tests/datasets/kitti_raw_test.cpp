@@ -114,8 +114,9 @@ TEST_F(RawDrive, IsReadWithRectifiedImagesAndTheTruthOfTheLeftCamera) {
   EXPECT_TRUE(recording.imu.empty()) << "10 Hz";
   EXPECT_THAT(recording.notes, Contains(HasSubstr("too slow for an IMU")));
   EXPECT_THAT(recording.notes, Contains(HasSubstr("rectified, by their size of 1242 x 375")));
-  ASSERT_EQ(recording.groundtruth.size(), 4u);
-  const GroundTruthState &first = recording.groundtruth.front(), &last = recording.groundtruth.back();
+  ASSERT_EQ(recording.truth.motion.states.size(), 4u);
+  const GroundTruthState &first = recording.truth.motion.states.front(),
+                         &last = recording.truth.motion.states.back();
   EXPECT_NEAR((last.p_world_body - first.p_world_body).x(), 3.0, 1e-3) << "east";
   EXPECT_LT((first.R_world_body.col(2) - Eigen::Vector3d::UnitX()).norm(), 0.03) << "the camera looks ahead";
   EXPECT_LT((first.R_world_body.col(1) + Eigen::Vector3d::UnitZ()).norm(), 0.03) << "its y goes down";
@@ -142,7 +143,7 @@ TEST_F(RawDrive, WithRawImagesAndAFastImuHasTheImuAsBody) {
   EXPECT_EQ(recording.imu[1].t_ns - recording.imu[0].t_ns, 10'000'000);
   EXPECT_EQ(recording.imu[0].omega_imu, Eigen::Vector3d(0.01, 0.02, 0.03));
   EXPECT_EQ(recording.imu[0].accel_imu, Eigen::Vector3d(0.1, 0.2, 9.8));
-  EXPECT_EQ(recording.groundtruth.front().p_world_body, Eigen::Vector3d(0, 0, 0));
+  EXPECT_EQ(recording.truth.motion.states.front().p_world_body, Eigen::Vector3d(0, 0, 0));
   EXPECT_NEAR(recording.calibration.T_body_cam0.p.x(), 1.08, 0.03);
   EXPECT_NEAR(recording.calibration.theta(3), -0.537, 0.02);
   EXPECT_THAT(recording.notes, Contains(HasSubstr("raw, by their size of 1392 x 512")));
@@ -154,13 +155,13 @@ TEST_F(RawDrive, InColourAloneHasTheLeftColourCameraAsBody) {
   const Recording recording = read();
   EXPECT_NEAR(recording.calibration.theta(3), -(339.5242 + 44.85728) / 721.5377, 2e-3);
   // cam2 stands 6 cm to the left of cam0.
-  EXPECT_NEAR(recording.groundtruth.front().p_world_body.y(), -0.32 + 0.06, 0.03);
+  EXPECT_NEAR(recording.truth.motion.states.front().p_world_body.y(), -0.32 + 0.06, 0.03);
 }
 
 TEST_F(RawDrive, WithoutThePlaceOfTheImuIsReadByImages) {
   fs::remove(day() / "calib_imu_to_velo.txt");
   const Recording recording = read();
-  EXPECT_TRUE(recording.groundtruth.empty());
+  EXPECT_TRUE(recording.truth.motion.states.empty());
   EXPECT_THAT(recording.notes, Contains(HasSubstr("without calib_imu_to_velo.txt")));
 }
 

@@ -58,7 +58,7 @@ TEST_F(KittiFolder, InColourHasTheLeftColourCameraAsBodyAndItsPosesAreThere) {
   EXPECT_EQ(recording.images[1].cam1, folder() / "image_3/000001.png");
   EXPECT_NEAR(recording.calibration.theta(3), -0.56, 1e-12);
   // cam2 stands 6 cm to the left of cam0: y of a world that the camera looks into along x.
-  EXPECT_LE((recording.groundtruth[0].p_world_body - Eigen::Vector3d(0, 0.06, 0)).norm(), 1e-12);
+  EXPECT_LE((recording.truth.motion.states[0].p_world_body - Eigen::Vector3d(0, 0.06, 0)).norm(), 1e-12);
 }
 
 TEST_F(KittiFolder, GivesTheRectifiedRigWithTheLeftCameraAsBody) {
@@ -88,13 +88,13 @@ TEST_F(KittiFolder, GivesTimesToTheNanosecond) {
 
 TEST_F(KittiFolder, HasItsTruthInAWorldWithZUp) {
   const Recording recording = read();
-  ASSERT_EQ(recording.groundtruth.size(), 2U);
-  EXPECT_FALSE(recording.groundtruth_has_velocity);
-  const GroundTruthState& first = recording.groundtruth[0];
+  ASSERT_EQ(recording.truth.motion.states.size(), 2U);
+  EXPECT_FALSE(recording.truth.motion.has_velocity);
+  const GroundTruthState& first = recording.truth.motion.states[0];
   EXPECT_LE((first.R_world_body.col(2) - Eigen::Vector3d(1, 0, 0)).norm(), 1e-15) << "looks along x";
   EXPECT_LE((first.R_world_body.col(1) - Eigen::Vector3d(0, 0, -1)).norm(), 1e-15)
       << "image down is world down";
-  const GroundTruthState& second = recording.groundtruth[1];
+  const GroundTruthState& second = recording.truth.motion.states[1];
   EXPECT_EQ(second.t_ns, 104505500);
   EXPECT_LE((second.p_world_body - Eigen::Vector3d(2, 0, 1)).norm(), 1e-15);
   EXPECT_LE((second.R_world_body.col(2) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-15) << "turned to the left";
@@ -102,9 +102,9 @@ TEST_F(KittiFolder, HasItsTruthInAWorldWithZUp) {
 
 TEST_F(KittiFolder, FindsThePosesInKittisOwnLayout) {
   fs::remove(folder() / "poses.txt");
-  EXPECT_TRUE(read().groundtruth.empty());
+  EXPECT_TRUE(read().truth.motion.states.empty());
   write_text(root() / "poses" / "06.txt", kPoses);
-  EXPECT_EQ(read().groundtruth.size(), 2U);
+  EXPECT_EQ(read().truth.motion.states.size(), 2U);
 }
 
 TEST_F(KittiFolder, NamesWhatIsMissing) {

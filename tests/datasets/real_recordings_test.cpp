@@ -47,15 +47,15 @@ double median_reprojection_error(const Recording& recording, bool in_cam1) {
   std::vector<double> errors;
   const Pose T_cam1_cam0 = pose_from_rig(recording.calibration.theta);
   for (const StereoFrame& frame : recording.frames) {
-    const auto truth = groundtruth_at(recording.groundtruth, frame.t_ns);
+    const auto truth = groundtruth_at(recording.truth.motion.states, frame.t_ns);
     if (!truth) {
       continue;
     }
     const Pose T_world_cam0 =
         Pose{truth->R_world_body, truth->p_world_body} * recording.calibration.T_body_cam0;
     for (const StereoObservation& point : frame.observations) {
-      const auto landmark = recording.landmarks_true.find(point.track_id);
-      if (landmark == recording.landmarks_true.end() || !point.in_cam0 || !point.in_cam1) {
+      const auto landmark = recording.truth.landmarks.find(point.track_id);
+      if (landmark == recording.truth.landmarks.end() || !point.in_cam0 || !point.in_cam1) {
         continue;
       }
       const Eigen::Vector3d X_cam0 = T_world_cam0.inverse() * landmark->second;
@@ -83,11 +83,11 @@ TEST_F(RealRecording, EurocAprilHasTheNumbersOfItsReadme) {
   EXPECT_EQ(r.imu.front().t_ns, 1404733405747800064);
   EXPECT_EQ(r.imu.front().accel_imu, Eigen::Vector3d(9.365351, -0.335061, -3.277056));
   EXPECT_EQ(r.imu_noise->gyro_density, 1.6968e-4);
-  EXPECT_EQ(r.groundtruth.size(), 1415U);
-  EXPECT_TRUE(r.groundtruth_has_velocity);
-  EXPECT_FALSE(r.groundtruth_has_biases);
-  EXPECT_EQ(r.landmarks_true.size(), 144U);
-  EXPECT_NEAR(path_length(r.groundtruth), 30.0, 1.0);
+  EXPECT_EQ(r.truth.motion.states.size(), 1415U);
+  EXPECT_TRUE(r.truth.motion.has_velocity);
+  EXPECT_FALSE(r.truth.motion.has_biases);
+  EXPECT_EQ(r.truth.landmarks.size(), 144U);
+  EXPECT_NEAR(path_length(r.truth.motion.states), 30.0, 1.0);
   EXPECT_FALSE(r.pixel_noise.has_value());
   ASSERT_EQ(r.notes.size(), 1U);
   EXPECT_NE(r.notes[0].find("sigma_px"), std::string::npos);
@@ -105,9 +105,9 @@ TEST_F(RealRecording, StarryNightReprojectsItsLandmarksToThePixels) {
   EXPECT_EQ(observations(r), 9410U);
   EXPECT_EQ(r.frames.size(), 1688U);  // of 1900; 212 see nothing and have no line
   EXPECT_EQ(r.odometry.size(), 1900U);
-  EXPECT_EQ(r.landmarks_true.size(), 20U);
+  EXPECT_EQ(r.truth.landmarks.size(), 20U);
   EXPECT_NEAR(r.calibration.baseline(), 0.240, 5e-4);
-  EXPECT_NEAR(path_length(r.groundtruth), 44.3, 0.1);
+  EXPECT_NEAR(path_length(r.truth.motion.states), 44.3, 0.1);
   EXPECT_LE(median_reprojection_error(r, false), 12.0);  // the source: variances 38 and 130 px^2
   EXPECT_LE(median_reprojection_error(r, true), 12.0);
 }
@@ -133,18 +133,18 @@ TEST_F(RealRecording, EurocMachineHallHasItsImagesImuAndTruth) {
   EXPECT_EQ(r.images.front().t_ns, 1403636584763555584);
   EXPECT_TRUE(fs::exists(r.images.back().cam1));
   EXPECT_EQ(r.imu.size(), 1651U);
-  EXPECT_EQ(r.groundtruth.size(), 1651U);
-  EXPECT_TRUE(r.groundtruth_has_velocity);
+  EXPECT_EQ(r.truth.motion.states.size(), 1651U);
+  EXPECT_TRUE(r.truth.motion.has_velocity);
   EXPECT_TRUE(r.notes.empty());
   // Velocity is the derivative of position, in the same frame.
-  const GroundTruthState& a = r.groundtruth[500];
-  const GroundTruthState& b = r.groundtruth[540];
+  const GroundTruthState& a = r.truth.motion.states[500];
+  const GroundTruthState& b = r.truth.motion.states[540];
   const double dt = static_cast<double>(b.t_ns - a.t_ns) * 1e-9;
-  EXPECT_LE(((b.p_world_body - a.p_world_body) / dt - r.groundtruth[520].v_world_body).norm(), 0.03);
+  EXPECT_LE(((b.p_world_body - a.p_world_body) / dt - r.truth.motion.states[520].v_world_body).norm(), 0.03);
   // The world is z up: the mean specific force, turned into the world, points up with about 9.81 m/s^2.
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const ImuSample& sample : r.imu) {
-    mean += groundtruth_at(r.groundtruth, sample.t_ns)->R_world_body * sample.accel_imu / 1651.0;
+    mean += groundtruth_at(r.truth.motion.states, sample.t_ns)->R_world_body * sample.accel_imu / 1651.0;
   }
   EXPECT_LE((mean - Eigen::Vector3d(0, 0, 9.81)).norm(), 0.3);
 }
@@ -154,11 +154,11 @@ TEST_F(RealRecording, EurocViconRoomHasBiasesAndJpegs) {
   EXPECT_EQ(r.images.size(), 10U);
   EXPECT_EQ(r.images.front().cam0.extension(), ".jpg");
   EXPECT_EQ(r.imu.size(), 29120U);
-  EXPECT_EQ(r.groundtruth.size(), 2895U);
-  EXPECT_TRUE(r.groundtruth_has_biases);
-  EXPECT_EQ(r.groundtruth.front().bias_gyro, Eigen::Vector3d(-0.00224703, 0.0215352, 0.0770299));
-  EXPECT_EQ(r.groundtruth.front().bias_accel, Eigen::Vector3d(-0.0180115, 0.0659796, 0.0309774));
-  EXPECT_NEAR(path_length(r.groundtruth), 58.4, 0.1);
+  EXPECT_EQ(r.truth.motion.states.size(), 2895U);
+  EXPECT_TRUE(r.truth.motion.has_biases);
+  EXPECT_EQ(r.truth.motion.states.front().bias_gyro, Eigen::Vector3d(-0.00224703, 0.0215352, 0.0770299));
+  EXPECT_EQ(r.truth.motion.states.front().bias_accel, Eigen::Vector3d(-0.0180115, 0.0659796, 0.0309774));
+  EXPECT_NEAR(path_length(r.truth.motion.states), 58.4, 0.1);
 }
 
 TEST_F(RealRecording, KittiImagesAreARectifiedRigThatDrivesAlongX) {
@@ -171,11 +171,11 @@ TEST_F(RealRecording, KittiImagesAreARectifiedRigThatDrivesAlongX) {
   EXPECT_EQ(r.calibration.cam1.width, 1226);
   EXPECT_EQ(r.calibration.cam1.height, 370);
   EXPECT_EQ(r.images[1].t_ns, 104505500);
-  ASSERT_EQ(r.groundtruth.size(), 51U);
-  EXPECT_NEAR(path_length(r.groundtruth), 59.9, 0.1);
-  EXPECT_GT(r.groundtruth.back().p_world_body.x(), 59.0) << "almost straight ahead, which is x";
-  EXPECT_LT(std::abs(r.groundtruth.back().p_world_body.z()), 2.0) << "on a road";
-  EXPECT_GT((r.groundtruth.back().R_world_body * Eigen::Vector3d::UnitZ()).x(), 0.99);
+  ASSERT_EQ(r.truth.motion.states.size(), 51U);
+  EXPECT_NEAR(path_length(r.truth.motion.states), 59.9, 0.1);
+  EXPECT_GT(r.truth.motion.states.back().p_world_body.x(), 59.0) << "almost straight ahead, which is x";
+  EXPECT_LT(std::abs(r.truth.motion.states.back().p_world_body.z()), 2.0) << "on a road";
+  EXPECT_GT((r.truth.motion.states.back().R_world_body * Eigen::Vector3d::UnitZ()).x(), 0.99);
 }
 
 TEST_F(RealRecording, KittiTrackLogsHaveTheNumbersOfTheirReadme) {
@@ -196,15 +196,15 @@ TEST_F(RealRecording, KittiTrackLogsHaveTheNumbersOfTheirReadme) {
     EXPECT_TRUE(r.imu.empty());
     EXPECT_EQ(r.calibration.body, BodyFrame::kImu);
     EXPECT_NEAR(r.calibration.baseline(), 0.537, 5e-4) << drive.name;
-    EXPECT_NEAR(path_length(r.groundtruth), drive.path_m, 1.0) << drive.name;
+    EXPECT_NEAR(path_length(r.truth.motion.states), drive.path_m, 1.0) << drive.name;
     EXPECT_NEAR(static_cast<double>(observations(r)) / static_cast<double>(drive.frames),
                 drive.points_per_frame, 0.6);
     // Body x is forward, in the truth as in the odometry.
     const std::size_t k = drive.frames / 3;
-    EXPECT_NEAR(
-        (r.groundtruth[k].R_world_body.transpose() * r.groundtruth[k].v_world_body - r.odometry[k].v_body)
-            .norm(),
-        0.0, 0.1 * r.odometry[k].v_body.norm() + 0.2)
+    EXPECT_NEAR((r.truth.motion.states[k].R_world_body.transpose() * r.truth.motion.states[k].v_world_body -
+                 r.odometry[k].v_body)
+                    .norm(),
+                0.0, 0.1 * r.odometry[k].v_body.norm() + 0.2)
         << drive.name;
   }
 }

@@ -26,14 +26,14 @@ inline Recording small_recording() {
     const double s = (k + 1) / 7.0;
     r.imu.push_back({t_ns, {s, -s, 0.1 * s}, {9.81 + s, 1e-17, -s}});
     r.odometry.push_back({t_ns + 1, {s, 0.0, -s}, {1e-300, s, 3.0}});
-    r.groundtruth.push_back(
+    r.truth.motion.states.push_back(
         {t_ns + 2, so3_exp({s, 2.0 * s, -3.0}), {s, 1e6 * s, -s}, {1.0, s, 0.0}, {s, 0, 0}, {0, s, 0}});
-    CalibrationTruth truth{t_ns + 3, r.calibration.theta};
+    TrueRig truth{t_ns + 3, r.calibration.theta};
     truth.theta[3] -= 0.01 * s;
-    r.calibration_true.push_back(truth);
-    r.landmarks_true[100 - 7 * k] = {s, -2.0 * s, 1e-3 / s};
+    r.truth.rig.push_back(truth);
+    r.truth.landmarks[100 - 7 * k] = {s, -2.0 * s, 1e-3 / s};
   }
-  r.groundtruth_has_velocity = r.groundtruth_has_biases = true;
+  r.truth.motion.has_velocity = r.truth.motion.has_biases = true;
   r.frames = {
       {kStart,
        {{7, {100.125, 1.0 / 3.0}, {88.1, 0.33}, true, true}, {-3, {20.5, 30.25}, {0, 0}, true, false}}},

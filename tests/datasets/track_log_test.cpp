@@ -108,12 +108,12 @@ TEST_F(TrackLog, GivesBackEveryPixel) {
 TEST_F(TrackLog, GivesBackTheTruth) {
   const Recording expected = small_recording();
   const Recording actual = read();
-  ASSERT_EQ(actual.groundtruth.size(), expected.groundtruth.size());
-  EXPECT_TRUE(actual.groundtruth_has_velocity);
-  EXPECT_TRUE(actual.groundtruth_has_biases);
-  for (std::size_t k = 0; k < expected.groundtruth.size(); ++k) {
-    const GroundTruthState& a = actual.groundtruth[k];
-    const GroundTruthState& e = expected.groundtruth[k];
+  ASSERT_EQ(actual.truth.motion.states.size(), expected.truth.motion.states.size());
+  EXPECT_TRUE(actual.truth.motion.has_velocity);
+  EXPECT_TRUE(actual.truth.motion.has_biases);
+  for (std::size_t k = 0; k < expected.truth.motion.states.size(); ++k) {
+    const GroundTruthState& a = actual.truth.motion.states[k];
+    const GroundTruthState& e = expected.truth.motion.states[k];
     EXPECT_EQ(a.t_ns, e.t_ns);
     EXPECT_EQ(a.p_world_body, e.p_world_body);
     EXPECT_EQ(a.v_world_body, e.v_world_body);
@@ -121,11 +121,11 @@ TEST_F(TrackLog, GivesBackTheTruth) {
     EXPECT_EQ(a.bias_accel, e.bias_accel);
     EXPECT_LE((a.R_world_body - e.R_world_body).cwiseAbs().maxCoeff(), kRounding);
   }
-  EXPECT_EQ(actual.landmarks_true, expected.landmarks_true);
-  ASSERT_EQ(actual.calibration_true.size(), expected.calibration_true.size());
-  for (std::size_t k = 0; k < expected.calibration_true.size(); ++k) {
-    EXPECT_EQ(actual.calibration_true[k].t_ns, expected.calibration_true[k].t_ns);
-    EXPECT_EQ(actual.calibration_true[k].theta, expected.calibration_true[k].theta);
+  EXPECT_EQ(actual.truth.landmarks, expected.truth.landmarks);
+  ASSERT_EQ(actual.truth.rig.size(), expected.truth.rig.size());
+  for (std::size_t k = 0; k < expected.truth.rig.size(); ++k) {
+    EXPECT_EQ(actual.truth.rig[k].t_ns, expected.truth.rig[k].t_ns);
+    EXPECT_EQ(actual.truth.rig[k].theta, expected.truth.rig[k].theta);
   }
 }
 
@@ -194,8 +194,8 @@ TEST_F(TrackLog, NeedsNeitherImuNorOdometryNorTruth) {
   }
   const Recording actual = read();
   EXPECT_EQ(actual.frames.size(), 3U);
-  EXPECT_TRUE(actual.imu.empty() && actual.odometry.empty() && actual.groundtruth.empty());
-  EXPECT_TRUE(actual.landmarks_true.empty() && actual.calibration_true.empty());
+  EXPECT_TRUE(actual.imu.empty() && actual.odometry.empty() && actual.truth.motion.states.empty());
+  EXPECT_TRUE(actual.truth.landmarks.empty() && actual.truth.rig.empty());
   EXPECT_EQ(actual.calibration.body, BodyFrame::kImu);
 }
 
@@ -240,17 +240,17 @@ TEST(TrackLogWriter, StoresACameraBodyThatComesBackAsSuch) {
 TEST(TrackLogWriter, LeavesOutTheColumnsThatTheGroundTruthDoesNotHave) {
   const TemporaryFolder folder;
   Recording recording = small_recording();
-  recording.groundtruth_has_biases = false;
+  recording.truth.motion.has_biases = false;
   write_track_log(recording, folder.path());
   Recording actual = read_recording(folder.path());
-  EXPECT_TRUE(actual.groundtruth_has_velocity);
-  EXPECT_FALSE(actual.groundtruth_has_biases);
-  EXPECT_EQ(actual.groundtruth[0].bias_gyro, Eigen::Vector3d::Zero());
-  recording.groundtruth_has_velocity = false;
+  EXPECT_TRUE(actual.truth.motion.has_velocity);
+  EXPECT_FALSE(actual.truth.motion.has_biases);
+  EXPECT_EQ(actual.truth.motion.states[0].bias_gyro, Eigen::Vector3d::Zero());
+  recording.truth.motion.has_velocity = false;
   write_track_log(recording, folder.path(), true);
   actual = read_recording(folder.path());
-  EXPECT_FALSE(actual.groundtruth_has_velocity);
-  EXPECT_EQ(actual.groundtruth.size(), recording.groundtruth.size());
+  EXPECT_FALSE(actual.truth.motion.has_velocity);
+  EXPECT_EQ(actual.truth.motion.states.size(), recording.truth.motion.states.size());
 }
 
 TEST(TrackLogWriter, ReplacesAnOlderLogAsAWholeWhereItMay) {

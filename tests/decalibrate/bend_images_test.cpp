@@ -145,9 +145,9 @@ TEST(BendImages, LeavesEverythingButTheRightImagesAndTellsTheTruth) {
             0.0);
   EXPECT_EQ(bent.images[2].cam1.extension(), ".png");
   // After it the right camera has turned about its centre, and the truth says so.
-  const Pose T_cam1_cam0 = pose_from_rig(bent.calibration_true.back().theta);
+  const Pose T_cam1_cam0 = pose_from_rig(bent.truth.rig.back().theta);
   EXPECT_TRUE(T_cam1_cam0.inverse().p.isApprox(Eigen::Vector3d(0.1, 0.0, 0.0), 1e-12));
-  EXPECT_NEAR(bent.calibration_true.back().theta[1], 0.02, 1e-12);
+  EXPECT_NEAR(bent.truth.rig.back().theta[1], 0.02, 1e-12);
   const auto expected = project(kCamera, T_cam1_cam0.R * *unproject(kCamera, {101.0, 100.0}));
   const cv::Mat second = cv::imread(bent.images[1].cam1.string(), cv::IMREAD_UNCHANGED);
   EXPECT_LT((centre_near(second, expected->uv) - expected->uv).norm(), 0.03);
@@ -168,8 +168,8 @@ TEST(BendImages, OfKittiFoldersTellTheTruthToo) {
   signal.amplitude << 0.0, 0.0, 0.03, 0.0, 0.0, 0.0;
   EXPECT_EQ(bend_images(sound, BentRig(sound, {signal}, 0, BentRig::Parts::kRotation), to).images, 2u);
   const Recording bent = read_recording(to);
-  ASSERT_EQ(bent.calibration_true.size(), 2u);
-  EXPECT_NEAR(bent.calibration_true.front().theta[2], 0.03, 1e-12);
+  ASSERT_EQ(bent.truth.rig.size(), 2u);
+  EXPECT_NEAR(bent.truth.rig.front().theta[2], 0.03, 1e-12);
   EXPECT_EQ(bytes_of(bent.images[1].cam0), bytes_of(sound.images[1].cam0));
   EXPECT_NE(bytes_of(bent.images[1].cam1), bytes_of(sound.images[1].cam1));
 }

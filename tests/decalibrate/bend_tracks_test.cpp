@@ -54,8 +54,8 @@ TEST_P(BendTracksBy, GivesWhatABendingRigWouldHaveSeen) {
   const Recording expected = simulate(bending, 3);
   Recording sound = simulate(exact_drone(), 3);
   if (!GetParam()) {
-    sound.landmarks_true.clear();
-    sound.calibration_true.clear();
+    sound.truth.landmarks.clear();
+    sound.truth.rig.clear();
   }
   const TrackBending bent = bend_tracks(sound, BentRig(sound, {step()}, 0, BentRig::Parts::kAll));
   const auto [largest, count] = difference(expected, bent.recording);
@@ -63,8 +63,8 @@ TEST_P(BendTracksBy, GivesWhatABendingRigWouldHaveSeen) {
   EXPECT_GT(count, 500);
   EXPECT_GT(difference(sound, bent.recording).first, 5.0);
   EXPECT_EQ(bent.without_depth, 0u);
-  for (const CalibrationTruth& truth : expected.calibration_true) {
-    EXPECT_TRUE(calibration_at(bent.recording.calibration_true, truth.t_ns).isApprox(truth.theta, 1e-12));
+  for (const TrueRig& truth : expected.truth.rig) {
+    EXPECT_TRUE(true_rig_at(bent.recording.truth.rig, truth.t_ns).theta.isApprox(truth.theta, 1e-12));
   }
   EXPECT_EQ(bent.recording.calibration.theta, sound.calibration.theta);  // as given
 }
@@ -79,12 +79,12 @@ TEST(BendTracks, ComesBackByTheInverseProfile) {
   const auto [largest, count] = difference(sound, again);
   EXPECT_LT(largest, 1e-6);
   EXPECT_GT(count, 500);
-  EXPECT_TRUE(again.calibration_true.back().theta.isApprox(sound.calibration.theta, 1e-12));
+  EXPECT_TRUE(again.truth.rig.back().theta.isApprox(sound.calibration.theta, 1e-12));
 }
 
 TEST(BendTracks, LeavesOutRightPixelsWhoseDepthNobodyKnows) {
   Recording sound = simulate(exact_drone(), 5);
-  sound.landmarks_true.clear();
+  sound.truth.landmarks.clear();
   ASSERT_TRUE(sound.frames.back().observations.front().in_cam1);
   sound.frames.back().observations.front().in_cam0 = false;
   const TrackBending moved = bend_tracks(sound, BentRig(sound, {step()}, 0, BentRig::Parts::kAll));

@@ -110,7 +110,7 @@ TEST(LeftTurn, IsTheTrueOneWithExactPixelsWhateverTheRig) {
   scenario.noise.pixel = 1e-9;
   Recording recording = simulate(scenario, 1);
   const auto truth = [&](std::int64_t t_ns) {
-    for (const GroundTruthState& state : recording.groundtruth) {
+    for (const GroundTruthState& state : recording.truth.motion.states) {
       if (state.t_ns == t_ns) {
         return state.R_world_body;
       }

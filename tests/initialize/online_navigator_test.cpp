@@ -103,10 +103,10 @@ std::vector<Estimate> by_hand(const Scene& scene, const NavigatorOptions& option
 void expect_same_bits(const std::vector<Estimate>& a, const std::vector<Estimate>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t k = 0; k < a.size(); ++k) {
-    EXPECT_EQ(a[k].nav.t_ns, b[k].nav.t_ns);
-    EXPECT_EQ(a[k].nav.T_world_body.p, b[k].nav.T_world_body.p);
-    EXPECT_EQ(a[k].nav.T_world_body.R, b[k].nav.T_world_body.R);
-    EXPECT_EQ(a[k].P.dense(), b[k].P.dense());
+    EXPECT_EQ(a[k].nav().t_ns, b[k].nav().t_ns);
+    EXPECT_EQ(a[k].nav().T_world_body.p, b[k].nav().T_world_body.p);
+    EXPECT_EQ(a[k].nav().T_world_body.R, b[k].nav().T_world_body.R);
+    EXPECT_EQ(a[k].P().dense(), b[k].P().dense());
   }
 }
 
@@ -175,7 +175,7 @@ TEST(OnlineNavigator, HasNoStateBeforeTheStart) {
   EXPECT_THROW((void)navigator.estimate(), std::logic_error);
   EXPECT_THROW((void)navigator.predict(kMs), std::logic_error);
   EXPECT_THROW((void)navigator.navigator(), std::logic_error);
-  EXPECT_THROW(navigator.assume_theta(scene.calibration.theta), std::logic_error);
+  EXPECT_THROW(navigator.show_true_rig({0, scene.calibration.theta}), std::logic_error);
   EXPECT_FALSE(navigator.health());
   EXPECT_EQ(navigator.calibration_report(), nullptr);
   EXPECT_EQ(navigator.calibration().theta, scene.calibration.theta);
@@ -211,7 +211,7 @@ TEST(OnlineNavigator, ResetToAKnownStateGoesOnWithTheSamplesThatItHas) {
     EXPECT_EQ(report.frame->inputs.status, InputStatus::kSound);
     if (k == 10) {
       InitialState known = scene.initial;
-      known.nav = navigator.estimate().nav;
+      known.nav = navigator.estimate().nav();
       navigator.reset(known);
       EXPECT_TRUE(navigator.estimate().landmarks().empty());
     }
@@ -235,12 +235,12 @@ TEST(OnlineNavigator, RefusesAStateThatDoesNotFitAndKeepsItsOwn) {
   const Scene scene = scene_with(MotionModel::kImu);
   OnlineNavigator navigator(options_of(scene, Method::kLcekf), scene.calibration, soon());
   (void)pass(navigator, scene);
-  const NavigationState before = navigator.estimate().nav;
+  const NavigationState before = navigator.estimate().nav();
   InitialState wrong = scene.initial;
   wrong.nav.T_world_body.p.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(navigator.reset(wrong), std::invalid_argument);
-  EXPECT_EQ(navigator.estimate().nav.t_ns, before.t_ns);
-  EXPECT_EQ(navigator.estimate().nav.T_world_body.p, before.T_world_body.p);
+  EXPECT_EQ(navigator.estimate().nav().t_ns, before.t_ns);
+  EXPECT_EQ(navigator.estimate().nav().T_world_body.p, before.T_world_body.p);
 }
 
 /// What must not be given at this point is refused, and leaves no trace.

@@ -45,7 +45,7 @@ StereoObservation seen(const StereoCalibration& rig, const Vector3d& X_cam0) {
 }
 
 Vector3d in_cam0(const Estimate& estimate, const StereoCalibration& rig, const Landmark& landmark) {
-  return (estimate.nav.T_world_body * body_from_cam0(rig)).inverse() * estimate.landmark_position(landmark);
+  return (estimate.nav().T_world_body * body_from_cam0(rig)).inverse() * estimate.landmark_position(landmark);
 }
 
 /// A new landmark of a small map, on a new anchor if the kind needs one.
@@ -104,7 +104,7 @@ TEST(InitializeLandmark, ChangesNothingElseAndKeepsTheCovariancePositiveDefinite
       const StereoCalibration rig = calibration();
       ASSERT_TRUE(initialize(estimate, seen(rig, {0.5, 0.2, 4.0}), rig, options));
       EXPECT_EQ(snapshot(estimate, {7}), before);
-      EXPECT_TRUE(Cholesky(estimate.P.dense()).succeeded());
+      EXPECT_TRUE(Cholesky(estimate.P().dense()).succeeded());
     }
   }
 }
@@ -172,9 +172,9 @@ TEST(InitializeLandmark, PointsAtAndBeyondInfinityBeginFarAway) {
       const Landmark& landmark = *estimate.find(7);
       EXPECT_TRUE(landmark.value.allFinite());
       EXPECT_LE(landmark.value.z(), 1.0 / 100.0);
-      const double sigma_rho = std::sqrt(estimate.P.diagonal_block<3>(landmark.at)(2, 2));
+      const double sigma_rho = std::sqrt(estimate.P().diagonal_block<3>(landmark.at)(2, 2));
       EXPECT_GE(sigma_rho, 0.003) << "one pixel is 1 / (f b) = 0.007 in inverse depth";
-      EXPECT_TRUE(Cholesky(estimate.P.dense()).succeeded());
+      EXPECT_TRUE(Cholesky(estimate.P().dense()).succeeded());
     }
   }
 }
@@ -192,7 +192,7 @@ TEST(InitializeLandmark, SeenByTheLeftCameraAloneItsDepthIsThePrior) {
     ASSERT_TRUE(initialize(estimate, observation, rig, options));
     const Landmark& landmark = *estimate.find(7);
     EXPECT_EQ(landmark.value, Vector3d(0.0, 0.0, 0.2));
-    const Matrix3d P = estimate.P.diagonal_block<3>(landmark.at);
+    const Matrix3d P = estimate.P().diagonal_block<3>(landmark.at);
     EXPECT_NEAR(P(2, 2), 0.09, 1e-12);
     EXPECT_NEAR(P(2, 0), 0.0, 1e-15);
     // Half a pixel, near the axis of a camera with f = 455.
@@ -213,10 +213,10 @@ TEST(InitializeLandmark, DiffuselyInitializedPointsKnowNothingOfTheOthersButThei
     ASSERT_TRUE(initialize(estimate, seen(rig, {0.5, 0.2, 4.0}), rig, options));
     const Landmark& landmark = *estimate.find(7);
     MatrixXd column;
-    estimate.P.gather(std::vector<Index>{landmark.at}, column);
+    estimate.P().gather(std::vector<Index>{landmark.at}, column);
     column.middleRows<3>(landmark.at).setZero();
     EXPECT_TRUE(column.isZero(0.0));
-    const Matrix3d P = estimate.P.diagonal_block<3>(landmark.at);
+    const Matrix3d P = estimate.P().diagonal_block<3>(landmark.at);
     if (kind == LandmarkKind::kCartesian) {
       EXPECT_LE((P - 500.0 * 500.0 * Matrix3d::Identity()).norm(), 1e-9);
     } else {

@@ -46,10 +46,12 @@ TEST(LinearityIndex, IsFourSigmasOfDepthOverTheDistanceTimesTheParallax) {
   // sigma_d = sigma_rho d² = 0.25 m; from the anchor: 4 · 0.25 / 5.
   EXPECT_NEAR(linearity_index(estimate, *estimate.find(1)), 0.2, 1e-12);
   // From the side, 5 m away at a right angle to the ray: no depth error is seen as such.
-  estimate.nav.T_world_body.p << 5.0, 0.0, 5.0;
+  testing::move_body(estimate, [&](NavigationState& nav) { nav.T_world_body.p << 5.0, 0.0, 5.0; });
   EXPECT_NEAR(linearity_index(estimate, *estimate.find(1)), 0.0, 1e-12);
   // At 60 degrees.
-  estimate.nav.T_world_body.p = Vector3d(0.0, 0.0, 5.0) - 2.0 * Vector3d(std::sqrt(0.75), 0.0, 0.5);
+  testing::move_body(estimate, [&](NavigationState& nav) {
+    nav.T_world_body.p = Vector3d(0.0, 0.0, 5.0) - 2.0 * Vector3d(std::sqrt(0.75), 0.0, 0.5);
+  });
   EXPECT_NEAR(linearity_index(estimate, *estimate.find(1)), 4.0 * 0.25 / 2.0 * 0.5, 1e-12);
 }
 
@@ -107,9 +109,9 @@ TEST(ProjectionCurvature, DoesNotSeeWhatPoseAndLandmarkShare) {
   // The body is as uncertain as the point, and in the same way.
   const Eigen::Index at = estimate.find(1)->at;
   Eigen::MatrixXd columns;
-  estimate.P.gather(std::vector<Eigen::Index>{at}, columns);
+  estimate.P().gather(std::vector<Eigen::Index>{at}, columns);
   columns.topRows<3>() = columns.middleRows<3>(at).eval();
-  estimate.P.scatter(std::vector<Eigen::Index>{0}, columns);
+  estimate.mutable_P().scatter(std::vector<Eigen::Index>{0}, columns);
   EXPECT_LE(projection_curvature(estimate, *estimate.find(1), camera()), 1e-6);
 }
 

@@ -21,12 +21,12 @@ const Vector3d kGyro(0.3, -0.8, 1.1);
 /// cam0 of a rig as an estimate corrects it, on a body that moves as it says.
 MountedCamera cam0_of(const Estimate& estimate, const StereoCalibration& rig) {
   ParameterVector error;
-  error << RigParameters::Zero(), estimate.more;
+  error << RigParameters::Zero(), estimate.more();
   MountedCamera out = mount(corrected(rig, error))[0];
-  out.motion.v_world = estimate.nav.v_world_body;
+  out.motion.v_world = estimate.nav().v_world_body;
   out.motion.omega_body = estimate.layout().motion == MotionModel::kImu
-                              ? Vector3d(kGyro - estimate.nav.bias_gyro)
-                              : estimate.nav.omega_body;
+                              ? Vector3d(kGyro - estimate.nav().bias_gyro)
+                              : estimate.nav().omega_body;
   return out;
 }
 
@@ -43,7 +43,7 @@ struct Setting {
   Estimate estimate;
 
   [[nodiscard]] CameraPose pose() const {
-    return cam0_pose(cam0_of(estimate, rig), estimate.nav.T_world_body, estimate.layout());
+    return cam0_pose(cam0_of(estimate, rig), estimate.nav().T_world_body, estimate.layout());
   }
 };
 
@@ -52,11 +52,14 @@ Setting make(Generator& generator, MotionModel motion, double offset) {
   layout.has_more = {true, false, true};
   Setting out{testing::all_rigs(generator).front().calibration, testing::random_estimate(generator, layout)};
   for (const std::size_t k : {0U, 2U}) {
-    out.estimate.P.set_diagonal_block(layout.more(k), testing::random_positive_definite(generator, 6, 0.01));
+    out.estimate.mutable_P().set_diagonal_block(layout.more(k),
+                                                testing::random_positive_definite(generator, 6, 0.01));
   }
   out.rig.time_offset_s[0] = offset;
-  out.estimate.nav.v_world_body << 1.5, -2.0, 0.4;
-  out.estimate.nav.omega_body << -0.4, 0.9, 0.2;
+  testing::move_body(out.estimate, [](NavigationState& nav) {
+    nav.v_world_body << 1.5, -2.0, 0.4;
+    nav.omega_body << -0.4, 0.9, 0.2;
+  });
   return out;
 }
 
@@ -86,7 +89,7 @@ TEST(Cam0Pose, JacobianMatchesCentralDifferencesOfTheRetractedEstimate) {
 TEST(Cam0Pose, AsAnAnchorHasTheCovarianceThatFollows) {
   Generator generator(2);
   Setting s = make(generator, MotionModel::kImu, 0.01);
-  const MatrixXd P = s.estimate.P.dense();
+  const MatrixXd P = s.estimate.P().dense();
   const CameraPose pose = s.pose();
   const MatrixXd J = dense(pose, P.cols());
   const int index = s.estimate.add_camera_anchor(pose);
@@ -94,7 +97,7 @@ TEST(Cam0Pose, AsAnAnchorHasTheCovarianceThatFollows) {
   const Anchor& anchor = *s.estimate.anchor_of(*s.estimate.find(7));
   EXPECT_EQ(anchor.T_world_body.p, pose.T_world_cam.p);
   EXPECT_TRUE(anchor.T_body_cam0.R.isIdentity(0.0));
-  const MatrixXd with_anchor = s.estimate.P.dense();
+  const MatrixXd with_anchor = s.estimate.P().dense();
   EXPECT_EQ(anchor.attitude_at, anchor.position_at + kTriplet);
   const double scale = P.cwiseAbs().maxCoeff();
   EXPECT_LE((with_anchor.block(anchor.position_at, 0, 6, P.cols()) - J * P).cwiseAbs().maxCoeff(),

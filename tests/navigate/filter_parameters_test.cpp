@@ -80,8 +80,8 @@ Outcome estimate_parameters(const Scene& exact, Method method, const ParameterVe
                          p % kBlockSize);
       }
     }
-    out.pose = nees(pose_error(navigator, scene.truth[k]), estimate.P.diagonal_block<6>(0));
-    out.parameters = nees((found.error + error)(members), estimate.P.dense()(places, places));
+    out.pose = nees(pose_error(navigator, scene.truth[k]), estimate.P().diagonal_block<6>(0));
+    out.parameters = nees((found.error + error)(members), estimate.P().dense()(places, places));
     out.sigma = found.sigma(members).cwiseQuotient(sigma(members));
   });
   return out;
@@ -147,7 +147,7 @@ double sum_of_end_nees(Method method, const std::string& constraints, double sof
     options.softened(first_of(ParameterBlock::kCam1) + 2) = softened_px;
     run(scene, options, [&](StereoFilter& navigator, std::size_t k, const FrameReport&) {
       if (k + 1 == scene.frames.size()) {
-        sum += nees(pose_error(navigator, scene.truth[k]), navigator.estimate().P.diagonal_block<6>(0));
+        sum += nees(pose_error(navigator, scene.truth[k]), navigator.estimate().P().diagonal_block<6>(0));
       }
     });
   }

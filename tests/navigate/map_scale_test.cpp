@@ -145,15 +145,16 @@ Known fly(std::uint64_t seed, const Way& way, Method method, double duration_s) 
   Known out;
   for (const Landmark& landmark : estimate.landmarks()) {
     if (!landmark.passive && landmark.kind == LandmarkKind::kInverseDepth && landmark.value.z() > 0.0) {
-      const double of_depth = std::sqrt(estimate.P.diagonal_block<3>(landmark.at)(2, 2)) / landmark.value.z();
+      const double of_depth =
+          std::sqrt(estimate.P().diagonal_block<3>(landmark.at)(2, 2)) / landmark.value.z();
       out.of_map = std::min(out.of_map, of_depth);
     }
   }
-  const Vector3d v = estimate.nav.v_world_body;
+  const Vector3d v = estimate.nav().v_world_body;
   if (way.v.norm() > 0.0) {
     const Vector3d along = v.normalized();
     out.of_velocity =
-        std::sqrt(along.dot(estimate.P.diagonal_block<3>(StateLayout::kVelocity) * along)) / v.norm();
+        std::sqrt(along.dot(estimate.P().diagonal_block<3>(StateLayout::kVelocity) * along)) / v.norm();
     out.off = v.norm() / way.v.norm() - 1.0;
   }
   return out;

@@ -38,15 +38,15 @@ Flight fly(const Scene& scene, Navigator& navigator) {
     }
     out.reports.push_back(navigator.process(frame));
     const Estimate& estimate = navigator.estimate();
-    out.positions.push_back(estimate.nav.T_world_body.p);
+    out.positions.push_back(estimate.nav().T_world_body.p);
     out.rmse += (out.positions.back() - scene.truth[k].T_world_body.p).squaredNorm();
-    EXPECT_EQ(estimate.nav.t_ns, frame.t_ns);
+    EXPECT_EQ(estimate.nav().t_ns, frame.t_ns);
   }
   out.rmse = std::sqrt(out.rmse / static_cast<double>(scene.frames.size()));
   const Estimate& last = navigator.estimate();
-  out.theta = last.theta;
+  out.theta = last.theta();
   if (last.layout().has_theta) {
-    out.theta_sigma = last.P.diagonal_block<6>(last.layout().theta()).diagonal().cwiseSqrt();
+    out.theta_sigma = last.P().diagonal_block<6>(last.layout().theta()).diagonal().cwiseSqrt();
   }
   return out;
 }
@@ -137,8 +137,8 @@ TEST(Navigator, OtherMethodsAreLeftAlone) {
   for (const StereoFrame& frame : scene.frames) {
     (void)plain.process(frame);
     (void)supervised.process(frame);
-    EXPECT_EQ(plain.estimate().nav.T_world_body.p, supervised.estimate().nav.T_world_body.p);
-    EXPECT_EQ(plain.estimate().P.dense(), supervised.estimate().P.dense());
+    EXPECT_EQ(plain.estimate().nav().T_world_body.p, supervised.estimate().nav().T_world_body.p);
+    EXPECT_EQ(plain.estimate().P().dense(), supervised.estimate().P().dense());
   }
 }
 

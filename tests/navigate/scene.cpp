@@ -284,7 +284,7 @@ NavigatorOptions with_method(const Scene& scene, Method method, LandmarkKind kin
 }
 
 Eigen::Matrix<double, 6, 1> pose_error(const StereoFilter& navigator, const NavigationState& truth) {
-  const Pose& estimate = navigator.estimate().nav.T_world_body;
+  const Pose& estimate = navigator.estimate().nav().T_world_body;
   Eigen::Matrix<double, 6, 1> out;
   out << truth.T_world_body.p - estimate.p, so3_log(estimate.R.transpose() * truth.T_world_body.R);
   return out;

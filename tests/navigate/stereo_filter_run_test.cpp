@@ -100,9 +100,11 @@ TEST(NavigatorRun, WithoutNoiseTheOracleKeepsTheTruthOnARigThatBends) {
       scene, with_method(scene, Method::kOracle),
       [&](StereoFilter& navigator, std::size_t k, const FrameReport&) {
         worst = std::max(worst, pose_error(navigator, scene.truth[k]).norm());
-        EXPECT_EQ(navigator.estimate().theta, scene.theta_true[k]);
+        EXPECT_EQ(navigator.estimate().theta(), scene.theta_true[k]);
       },
-      [&](StereoFilter& navigator, std::size_t k) { navigator.assume_theta(scene.theta_true[k]); });
+      [&](StereoFilter& navigator, std::size_t k) {
+        navigator.show_true_rig({0, scene.theta_true[k]});
+      });
   EXPECT_LE(worst, 1e-7);
 }
 
@@ -163,9 +165,9 @@ TEST(NavigatorRun, ConsiderNeverMovesTheta) {
   run(scene, with_method(scene, Method::kConsider),
       [&](StereoFilter& navigator, std::size_t, const FrameReport&) {
         const Estimate& estimate = navigator.estimate();
-        EXPECT_EQ(estimate.theta, scene.calibration.theta);
-        EXPECT_LE((estimate.P.diagonal_block<6>(at) - P_theta).cwiseAbs().maxCoeff(), 1e-18);
-        correlation = estimate.P.block(0, at, 6, 6).cwiseAbs().maxCoeff();
+        EXPECT_EQ(estimate.theta(), scene.calibration.theta);
+        EXPECT_LE((estimate.P().diagonal_block<6>(at) - P_theta).cwiseAbs().maxCoeff(), 1e-18);
+        correlation = estimate.P().block(0, at, 6, 6).cwiseAbs().maxCoeff();
       });
   EXPECT_GT(correlation, 0.0);
 }
@@ -183,8 +185,8 @@ TEST(NavigatorRun, EkfFullFindsAConstantError) {
       if (k + 1 < scene.frames.size()) {
         return;
       }
-      const Eigen::Matrix<double, 6, 6> P = navigator.estimate().P.diagonal_block<6>(15);
-      const RigParameters left = scene.theta_true[k] - navigator.estimate().theta;
+      const Eigen::Matrix<double, 6, 6> P = navigator.estimate().P().diagonal_block<6>(15);
+      const RigParameters left = scene.theta_true[k] - navigator.estimate().theta();
       EXPECT_LE(left.dot(Cholesky(P).solve(left)), chi_square_quantile(1.0 - 1e-6, 6.0));
       EXPECT_LE(left.head<3>().norm(), 0.2 * error.head<3>().norm());
       // Ten times more certain than at the start of how the cameras look at each other.
@@ -216,17 +218,17 @@ TEST(NavigatorRun, TurningTheWorldTurnsTheAnswer) {
         std::vector<Pose> poses;
         std::vector<Eigen::Matrix3d> covariances;
         run(scene, with_method(scene, method, kind), [&](StereoFilter& n, std::size_t, const FrameReport&) {
-          poses.push_back(n.estimate().nav.T_world_body);
-          covariances.push_back(n.estimate().P.diagonal_block<3>(0));
+          poses.push_back(n.estimate().nav().T_world_body);
+          covariances.push_back(n.estimate().P().diagonal_block<3>(0));
         });
         double worst = 0.0;
         run(turned, with_method(turned, method, kind),
             [&](StereoFilter& n, std::size_t k, const FrameReport&) {
               const Pose expected = T_turned_world * poses[k];
-              const Pose& found = n.estimate().nav.T_world_body;
+              const Pose& found = n.estimate().nav().T_world_body;
               const Eigen::Matrix3d P = T_turned_world.R * covariances[k] * T_turned_world.R.transpose();
               worst = std::max({worst, (found.p - expected.p).norm(), (found.R - expected.R).norm(),
-                                (n.estimate().P.diagonal_block<3>(0) - P).norm() / P.norm()});
+                                (n.estimate().P().diagonal_block<3>(0) - P).norm() / P.norm()});
             });
         EXPECT_LE(worst, rounding(kind)) << name(method, kind);
       }

@@ -30,7 +30,7 @@ Judgement judge(const Scene& scene, const NavigatorOptions& options) {
   Judgement out;
   run(scene, options, [&](StereoFilter& navigator, std::size_t k, const FrameReport& report) {
     const auto e = pose_error(navigator, scene.truth[k]);
-    out.end_nees = e.dot(navigator.estimate().P.diagonal_block<6>(0).llt().solve(e));
+    out.end_nees = e.dot(navigator.estimate().P().diagonal_block<6>(0).llt().solve(e));
     out.nis += report.nis;
     out.dof += static_cast<double>(report.dof);
     out.squared += e.head<3>().squaredNorm() / static_cast<double>(scene.frames.size());

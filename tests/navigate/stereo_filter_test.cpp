@@ -43,7 +43,7 @@ struct State {
 };
 
 State state(const StereoFilter& navigator) {
-  return {navigator.estimate().nav.t_ns, snapshot(navigator.estimate())};
+  return {navigator.estimate().nav().t_ns, snapshot(navigator.estimate())};
 }
 
 TEST(StereoFilter, BadFramesAreRefusedAndLeaveTheStateAsItWas) {
@@ -96,7 +96,7 @@ TEST(StereoFilter, APixelThatNobodySawMayBeAnything) {
   frame.observations[0].in_cam1 = false;
   frame.observations[0].uv_cam1.setConstant(std::numeric_limits<double>::quiet_NaN());
   EXPECT_NO_THROW((void)feeder.process(frame));
-  EXPECT_TRUE(feeder.navigator.estimate().P.dense().allFinite());
+  EXPECT_TRUE(feeder.navigator.estimate().P().dense().allFinite());
 }
 
 TEST(StereoFilter, AnEmptyFrameOnlyPredicts) {
@@ -370,13 +370,13 @@ TEST(StereoFilter, AnInitialStateThatIsNoneIsRefused) {
 TEST(StereoFilter, AStateWithoutATimeKeepsItWhereTheFirstFrameIsRefused) {
   const Scene scene = small_scene();
   StereoFilter filter(scene.options, scene.calibration, scene.initial);
-  ASSERT_EQ(filter.estimate().nav.t_ns, 0);
+  ASSERT_EQ(filter.estimate().nav().t_ns, 0);
   StereoFrame frame = scene.frames[0];
   frame.t_ns = 1'000'000'000'000;
   frame.observations[0].uv_cam0.setConstant(std::nan(""));
   EXPECT_THROW((void)filter.process(frame), std::invalid_argument);
   EXPECT_THROW(filter.add_imu({frame.t_ns, Vector3d::Constant(std::nan("")), {}}), std::invalid_argument);
-  EXPECT_EQ(filter.estimate().nav.t_ns, 0);
+  EXPECT_EQ(filter.estimate().nav().t_ns, 0);
 }
 
 TEST(StereoFilter, InputsOfAnotherMotionModelAreRefused) {
@@ -388,18 +388,20 @@ TEST(StereoFilter, InputsOfAnotherMotionModelAreRefused) {
   EXPECT_THROW(imu.add_imu({11, Vector3d::Constant(std::nan("")), {}}), std::invalid_argument);
 }
 
-TEST(StereoFilter, ThetaCanBeAssumedUnlessItIsInTheState) {
+TEST(StereoFilter, ShowsTheTrueRigToTheOracleAlone) {
   const Scene scene = small_scene();
   for (const Method method : kAllMethods) {
     StereoFilter navigator(with_method(scene, method), scene.calibration, scene.initial);
     RigParameters theta = scene.calibration.theta;
     theta(3) *= 1.1;
-    if (method == Method::kEkfFull || method == Method::kConsider || method == Method::kAdaptive) {
-      EXPECT_THROW(navigator.assume_theta(theta), std::invalid_argument);
+    if (method != Method::kOracle) {
+      EXPECT_THROW(navigator.show_true_rig({0, theta}), std::logic_error);
+      EXPECT_EQ(navigator.estimate().theta(), scene.calibration.theta);
     } else {
-      navigator.assume_theta(theta);
-      EXPECT_EQ(navigator.estimate().theta, theta);
-      EXPECT_THROW(navigator.assume_theta(RigParameters::Constant(std::nan(""))), std::invalid_argument);
+      navigator.show_true_rig({0, theta});
+      EXPECT_EQ(navigator.estimate().theta(), theta);
+      EXPECT_THROW(navigator.show_true_rig({0, RigParameters::Constant(std::nan(""))}),
+                   std::invalid_argument);
       EXPECT_EQ(navigator.calibration().theta, theta);
     }
   }
@@ -448,6 +450,17 @@ TEST(StereoFilter, ParametersThatContradictEachOtherAreRefused) {
   EXPECT_THROW(StereoFilter(negative, scene.calibration, scene.initial), std::invalid_argument);
 }
 
+}  // namespace
+}  // namespace limber
+
+/// Tells a filter what Navigator would tell it.
+struct limber::testing::StereoFilterDoubt {
+  static void begin(StereoFilter& filter, const CalibrationPrior& prior) { filter.distrust(prior); }
+};
+
+namespace limber {
+namespace {
+
 /// With a degree of doubt a right pixel that is 15 px off contradicts nothing but the other points.
 TEST(StereoFilter, InDoubtPointsAreJudgedBesideEachOther) {
   SceneOptions options;
@@ -461,8 +474,8 @@ TEST(StereoFilter, InDoubtPointsAreJudgedBesideEachOther) {
   for (std::size_t k = 0; k < scene.frames.size(); ++k) {
     feeder.feed_inputs(scene.frames[k].t_ns);
     if (k == 19) {
-      feeder.navigator.distrust(
-          {100.0 * Eigen::Matrix<double, 6, 6>::Identity(), WhiteSize::Vector6::Constant(10.0)});
+      testing::StereoFilterDoubt::begin(feeder.navigator, {100.0 * Eigen::Matrix<double, 6, 6>::Identity(),
+                                                           WhiteSize::Vector6::Constant(10.0)});
     }
     StereoFrame frame = scene.frames[k];
     std::vector<std::int64_t> wrong;

@@ -104,7 +104,7 @@ TEST_F(RunReport, DrawsVelocityErrorsAndBiasesWithTheirBounds) {
     const auto k = static_cast<Eigen::Index>(axis);
     for (std::size_t n = 0; n < record_.trajectory.size(); ++n) {
       const TrajectoryRow& row = record_.trajectory[n];
-      const GroundTruthState& truth = recording_.groundtruth[5 * n];  // 100 Hz, frames at 20 Hz
+      const GroundTruthState& truth = recording_.truth.motion.states[5 * n];  // 100 Hz, frames at 20 Hz
       EXPECT_NEAR(find_trace(velocity, "lcekf", axis)->y[n], (truth.v_world_body - *row.v_world_body)(k),
                   1e-9);
       EXPECT_NEAR(find_trace(velocity, "+3 sigma", axis)->y[n], 3.0 * (*row.sigma_v)(k), 1e-12);
@@ -119,7 +119,7 @@ TEST_F(RunReport, DrawsVelocityErrorsAndBiasesWithTheirBounds) {
 
 TEST_F(RunReport, DrawsTheVelocityItselfWhereNoTruthIsKnown) {
   Recording recording = testing::short_recording();
-  recording.groundtruth_has_velocity = recording.groundtruth_has_biases = false;
+  recording.truth.motion.has_velocity = recording.truth.motion.has_biases = false;
   navigate(recording);
   const ReportDocument document = run_report(folder_.path());
   EXPECT_THROW((void)figure(document, "velocity-error"), std::out_of_range);
@@ -189,7 +189,7 @@ TEST_F(RunReport, DrawsErrorsOfTheFilterAgainstTheTruth) {
     const auto k = static_cast<Eigen::Index>(axis);
     for (std::size_t n = 0; n < record_.trajectory.size(); ++n) {
       const TrajectoryRow& row = record_.trajectory[n];
-      const GroundTruthState& truth = recording_.groundtruth[5 * n];  // 100 Hz, frames at 20 Hz
+      const GroundTruthState& truth = recording_.truth.motion.states[5 * n];  // 100 Hz, frames at 20 Hz
       ASSERT_EQ(truth.t_ns, row.t_ns);
       EXPECT_DOUBLE_EQ(error->x[n], 1e-9 * static_cast<double>(row.t_ns));
       EXPECT_NEAR(error->y[n], (truth.p_world_body - row.T_world_body.p)(k), 1e-12);
@@ -203,7 +203,7 @@ TEST_F(RunReport, DrawsErrorsOfTheFilterAgainstTheTruth) {
 TEST_F(RunReport, PutsTheTruthIntoTheWorldOfAnEstimateThatStartedElsewhere) {
   Recording moved = testing::short_recording();
   const Eigen::Matrix3d R = so3_exp({0.0, 0.0, 1.0});
-  for (GroundTruthState& state : moved.groundtruth) {
+  for (GroundTruthState& state : moved.truth.motion.states) {
     state.p_world_body = R * state.p_world_body + Eigen::Vector3d(10.0, -20.0, 5.0);
     state.R_world_body = R * state.R_world_body;
   }
@@ -223,7 +223,7 @@ TEST_F(RunReport, PutsTheTruthIntoTheWorldOfAnEstimateThatStartedElsewhere) {
 TEST_F(RunReport, SaysSoWhereTheWorldOfTheTruthIsNotLevel) {
   Recording tilted = testing::short_recording();
   const Eigen::Matrix3d R = so3_exp({1.2, 0.0, 0.0});
-  for (GroundTruthState& state : tilted.groundtruth) {
+  for (GroundTruthState& state : tilted.truth.motion.states) {
     state.p_world_body = R * state.p_world_body;
     state.R_world_body = R * state.R_world_body;
   }
@@ -269,7 +269,7 @@ TEST_F(RunReport, TakesTheTiltOutOfTheFilesOfAnOlderRun) {
 
 TEST_F(RunReport, SaysNothingOfErrorsWithoutTruth) {
   Recording recording = testing::short_recording();
-  recording.groundtruth.clear();
+  recording.truth.motion.states.clear();
   navigate(recording, StartMode::kAuto);
   const ReportDocument document = run_report(folder_.path());
   const ReportFigure& position = figure(document, "position-error");

@@ -155,7 +155,7 @@ TEST(SetUpRun, TakesGravityAndTheNoiseOfTheMotionModelAsTold) {
 
 TEST(SetUpRun, RefusesAGroundTruthStartWithoutGroundTruth) {
   Recording recording = short_recording();
-  recording.groundtruth.clear();
+  recording.truth.motion.states.clear();
   RunOptions options;
   options.start = StartMode::kGroundTruth;
   EXPECT_THAT(message_of([&] { (void)set_up_run(recording, options); }), HasSubstr("use --init auto"));
@@ -163,7 +163,7 @@ TEST(SetUpRun, RefusesAGroundTruthStartWithoutGroundTruth) {
 
 TEST(SetUpRun, RefusesAnOracleWithNobodyToTellIt) {
   Recording recording = short_recording();
-  recording.calibration_true.clear();
+  recording.truth.rig.clear();
   RunOptions options;
   options.method = Method::kOracle;
   EXPECT_THAT(message_of([&] { (void)set_up_run(recording, options); }), HasSubstr("calibration_truth0"));

@@ -49,7 +49,7 @@ void expect_sound(const RunRecord& record, std::size_t frames) {
 
 double last_error(const Recording& recording, const RunRecord& record) {
   const TrajectoryRow& last = record.trajectory.back();
-  const GroundTruthState truth = groundtruth_at(recording.groundtruth, last.t_ns).value();
+  const GroundTruthState truth = groundtruth_at(recording.truth.motion.states, last.t_ns).value();
   return (truth.p_world_body - last.T_world_body.p).norm();
 }
 
@@ -107,9 +107,9 @@ TEST(RunRecording, StartsFromSensorsAloneWithoutLookingAtTheTruth) {
   Recording recording = short_recording();
   const RunRecord with_truth = run(recording, {});
   expect_sound(with_truth, recording.frames.size());
-  recording.groundtruth.clear();
-  recording.landmarks_true.clear();
-  recording.calibration_true.clear();
+  recording.truth.motion.states.clear();
+  recording.truth.landmarks.clear();
+  recording.truth.rig.clear();
   EXPECT_TRUE(same(with_truth, run(recording, {})));
 }
 
@@ -136,7 +136,8 @@ TEST(RunRecording, SaysOfAStartFromSoundSensorsNothingThatIsNotTrue) {
 
 TEST(RunRecording, SkipsFramesBeforeTheGroundTruthThatItStartsFrom) {
   Recording recording = short_recording();
-  std::erase_if(recording.groundtruth, [](const GroundTruthState& s) { return s.t_ns < 280'000'000; });
+  std::erase_if(recording.truth.motion.states,
+                [](const GroundTruthState& s) { return s.t_ns < 280'000'000; });
   const RunRecord record = run(recording, from_truth());
   EXPECT_EQ(record.trajectory.front().t_ns, 300'000'000);
   EXPECT_THAT(record.notes, Contains(HasSubstr("6 frames skipped: before the first input or ground truth")));
@@ -225,7 +226,7 @@ TEST(RunRecording, AStudysRunEndsWhereTheFilterBreaksDown) {
 
 TEST(RunRecording, SaysThatNoErrorsAreKnownWhereTheTruthIsOfAnotherTime) {
   Recording recording = short_recording();
-  for (GroundTruthState& state : recording.groundtruth) {
+  for (GroundTruthState& state : recording.truth.motion.states) {
     state.t_ns += 1'000'000'000'000;
   }
   EXPECT_THAT(
@@ -301,7 +302,7 @@ TEST(RunRecording, AsksForEachFrameOnceAndInOrderAndTellsTheProgress) {
 
 TEST(RunRecording, TellsTheOracleTheTruthAndNobodyElse) {
   const Recording recording = short_recording();
-  const RigParameters truth = recording.calibration_true.back().theta;
+  const RigParameters truth = recording.truth.rig.back().theta;
   EXPECT_EQ(run(recording, from_truth(Method::kOracle)).theta, truth);
   EXPECT_EQ(run(recording, from_truth(Method::kEkf)).theta, recording.calibration.theta);
   EXPECT_EQ(run(recording, from_truth(Method::kLcekf)).theta, recording.calibration.theta);
@@ -321,7 +322,7 @@ TEST(RunRecording, TellsAnObserverOfEveryFrameAndEndsWhenItThrows) {
   struct Enough {};
   const auto observe = [&](const ObservedFrame& frame) {
     ASSERT_NE(frame.navigator, nullptr);
-    EXPECT_EQ(frame.report.t_ns, frame.navigator->estimate().nav.t_ns);
+    EXPECT_EQ(frame.report.t_ns, frame.navigator->estimate().nav().t_ns);
     EXPECT_EQ(frame.report.t_ns, frame.row.t_ns);
     times.push_back(frame.report.t_ns);
     if (times.size() == 5) {
@@ -412,7 +413,7 @@ TEST(RunRecording, DrawsTheStartErrorFromWhatItIsToldWhateverTheEstimatorAssumes
     double error = 0.0;
     const auto observe = [&](const ObservedFrame& frame) {
       if (frame.report.t_ns == 0) {
-        error = (frame.row.T_world_body.p - recording.groundtruth.front().p_world_body).norm();
+        error = (frame.row.T_world_body.p - recording.truth.motion.states.front().p_world_body).norm();
       }
     };
     (void)run_recording(recording, options, matched_frames(recording), {.observe = observe});

@@ -43,7 +43,7 @@ struct Judged {
 
 Recording without_truth() {
   Recording recording = short_recording();
-  recording.groundtruth.clear();
+  recording.truth.motion.states.clear();
   return recording;
 }
 
@@ -114,7 +114,7 @@ TEST(Summarize, AlignsTheFirstPoseOfARunFromSensorsAlone) {
   const Judged reference(moved, StartMode::kAuto);
   // The same motion seen from elsewhere in the world: shifted and turned about the vertical.
   const Eigen::Matrix3d R = so3_exp({0.0, 0.0, 1.0});
-  for (GroundTruthState& state : moved.groundtruth) {
+  for (GroundTruthState& state : moved.truth.motion.states) {
     state.p_world_body = R * state.p_world_body + Eigen::Vector3d(10.0, -20.0, 5.0);
     state.R_world_body = R * state.R_world_body;
   }
@@ -184,7 +184,7 @@ TEST(WriteRunOutput, LeavesVelocityAndBiasesOfTheTruthInTheWorldOfTheEstimate) {
   const TemporaryFolder folder;
   Recording turned = short_recording();
   const Eigen::Matrix3d R = so3_exp({0.0, 0.0, 1.0});
-  for (GroundTruthState& state : turned.groundtruth) {
+  for (GroundTruthState& state : turned.truth.motion.states) {
     state.p_world_body = R * state.p_world_body;
     state.v_world_body = R * state.v_world_body;
     state.R_world_body = R * state.R_world_body;
@@ -197,7 +197,7 @@ TEST(WriteRunOutput, LeavesVelocityAndBiasesOfTheTruthInTheWorldOfTheEstimate) {
   ASSERT_EQ(truth.states.size(), rows.size());
   EXPECT_LT((truth.states.back().v_world_body - *rows.back().v_world_body).norm(), 0.3);
   EXPECT_GT((R * truth.states.back().v_world_body - *rows.back().v_world_body).norm(), 0.5);
-  EXPECT_EQ(truth.states.back().bias_accel, turned.groundtruth.back().bias_accel);
+  EXPECT_EQ(truth.states.back().bias_accel, turned.truth.motion.states.back().bias_accel);
 }
 
 TEST(WriteRunOutput, KnowsHowSureTheFilterIsOfVelocityAndBiasesInEveryFrame) {
@@ -220,7 +220,7 @@ TEST(WriteRunOutput, KnowsHowSureTheFilterIsOfVelocityAndBiasesInEveryFrame) {
 TEST(WriteRunOutput, LeavesOutMotionThatTheTruthDoesNotKnow) {
   const TemporaryFolder folder;
   Recording recording = short_recording();
-  recording.groundtruth_has_velocity = recording.groundtruth_has_biases = false;
+  recording.truth.motion.has_velocity = recording.truth.motion.has_biases = false;
   const Judged run(recording);
   write_run_output(folder.path(), run.options, run.record, run.summary);
   EXPECT_TRUE(fs::exists(folder.path() / "truth.tum"));
@@ -233,7 +233,7 @@ TEST(Summarize, TakesTheTiltOfATruthThatIsNotLevelOutOfEveryError) {
   EXPECT_LT(level.summary.truth_tilt_deg.value(), 3.0);
   Recording askew = short_recording();
   const Eigen::Matrix3d R = so3_exp({1.2, 0.3, 0.5});
-  for (GroundTruthState& state : askew.groundtruth) {
+  for (GroundTruthState& state : askew.truth.motion.states) {
     state.p_world_body = R * state.p_world_body;
     state.v_world_body = R * state.v_world_body;
     state.R_world_body = R * state.R_world_body;

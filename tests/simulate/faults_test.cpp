@@ -38,10 +38,10 @@ struct Pair {
     Scenario s = sound_drone();
     s.faults = {fault_from_string(fault)};
     faulty = simulate(s, 1);
-    EXPECT_EQ(sound.groundtruth.size(), faulty.groundtruth.size());
-    for (std::size_t k = 0; k < sound.groundtruth.size(); ++k) {
-      EXPECT_EQ(sound.groundtruth[k].p_world_body, faulty.groundtruth[k].p_world_body);
-      EXPECT_EQ(sound.groundtruth[k].R_world_body, faulty.groundtruth[k].R_world_body);
+    EXPECT_EQ(sound.truth.motion.states.size(), faulty.truth.motion.states.size());
+    for (std::size_t k = 0; k < sound.truth.motion.states.size(); ++k) {
+      EXPECT_EQ(sound.truth.motion.states[k].p_world_body, faulty.truth.motion.states[k].p_world_body);
+      EXPECT_EQ(sound.truth.motion.states[k].R_world_body, faulty.truth.motion.states[k].R_world_body);
     }
   }
 };
@@ -104,8 +104,10 @@ TEST(ImuFaults, BiasStepsAreInTheSamplesAndInTheTrueBiases) {
     const bool later = gyro.sound.imu[k].t_ns >= kOneSecond;
     const Vector3d turn = gyro.faulty.imu[k].omega_imu - gyro.sound.imu[k].omega_imu;
     ASSERT_NEAR(turn.norm(), later ? 0.05 : 0.0, 1e-9);
-    ASSERT_LT((turn - (gyro.faulty.groundtruth[k].bias_gyro - gyro.sound.groundtruth[k].bias_gyro)).norm(),
-              1e-9);
+    ASSERT_LT(
+        (turn - (gyro.faulty.truth.motion.states[k].bias_gyro - gyro.sound.truth.motion.states[k].bias_gyro))
+            .norm(),
+        1e-9);
     ASSERT_EQ(gyro.faulty.imu[k].accel_imu, gyro.sound.imu[k].accel_imu);
     ASSERT_NEAR((accel.faulty.imu[k].accel_imu - accel.sound.imu[k].accel_imu).norm(), later ? 0.2 : 0.0,
                 1e-9);

@@ -152,9 +152,9 @@ TEST(PixelErrors, LeaveTruthOtherSensorsAndWhiteNoiseAsTheyAre) {
   s.pixels = {.per_track = 0.3, .correlated = 0.2, .field = 0.2};
   const Recording real = simulate(s, 2, 3);
   EXPECT_TRUE(same(white.imu, real.imu));
-  EXPECT_TRUE(same(white.groundtruth, real.groundtruth));
-  EXPECT_TRUE(same(white.calibration_true, real.calibration_true));
-  EXPECT_EQ(white.landmarks_true, real.landmarks_true);
+  EXPECT_TRUE(same(white.truth.motion.states, real.truth.motion.states));
+  EXPECT_TRUE(same(white.truth.rig, real.truth.rig));
+  EXPECT_EQ(white.truth.landmarks, real.truth.landmarks);
   s.noise.pixel = 0.0;
   const Recording rest = simulate(s, 2, 3);
   ASSERT_EQ(white.frames.size(), real.frames.size());
@@ -204,9 +204,9 @@ TEST(MovingBody, TakesItsShareOfThePointsAlongRigidly) {
   const Recording still = simulate(s, 1);
   s.world.moving_body = MovingBodyScenario{.share = 0.4, .speed = 1.0, .radius = 2.0, .start = 1.0};
   const Recording moving = simulate(s, 1);
-  EXPECT_TRUE(same(still.groundtruth, moving.groundtruth));
+  EXPECT_TRUE(same(still.truth.motion.states, moving.truth.motion.states));
   const auto share =
-      static_cast<double>(moving.landmarks_true.size()) / static_cast<double>(still.landmarks_true.size());
+      static_cast<double>(moving.truth.landmarks.size()) / static_cast<double>(still.truth.landmarks.size());
   EXPECT_NEAR(share, 0.6, 0.2);  // those that move have no true place
   std::size_t moved = 0, seen = 0;
   for (std::size_t j = 0; j < still.frames.size(); ++j) {
@@ -220,8 +220,8 @@ TEST(MovingBody, TakesItsShareOfThePointsAlongRigidly) {
         continue;
       }
       const bool same_place = it->second == o.uv_cam0;
-      if (still.frames[j].t_ns <= 1'000'000'000 || moving.landmarks_true.contains(o.track_id)) {
-        ASSERT_TRUE(same_place || !moving.landmarks_true.contains(o.track_id));
+      if (still.frames[j].t_ns <= 1'000'000'000 || moving.truth.landmarks.contains(o.track_id)) {
+        ASSERT_TRUE(same_place || !moving.truth.landmarks.contains(o.track_id));
         ASSERT_LT((it->second - o.uv_cam0).norm(), 1e-9);
       } else {
         moved += same_place ? 0 : 1;

@@ -28,9 +28,7 @@ inline bool same(const GroundTruthState& a, const GroundTruthState& b) {
          a.v_world_body == b.v_world_body && a.bias_gyro == b.bias_gyro && a.bias_accel == b.bias_accel;
 }
 
-inline bool same(const CalibrationTruth& a, const CalibrationTruth& b) {
-  return a.t_ns == b.t_ns && a.theta == b.theta;
-}
+inline bool same(const TrueRig& a, const TrueRig& b) { return a.t_ns == b.t_ns && a.theta == b.theta; }
 
 /// Whether two lists hold the same bits.
 template <typename T>
@@ -49,12 +47,12 @@ using ResidualVisitor =
 
 inline void visit_residuals(const Recording& recording, const ResidualVisitor& visit) {
   for (const StereoFrame& frame : recording.frames) {
-    const GroundTruthState state = groundtruth_at(recording.groundtruth, frame.t_ns).value();
+    const GroundTruthState state = groundtruth_at(recording.truth.motion.states, frame.t_ns).value();
     const Pose T_world_cam0 =
         Pose{state.R_world_body, state.p_world_body} * recording.calibration.T_body_cam0;
-    const Pose T_cam1_cam0 = pose_from_rig(calibration_at(recording.calibration_true, frame.t_ns));
+    const Pose T_cam1_cam0 = pose_from_rig(true_rig_at(recording.truth.rig, frame.t_ns).theta);
     for (const StereoObservation& o : frame.observations) {
-      const Eigen::Vector3d X_cam0 = T_world_cam0.inverse() * recording.landmarks_true.at(o.track_id);
+      const Eigen::Vector3d X_cam0 = T_world_cam0.inverse() * recording.truth.landmarks.at(o.track_id);
       Eigen::Vector4d residual = Eigen::Vector4d::Constant(std::nan(""));
       residual.head<2>() = o.uv_cam0 - project(recording.calibration.cam0, X_cam0).value().uv;
       if (o.in_cam1) {

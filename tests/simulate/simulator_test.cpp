@@ -57,9 +57,9 @@ TEST(Simulate, GivesTheSameBitsForTheSameSeedAndRun) {
     EXPECT_TRUE(same(a.imu, b.imu)) << name;
     EXPECT_TRUE(same(a.odometry, b.odometry)) << name;
     EXPECT_TRUE(same(a.frames, b.frames)) << name;
-    EXPECT_TRUE(same(a.groundtruth, b.groundtruth)) << name;
-    EXPECT_TRUE(same(a.calibration_true, b.calibration_true)) << name;
-    EXPECT_EQ(a.landmarks_true, b.landmarks_true) << name;
+    EXPECT_TRUE(same(a.truth.motion.states, b.truth.motion.states)) << name;
+    EXPECT_TRUE(same(a.truth.rig, b.truth.rig)) << name;
+    EXPECT_EQ(a.truth.landmarks, b.truth.landmarks) << name;
   }
 }
 
@@ -67,9 +67,9 @@ TEST(Simulate, GivesOtherDrawsForAnotherSeedOrRun) {
   const Recording a = simulate(brief(), 1, 0);
   for (const Recording& b : {simulate(brief(), 2, 0), simulate(brief(), 1, 1)}) {
     EXPECT_NE(a.imu[7].omega_imu, b.imu[7].omega_imu);
-    EXPECT_NE(a.groundtruth[7].p_world_body, b.groundtruth[7].p_world_body);
-    EXPECT_NE(a.groundtruth[7].bias_gyro, b.groundtruth[7].bias_gyro);
-    EXPECT_NE(a.landmarks_true, b.landmarks_true);
+    EXPECT_NE(a.truth.motion.states[7].p_world_body, b.truth.motion.states[7].p_world_body);
+    EXPECT_NE(a.truth.motion.states[7].bias_gyro, b.truth.motion.states[7].bias_gyro);
+    EXPECT_NE(a.truth.landmarks, b.truth.landmarks);
   }
 }
 
@@ -77,8 +77,8 @@ TEST(Simulate, KeepsTrajectoryAndWorldInAllRunsWhenAskedTo) {
   Scenario s = brief();
   s.same_world_in_all_runs = true;
   const Recording a = simulate(s, 1, 0), b = simulate(s, 1, 1);
-  EXPECT_EQ(a.groundtruth.back().p_world_body, b.groundtruth.back().p_world_body);
-  EXPECT_EQ(a.landmarks_true.begin()->second, b.landmarks_true.begin()->second);
+  EXPECT_EQ(a.truth.motion.states.back().p_world_body, b.truth.motion.states.back().p_world_body);
+  EXPECT_EQ(a.truth.landmarks.begin()->second, b.truth.landmarks.begin()->second);
   EXPECT_NE(a.imu[7].omega_imu, b.imu[7].omega_imu);
   EXPECT_NE(a.frames[0].observations[0].uv_cam0, b.frames[0].observations[0].uv_cam0);
 }
@@ -97,7 +97,7 @@ std::map<std::pair<std::int64_t, std::int64_t>, Vector4d> pixel_noise(const Reco
 
 TEST(RandomStreams, AreNotMovedByADecalibration) {
   const Recording exact = simulate(shipped("paper_i"), 1), bent = simulate(shipped("paper_v_strong"), 1);
-  EXPECT_TRUE(same(exact.groundtruth, bent.groundtruth));
+  EXPECT_TRUE(same(exact.truth.motion.states, bent.truth.motion.states));
   EXPECT_TRUE(same(exact.imu, bent.imu));
   const auto noise_exact = pixel_noise(exact), noise_bent = pixel_noise(bent);
   std::size_t common = 0;
@@ -117,7 +117,7 @@ TEST(RandomStreams, AreNotMovedByLeavingOutTheImu) {
   s.use_imu = false;
   const Recording without = simulate(s, 1);
   EXPECT_TRUE(same(with.frames, without.frames));
-  EXPECT_EQ(with.groundtruth.back().R_world_body, without.groundtruth.back().R_world_body);
+  EXPECT_EQ(with.truth.motion.states.back().R_world_body, without.truth.motion.states.back().R_world_body);
 }
 
 TEST(RandomStreams, AreNotMovedByAnOdometerOrByPixelNoise) {
@@ -127,8 +127,8 @@ TEST(RandomStreams, AreNotMovedByAnOdometerOrByPixelNoise) {
   s.noise.pixel = 2.0;
   const Recording other = simulate(s, 1);
   EXPECT_TRUE(same(plain.imu, other.imu));
-  EXPECT_TRUE(same(plain.groundtruth, other.groundtruth));
-  EXPECT_EQ(plain.landmarks_true, other.landmarks_true);
+  EXPECT_TRUE(same(plain.truth.motion.states, other.truth.motion.states));
+  EXPECT_EQ(plain.truth.landmarks, other.truth.landmarks);
   const auto noise_plain = pixel_noise(plain);
   for (const auto& [key, noise] : pixel_noise(other)) {
     ASSERT_LT((noise - 4.0 * noise_plain.at(key)).norm(), 1e-9);
@@ -197,7 +197,7 @@ TEST(SimulatedPixels, DisagreeWithTheAssumedRigByWhatTheDecalibrationDoes) {
   s.noise.pixel = 0.0;
   Recording recording = simulate(s, 1);
   EXPECT_EQ(recording.calibration.theta, s.rig.theta);
-  recording.calibration_true = {{0, s.rig.theta}};
+  recording.truth.rig = {{0, s.rig.theta}};
   double left = 0.0, right = 0.0;
   testing::visit_residuals(recording, [&](const StereoFrame&, const StereoObservation&, const Vector4d& r) {
     left = std::max(left, r.head<2>().norm());
@@ -215,15 +215,15 @@ TEST(SimulatedPixels, MoveInBothCamerasWhenTheBodyIsTheMiddleOfTheBaseline) {
   const Recording recording = simulate(s, 1);
   EXPECT_EQ(recording.calibration.body, BodyFrame::kMiddleOfBaseline);
   StereoCalibration calibration_true = recording.calibration;
-  calibration_true.theta = recording.calibration_true.front().theta;
+  calibration_true.theta = recording.truth.rig.front().theta;
   const MountedRig exact = mount(calibration_true), assumed = mount(recording.calibration);
   double worst_exact = 0.0, least_assumed = HUGE_VAL;
   for (const StereoFrame& frame : recording.frames) {
-    const GroundTruthState state = groundtruth_at(recording.groundtruth, frame.t_ns).value();
+    const GroundTruthState state = groundtruth_at(recording.truth.motion.states, frame.t_ns).value();
     const Pose T_body_world = Pose{state.R_world_body, state.p_world_body}.inverse();
     double frame_error = 0.0;
     for (const StereoObservation& o : frame.observations) {
-      const Vector3d X_body = T_body_world * recording.landmarks_true.at(o.track_id);
+      const Vector3d X_body = T_body_world * recording.truth.landmarks.at(o.track_id);
       const auto error = [&](const MountedRig& rig, std::size_t camera, const Eigen::Vector2d& uv) {
         return (project(rig[camera].camera, rig[camera].T_cam_body * X_body).value().uv - uv).norm();
       };
@@ -244,7 +244,7 @@ TEST(SimulatedPoints, AreAsManyAsThePaperLikeScenarioPromises) {
     EXPECT_EQ(recording.frames.size(), 701u);
     EXPECT_EQ(recording.imu.size(), 3501u);
     per_frame += static_cast<double>(observation_count(recording)) / 701.0 / kRuns;
-    distinct += static_cast<double>(recording.landmarks_true.size()) / kRuns;
+    distinct += static_cast<double>(recording.truth.landmarks.size()) / kRuns;
     for (const StereoFrame& frame : recording.frames) {
       EXPECT_GE(frame.observations.size(), 15u);
     }
@@ -278,10 +278,10 @@ TEST(SimulatedPoints, AreSeenByBothCamerasWithinTheRangeAndInTheImage) {
   const Recording recording = simulate(s, 1);
   EXPECT_GT(observation_count(recording), 1000u);
   for (const StereoFrame& frame : recording.frames) {
-    const GroundTruthState state = groundtruth_at(recording.groundtruth, frame.t_ns).value();
+    const GroundTruthState state = groundtruth_at(recording.truth.motion.states, frame.t_ns).value();
     for (const StereoObservation& o : frame.observations) {
       const double z =
-          (Pose{state.R_world_body, state.p_world_body}.inverse() * recording.landmarks_true.at(o.track_id))
+          (Pose{state.R_world_body, state.p_world_body}.inverse() * recording.truth.landmarks.at(o.track_id))
               .z();
       ASSERT_TRUE(o.in_cam0 && o.in_cam1);
       ASSERT_TRUE(z >= 15.0 && z <= 40.0);
@@ -348,8 +348,10 @@ TEST(SimulatedImu, AddsBiasAndWhiteNoiseOfTheStatedSizeToTheIdealReading) {
   double square_gyro = 0.0, square_accel = 0.0;
   const double n = static_cast<double>(noisy.imu.size());
   for (std::size_t k = 0; k < noisy.imu.size(); ++k) {
-    const Vector3d gyro = noisy.imu[k].omega_imu - ideal.imu[k].omega_imu - noisy.groundtruth[k].bias_gyro;
-    const Vector3d accel = noisy.imu[k].accel_imu - ideal.imu[k].accel_imu - noisy.groundtruth[k].bias_accel;
+    const Vector3d gyro =
+        noisy.imu[k].omega_imu - ideal.imu[k].omega_imu - noisy.truth.motion.states[k].bias_gyro;
+    const Vector3d accel =
+        noisy.imu[k].accel_imu - ideal.imu[k].accel_imu - noisy.truth.motion.states[k].bias_accel;
     mean_gyro += gyro / n;
     mean_accel += accel / n;
     square_gyro += gyro.squaredNorm() / (3.0 * n);
@@ -375,7 +377,7 @@ TEST(SimulatedImu, LeadsBackToTheGroundTruthWhenItIsFreeOfNoise) {
   s.initial.bias_accel = s.initial.bias_gyro = 0.0;
   s.duration = 20.0;
   const Recording recording = simulate(s, 1);
-  GroundTruthState state = recording.groundtruth.front();
+  GroundTruthState state = recording.truth.motion.states.front();
   for (std::size_t k = 1; k < recording.imu.size(); ++k) {
     const ImuSample &a = recording.imu[k - 1], &b = recording.imu[k];
     const double dt = static_cast<double>(b.t_ns - a.t_ns) * 1e-9;
@@ -386,7 +388,7 @@ TEST(SimulatedImu, LeadsBackToTheGroundTruthWhenItIsFreeOfNoise) {
     state.v_world_body += dt * acceleration;
     state.R_world_body = R_next;
   }
-  const GroundTruthState& truth = recording.groundtruth.back();
+  const GroundTruthState& truth = recording.truth.motion.states.back();
   EXPECT_LT((state.p_world_body - truth.p_world_body).norm(), 1e-3);
   EXPECT_LT((state.v_world_body - truth.v_world_body).norm(), 1e-4);
   EXPECT_LT(so3_log(state.R_world_body.transpose() * truth.R_world_body).norm(), 1e-5);
@@ -402,7 +404,8 @@ TEST(SimulatedBiases, AreDrawnFromTheInitialSigmasAndWalkAsStated) {
   constexpr int kRuns = 200, kValues = 3 * kRuns;
   for (std::uint64_t run = 0; run < kRuns; ++run) {
     const Recording recording = simulate(s, 1, run);
-    const GroundTruthState &first = recording.groundtruth.front(), &last = recording.groundtruth.back();
+    const GroundTruthState &first = recording.truth.motion.states.front(),
+                           &last = recording.truth.motion.states.back();
     start_gyro += first.bias_gyro.squaredNorm() / kValues;
     start_accel += first.bias_accel.squaredNorm() / kValues;
     walk_gyro += (last.bias_gyro - first.bias_gyro).squaredNorm() / kValues;
@@ -439,8 +442,8 @@ TEST(SimulateWithoutImu, DeliversVisionAlone) {
   const Recording recording = simulate(s, 1);
   EXPECT_TRUE(recording.imu.empty());
   EXPECT_FALSE(recording.imu_noise.has_value());
-  EXPECT_FALSE(recording.groundtruth_has_biases);
-  EXPECT_TRUE(recording.groundtruth_has_velocity);
+  EXPECT_FALSE(recording.truth.motion.has_biases);
+  EXPECT_TRUE(recording.truth.motion.has_velocity);
   EXPECT_EQ(recording.calibration.body, BodyFrame::kCam0);
   EXPECT_EQ(recording.frames.size(), 61u);
 }
@@ -449,12 +452,12 @@ TEST(SimulatedTruth, HoldsTheRigAtEveryFrameAndAtEveryJump) {
   Scenario s = shipped("paper_iv");
   s.decalibration[0].shape = StepsShape{{{10.01, 1.0}, {20.0, -1.0}}};
   const Recording recording = simulate(s, 1);
-  EXPECT_EQ(recording.calibration_true.size(), 702u);  // 10.01 s lies between frames
-  EXPECT_EQ(calibration_at(recording.calibration_true, 10'009'999'999), s.rig.theta);
-  EXPECT_TRUE(calibration_at(recording.calibration_true, 10'010'000'000)
-                  .isApprox(s.rig.theta + paper_decalibration(), 1e-15));
-  EXPECT_TRUE(calibration_at(recording.calibration_true, 20'000'000'000)
-                  .isApprox(s.rig.theta - paper_decalibration(), 1e-15));
+  EXPECT_EQ(recording.truth.rig.size(), 702u);  // 10.01 s lies between frames
+  EXPECT_EQ(true_rig_at(recording.truth.rig, 10'009'999'999).theta, s.rig.theta);
+  EXPECT_TRUE(true_rig_at(recording.truth.rig, 10'010'000'000)
+                  .theta.isApprox(s.rig.theta + paper_decalibration(), 1e-15));
+  EXPECT_TRUE(true_rig_at(recording.truth.rig, 20'000'000'000)
+                  .theta.isApprox(s.rig.theta - paper_decalibration(), 1e-15));
 }
 
 // ---- faults
@@ -537,12 +540,12 @@ TEST(SimulatedRecording, ComesBackFromATrackLog) {
   EXPECT_TRUE(same(written.imu, read.imu));
   EXPECT_TRUE(same(written.odometry, read.odometry));
   EXPECT_TRUE(same(written.frames, read.frames));
-  EXPECT_EQ(written.landmarks_true, read.landmarks_true);
-  EXPECT_EQ(written.calibration_true.size(), read.calibration_true.size());
+  EXPECT_EQ(written.truth.landmarks, read.truth.landmarks);
+  EXPECT_EQ(written.truth.rig.size(), read.truth.rig.size());
   EXPECT_EQ(written.pixel_noise, read.pixel_noise);
   EXPECT_EQ(written.calibration.body, read.calibration.body);
   EXPECT_LT((written.calibration.theta - read.calibration.theta).norm(), 1e-12);
-  EXPECT_TRUE(read.groundtruth_has_velocity && read.groundtruth_has_biases);
+  EXPECT_TRUE(read.truth.motion.has_velocity && read.truth.motion.has_biases);
 }
 
 TEST(SimulatedRecording, FollowsARealHandHeldTrajectory) {
@@ -553,7 +556,7 @@ TEST(SimulatedRecording, FollowsARealHandHeldTrajectory) {
     s.trajectory = FileTrajectory{folder / name, 10.0, 0.1};
     const Recording recording = simulate(s, 1);
     double fastest = 0.0;
-    for (const GroundTruthState& state : recording.groundtruth) {
+    for (const GroundTruthState& state : recording.truth.motion.states) {
       fastest = std::max(fastest, state.v_world_body.norm());
     }
     EXPECT_GT(fastest, 0.5) << name;  // somebody walks

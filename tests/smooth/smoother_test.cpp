@@ -61,7 +61,7 @@ struct Case {
     options.noise.odometry = recording.odometry_noise.value_or(OdometryNoise{});
     options.sigma_px = *recording.pixel_noise;
     for (const StereoFrame& frame : recording.frames) {
-      truth.push_back(state_of(*groundtruth_at(recording.groundtruth, frame.t_ns)));
+      truth.push_back(state_of(*groundtruth_at(recording.truth.motion.states, frame.t_ns)));
       NavigationState state = truth.back();
       state.T_world_body.p += 0.05 * random_normal(generator, 3);
       state.T_world_body.R *= so3_exp(0.01 * random_normal(generator, 3));
@@ -71,10 +71,10 @@ struct Case {
       start.push_back(state);
     }
     const InitialSigma sigma;
-    prior =
-        make_initial_state(state_of(draw_initial_state(
-                               *groundtruth_at(recording.groundtruth, truth.front().t_ns), sigma, 7, run)),
-                           motion, sigma);
+    prior = make_initial_state(
+        state_of(draw_initial_state(*groundtruth_at(recording.truth.motion.states, truth.front().t_ns), sigma,
+                                    7, run)),
+        motion, sigma);
   }
 
   [[nodiscard]] SmootherResult solve() const {

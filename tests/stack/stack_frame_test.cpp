@@ -34,20 +34,22 @@ StereoCalibration calibration(BodyFrame body) {
 /// Landmarks 0 to 5 before the cameras, of both kinds in turn; the inverse-depth ones on two anchors.
 Estimate visible_map(Generator& generator, const StateLayout& layout, const StereoCalibration& rig) {
   Estimate estimate = testing::random_estimate(generator, layout);
-  estimate.theta = rig.theta;
-  const Pose here = estimate.nav.T_world_body;
+  estimate.assume_theta(rig.theta);
+  const Pose here = estimate.nav().T_world_body;
   for (int k = 0; k < 6; ++k) {
     const Vector3d X_cam0(0.4 * k - 1.0, 0.3 - 0.1 * k, 4.0 + k);
     if (k % 2 == 0) {
       testing::add_random_landmark(generator, estimate, k, -1);
       estimate.find(k)->value = here * (body_from_cam0(rig) * X_cam0);
     } else {
-      estimate.nav.T_world_body.p = here.p + 0.1 * testing::random_vector(generator, 1.0);
+      testing::move_body(estimate, [&](NavigationState& nav) {
+        nav.T_world_body.p = here.p + 0.1 * testing::random_vector(generator, 1.0);
+      });
       testing::add_random_landmark(generator, estimate, k, estimate.add_anchor(body_from_cam0(rig)));
       Landmark& landmark = *estimate.find(k);
       landmark.R_cam0_chart = rotation_between(Vector3d::UnitZ(), X_cam0.normalized());
       landmark.value << 0.01, -0.02, 1.0 / X_cam0.norm();
-      estimate.nav.T_world_body = here;
+      testing::move_body(estimate, [&](NavigationState& nav) { nav.T_world_body = here; });
     }
   }
   return estimate;
@@ -59,7 +61,7 @@ StereoFrame perfect_frame(const Estimate& estimate, const MountedRig& rig, doubl
   for (std::int64_t id = 0; id < 6; ++id) {
     const Landmark& landmark = *estimate.find(id);
     const auto pixel = [&](const MountedCamera& camera) {
-      return Vector2d(project_point(camera, body_point_at_exposure(camera, estimate.nav.T_world_body,
+      return Vector2d(project_point(camera, body_point_at_exposure(camera, estimate.nav().T_world_body,
                                                                    landmark, estimate.anchor_of(landmark)))
                           ->uv +
                       Vector2d::Constant(offset));
@@ -104,8 +106,8 @@ TEST(StackFrame, ResidualIsWhatThePixelsAreOff) {
 VectorXd turn_of_the_world(const Estimate& now, const Estimate& when_epoch_began) {
   const Vector3d up = Vector3d::UnitZ();
   VectorXd turn = VectorXd::Zero(now.size());
-  turn.segment<3>(StateLayout::kPosition) = up.cross(now.nav.T_world_body.p);
-  turn.segment<3>(StateLayout::kAttitude) = now.nav.T_world_body.R.transpose() * up;
+  turn.segment<3>(StateLayout::kPosition) = up.cross(now.nav().T_world_body.p);
+  turn.segment<3>(StateLayout::kAttitude) = now.nav().T_world_body.R.transpose() * up;
   for (const Landmark& landmark : now.landmarks()) {
     if (landmark.passive) {
       continue;
@@ -142,8 +144,8 @@ TEST(StackFrame, SeesNoHeadingWhereFrozenLandmarksHaveBeenCorrected) {
 /// landmark as it was when its epoch began.
 VectorXd growth_of_all_lengths(const Estimate& now, const Estimate& when_epoch_began) {
   VectorXd g = VectorXd::Zero(now.size());
-  g.segment<3>(StateLayout::kPosition) = now.nav.T_world_body.p;
-  g.segment<3>(StateLayout::kVelocity) = now.nav.v_world_body;
+  g.segment<3>(StateLayout::kPosition) = now.nav().T_world_body.p;
+  g.segment<3>(StateLayout::kVelocity) = now.nav().v_world_body;
   g(now.layout().map_scale()) = 1.0;
   for (const Landmark& landmark : now.landmarks()) {
     if (landmark.passive) {
@@ -194,7 +196,7 @@ TEST(StackFrame, HAndDMatchCentralDifferencesOfTheRetractedEstimate) {
         Estimate moved = estimate;
         moved.retract(dx);
         StereoCalibration moved_rig = rig;
-        moved_rig.theta = moved.theta + dtheta;
+        moved_rig.theta = moved.theta() + dtheta;
         return VectorXd(-stacked(moved, frame, mount(moved_rig)).frame.measurement.residual);
       };
       const VectorXd no_dx = VectorXd::Zero(estimate.size());
@@ -212,16 +214,16 @@ TEST(StackFrame, HAndDMatchCentralDifferencesOfTheRetractedEstimate) {
 MountedRig mounted_on(const Estimate& estimate, const StereoCalibration& rig, const Vector3d& gyro,
                       const ParameterVector& error) {
   ParameterVector more = error;
-  more.tail<kMoreParameters>() += estimate.more;
+  more.tail<kMoreParameters>() += estimate.more();
   StereoCalibration corrected_rig = corrected(rig, more);
-  corrected_rig.theta = estimate.theta + error.head<6>();
+  corrected_rig.theta = estimate.theta() + error.head<6>();
   MountedRig out = mount(corrected_rig);
   for (MountedCamera& camera : out) {
     camera.with_parameters = true;
-    camera.motion.v_world = estimate.nav.v_world_body;
+    camera.motion.v_world = estimate.nav().v_world_body;
     camera.motion.omega_body = estimate.layout().motion == MotionModel::kImu
-                                   ? Vector3d(gyro - estimate.nav.bias_gyro)
-                                   : estimate.nav.omega_body;
+                                   ? Vector3d(gyro - estimate.nav().bias_gyro)
+                                   : estimate.nav().omega_body;
   }
   return out;
 }
@@ -238,8 +240,8 @@ TEST(StackFrame, HAndDOfAllParametersMatchCentralDifferencesOfTheRetractedEstima
       StateLayout layout{motion, true};
       layout.has_more = {true, true, true};
       Estimate estimate = visible_map(generator, layout, rig);
-      estimate.nav.v_world_body << 1.5, -2.0, 0.4;
-      estimate.nav.omega_body << -0.4, 0.9, 0.2;
+      testing::move_body(estimate, [&](NavigationState& nav) { nav.v_world_body << 1.5, -2.0, 0.4; });
+      testing::move_body(estimate, [&](NavigationState& nav) { nav.omega_body << -0.4, 0.9, 0.2; });
       const MountedRig here = mounted_on(estimate, rig, gyro, ParameterVector::Zero());
       const StereoFrame frame = perfect_frame(estimate, here);
       const LinearMeasurement z = stacked(estimate, frame, here).frame.measurement;
@@ -319,7 +321,7 @@ TEST(StackFrame, RefusesPointsThatDoNotProjectIntoACameraThatSawThem) {
   const StereoCalibration rig = calibration(BodyFrame::kImu);
   Estimate estimate = visible_map(generator, {MotionModel::kImu, false}, rig);
   const StereoFrame frame = perfect_frame(estimate, mount(rig));
-  const Pose T_world_cam0 = estimate.nav.T_world_body * body_from_cam0(rig);
+  const Pose T_world_cam0 = estimate.nav().T_world_body * body_from_cam0(rig);
   estimate.find(2)->value = T_world_cam0 * Vector3d(0.0, 0.0, -3.0);
   const Stacked z = stacked(estimate, frame, mount(rig));
   ASSERT_EQ(z.refused.size(), 1U);

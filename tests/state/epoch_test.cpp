@@ -53,7 +53,7 @@ LinearMeasurement measure(Generator generator, const Estimate& estimate,
 }
 
 void correct(Estimate& estimate, std::uint64_t seed, const std::vector<std::int64_t>& ids) {
-  estimate.retract(update(estimate.P, measure(Generator(seed), estimate, ids), {}).dx);
+  estimate.retract(update(estimate.mutable_P(), measure(Generator(seed), estimate, ids), {}).dx);
 }
 
 /// The body moves on: its error grows.
@@ -62,8 +62,10 @@ void move(Estimate& estimate) {
   MatrixXd Phi = MatrixXd::Identity(k, k);
   Phi.block<3, 3>(0, 6) = 0.1 * Matrix3d::Identity();
   Phi.block<3, 3>(3, 3) = so3_exp(Vector3d(0.1, -0.2, 0.05));
-  estimate.nav.T_world_body.R = estimate.nav.T_world_body.R * so3_exp(Vector3d(0.1, -0.2, 0.05)).transpose();
-  estimate.P.propagate_leading(Phi, 1e-6 * MatrixXd::Identity(k, k));
+  testing::move_body(estimate, [&](NavigationState& nav) {
+    nav.T_world_body.R = nav.T_world_body.R * so3_exp(Vector3d(0.1, -0.2, 0.05)).transpose();
+  });
+  estimate.mutable_P().propagate_leading(Phi, 1e-6 * MatrixXd::Identity(k, k));
 }
 
 void expect_same(const Estimate& sleepy, const Estimate& awake) {
@@ -80,8 +82,8 @@ void expect_same(const Estimate& sleepy, const Estimate& awake) {
     EXPECT_LE((sleepy.landmark_position(sleepy.landmarks()[k]) - positions[k]).norm(), 1e-12);
   }
   const Index k = awake.layout().map_begin();
-  const MatrixXd body = awake.P.block(0, 0, k, k);
-  EXPECT_LE((sleepy.P.block(0, 0, k, k) - body).norm(), 1e-9 * body.norm());
+  const MatrixXd body = awake.P().block(0, 0, k, k);
+  EXPECT_LE((sleepy.P().block(0, 0, k, k) - body).norm(), 1e-9 * body.norm());
 }
 
 /// Everything, when nobody sleeps any more.
@@ -232,26 +234,26 @@ TEST(RestAndRecall, TheUnseenRestAndTheSeenComeBack) {
   }
   MapManagementOptions options;
   options.linearity_index = 0.0;  // no conversions here
-  estimate.nav.t_ns = 11 * second;
+  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 11 * second; });
   update_active_set(estimate, sees(11 * second, {7}), 11 * second, options);
   for (const Landmark& landmark : estimate.landmarks()) {
     EXPECT_EQ(landmark.passive, landmark.track_id < 6) << landmark.track_id;
   }
   EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
   // Nothing is due within the epoch, but somebody asleep who is seen comes back at once.
-  estimate.nav.t_ns = 11 * second + second / 4;
-  update_active_set(estimate, sees(estimate.nav.t_ns, {7}), 11 * second, options);
+  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 11 * second + second / 4; });
+  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * second, options);
   EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
-  update_active_set(estimate, sees(estimate.nav.t_ns, {7, 2}), 11 * second, options);
+  update_active_set(estimate, sees(estimate.nav().t_ns, {7, 2}), 11 * second, options);
   EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
   EXPECT_FALSE(estimate.find(2)->passive);
   EXPECT_TRUE(estimate.find(3)->passive);
 
   // Due, and put off for a frame.
-  estimate.nav.t_ns = 12 * second;
-  update_active_set(estimate, sees(estimate.nav.t_ns, {7}), 11 * second, options, false);
+  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 12 * second; });
+  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * second, options, false);
   EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
-  update_active_set(estimate, sees(estimate.nav.t_ns, {7}), 11 * second, options);
+  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * second, options);
   EXPECT_EQ(estimate.epoch_began_ns(), 12 * second);
 
   options.rest_after_s = 1e9;

@@ -28,7 +28,7 @@ using testing::snapshot;
 
 constexpr StateLayout kWithTheta{MotionModel::kConstantVelocity, true};
 
-bool is_positive_definite(const Estimate& estimate) { return Cholesky(estimate.P.dense()).succeeded(); }
+bool is_positive_definite(const Estimate& estimate) { return Cholesky(estimate.P().dense()).succeeded(); }
 
 TEST(Estimate, StartsWithBodyAndThetaUncorrelated) {
   Generator generator(1);
@@ -36,7 +36,7 @@ TEST(Estimate, StartsWithBodyAndThetaUncorrelated) {
   EXPECT_EQ(without.size(), 15);
   const Estimate with = random_estimate(generator, kWithTheta);
   EXPECT_EQ(with.size(), 12 + 6);
-  EXPECT_TRUE(with.P.block(0, 12, 12, 6).isZero(0.0));
+  EXPECT_TRUE(with.P().block(0, 12, 12, 6).isZero(0.0));
   EXPECT_TRUE(is_positive_definite(with));
 }
 
@@ -172,16 +172,16 @@ TEST(Estimate, ACloneKnowsWhatThePoseKnows) {
   Generator generator(9);
   Estimate estimate = random_map(generator, 4);
   const Index at = estimate.size();
-  const MatrixXd before = estimate.P.dense();
+  const MatrixXd before = estimate.P().dense();
   const Pose T_body_cam0 = testing::random_pose(generator, 0.1);
   add_random_landmark(generator, estimate, 50, estimate.add_anchor(T_body_cam0));
   const Anchor& anchor = *estimate.anchor_of(*estimate.find(50));
-  EXPECT_EQ(anchor.T_world_body.R, estimate.nav.T_world_body.R);
-  EXPECT_EQ(anchor.T_world_body.p, estimate.nav.T_world_body.p);
+  EXPECT_EQ(anchor.T_world_body.R, estimate.nav().T_world_body.R);
+  EXPECT_EQ(anchor.T_world_body.p, estimate.nav().T_world_body.p);
   EXPECT_EQ(anchor.T_body_cam0.R, T_body_cam0.R);
   EXPECT_EQ(anchor.position_at, at);
   EXPECT_EQ(anchor.attitude_at, at + 3);
-  const MatrixXd after = estimate.P.dense();
+  const MatrixXd after = estimate.P().dense();
   EXPECT_EQ(after.topLeftCorner(at, at), before);
   EXPECT_EQ(MatrixXd(after.block(at, 0, 6, at)), MatrixXd(before.topRows(6)));
   EXPECT_LE((after.block<6, 6>(at, at) - before.topLeftCorner<6, 6>()).cwiseAbs().maxCoeff(), 1.1e-12);
@@ -211,11 +211,11 @@ TEST(Estimate, RetractionMovesEveryPartByItsOwnTriplets) {
         EXPECT_LE((to.p - from.p - dx.segment<3>(position)).norm(), 1e-14);
         EXPECT_LE((so3_log(from.R.transpose() * to.R) - dx.segment<3>(attitude)).norm(), 1e-14);
       };
-      expect_moved(before.nav.T_world_body, after.nav.T_world_body, 0, 3);
-      const Vector3d dv = after.nav.v_world_body - before.nav.v_world_body;
-      const Vector3d dw = after.nav.omega_body - before.nav.omega_body;
-      const Vector3d dbg = after.nav.bias_gyro - before.nav.bias_gyro;
-      const Vector3d dba = after.nav.bias_accel - before.nav.bias_accel;
+      expect_moved(before.nav().T_world_body, after.nav().T_world_body, 0, 3);
+      const Vector3d dv = after.nav().v_world_body - before.nav().v_world_body;
+      const Vector3d dw = after.nav().omega_body - before.nav().omega_body;
+      const Vector3d dbg = after.nav().bias_gyro - before.nav().bias_gyro;
+      const Vector3d dba = after.nav().bias_accel - before.nav().bias_accel;
       const bool imu = motion == MotionModel::kImu;
       const bool constant_velocity = motion == MotionModel::kConstantVelocity;
       EXPECT_LE((dv - (imu || constant_velocity ? Vector3d(dx.segment<3>(6)) : Vector3d::Zero())).norm(),
@@ -223,7 +223,7 @@ TEST(Estimate, RetractionMovesEveryPartByItsOwnTriplets) {
       EXPECT_LE((dw - (constant_velocity ? Vector3d(dx.segment<3>(9)) : Vector3d::Zero())).norm(), 1e-14);
       EXPECT_LE((dbg - (imu ? Vector3d(dx.segment<3>(9)) : Vector3d::Zero())).norm(), 1e-14);
       EXPECT_LE((dba - (imu ? Vector3d(dx.segment<3>(12)) : Vector3d::Zero())).norm(), 1e-14);
-      const RigParameters dtheta = after.theta - before.theta;
+      const RigParameters dtheta = after.theta() - before.theta();
       EXPECT_LE((dtheta - (has_theta ? RigParameters(dx.segment<6>(layout.theta())) : RigParameters::Zero()))
                     .norm(),
                 1e-14);
@@ -253,9 +253,9 @@ MatrixXd gauge(const Estimate& estimate) {
     vector(position, T.p, true);
     N.block<3, 3>(attitude, 0) = T.R.transpose();
   };
-  pose(0, 3, estimate.nav.T_world_body);
+  pose(0, 3, estimate.nav().T_world_body);
   if (estimate.layout().motion != MotionModel::kOdometry) {
-    vector(6, estimate.nav.v_world_body, false);
+    vector(6, estimate.nav().v_world_body, false);
   }
   for (const Landmark& landmark : estimate.landmarks()) {
     if (const Anchor* anchor = estimate.anchor_of(landmark); anchor != nullptr) {
@@ -275,11 +275,12 @@ TEST(Estimate, RetractionKeepsUnknownWhatNobodyCanObserve) {
       Estimate estimate = random_map(generator, 8, {motion, has_theta});
       const Index n = estimate.size();
       const MatrixXd before = gauge(estimate);
-      estimate.P.set_diagonal_block(0, 1e-14 * MatrixXd::Identity(n, n) + before * before.transpose());
+      estimate.mutable_P().set_diagonal_block(0,
+                                              1e-14 * MatrixXd::Identity(n, n) + before * before.transpose());
       estimate.retract(0.2 * testing::random_normal(generator, n));
       // All it knows is still all but place and heading of the world, as seen from the new estimate.
       const MatrixXd after = gauge(estimate);
-      EXPECT_LE((estimate.P.dense() - after * after.transpose()).cwiseAbs().maxCoeff(), 1e-10);
+      EXPECT_LE((estimate.P().dense() - after * after.transpose()).cwiseAbs().maxCoeff(), 1e-10);
       EXPECT_GT((after - before).cwiseAbs().maxCoeff(), 0.1);
     }
   }
@@ -288,8 +289,8 @@ TEST(Estimate, RetractionKeepsUnknownWhatNobodyCanObserve) {
 /// How the error state sees all lengths grow by a common factor, per unit of its logarithm.
 VectorXd growth_of_all_lengths(const Estimate& estimate) {
   VectorXd g = VectorXd::Zero(estimate.size());
-  g.segment<3>(StateLayout::kPosition) = estimate.nav.T_world_body.p;
-  g.segment<3>(StateLayout::kVelocity) = estimate.nav.v_world_body;
+  g.segment<3>(StateLayout::kPosition) = estimate.nav().T_world_body.p;
+  g.segment<3>(StateLayout::kVelocity) = estimate.nav().v_world_body;
   g(estimate.layout().map_scale()) = 1.0;
   for (const Landmark& landmark : estimate.landmarks()) {
     if (const Anchor* anchor = estimate.anchor_of(landmark); anchor != nullptr) {
@@ -315,11 +316,12 @@ TEST(Estimate, RetractionKeepsUnknownAScaleThatNobodyCanSee) {
     const Index n = estimate.size();
     const double sigma = 0.01;
     const VectorXd before = sigma * growth_of_all_lengths(estimate);
-    estimate.P.set_diagonal_block(0, 1e-16 * MatrixXd::Identity(n, n) + before * before.transpose());
+    estimate.mutable_P().set_diagonal_block(0,
+                                            1e-16 * MatrixXd::Identity(n, n) + before * before.transpose());
     VectorXd dx = 0.05 * testing::random_normal(generator, n);
     estimate.retract(dx);
     const VectorXd after = sigma * growth_of_all_lengths(estimate);
-    EXPECT_LE((estimate.P.dense() - after * after.transpose()).cwiseAbs().maxCoeff(), 1e-10);
+    EXPECT_LE((estimate.P().dense() - after * after.transpose()).cwiseAbs().maxCoeff(), 1e-10);
     EXPECT_GT((after - before).cwiseAbs().maxCoeff(), 1e-3 * before.norm());
   }
 }
@@ -331,8 +333,8 @@ TEST(Estimate, CorrectsTheScaleByAFactor) {
     Estimate after = before;
     after.retract(s * growth_of_all_lengths(before));
     const double factor = 1.0 / (1.0 - s);  // linear in inverse depths
-    EXPECT_LE((after.nav.T_world_body.p - factor * before.nav.T_world_body.p).norm(), 1e-12);
-    EXPECT_LE((after.nav.v_world_body - factor * before.nav.v_world_body).norm(), 1e-12);
+    EXPECT_LE((after.nav().T_world_body.p - factor * before.nav().T_world_body.p).norm(), 1e-12);
+    EXPECT_LE((after.nav().v_world_body - factor * before.nav().v_world_body).norm(), 1e-12);
     for (const Landmark& landmark : before.landmarks()) {
       const Eigen::Vector3d expected = factor * world_position(landmark, before.anchor_of(landmark));
       if (before.anchor_of(landmark) == nullptr) {
@@ -359,10 +361,11 @@ TEST(Estimate, TakesTheScaleFromThoseThatKnowTheirDepthBest) {
     }
   }
   const VectorXd g = 0.1 * growth_of_all_lengths(estimate);
-  estimate.P.set_diagonal_block(0, MatrixXd(own.asDiagonal()) + g * g.transpose());
+  estimate.mutable_P().set_diagonal_block(0, MatrixXd(own.asDiagonal()) + g * g.transpose());
   estimate.refresh_map_scale();
-  EXPECT_NEAR(std::sqrt(estimate.P.dense()(at, at)), 0.1, 1e-3);
-  EXPECT_NEAR(estimate.P.dense()(at, StateLayout::kPosition) / (0.1 * g(StateLayout::kPosition)), 1.0, 0.01);
+  EXPECT_NEAR(std::sqrt(estimate.P().dense()(at, at)), 0.1, 1e-3);
+  EXPECT_NEAR(estimate.P().dense()(at, StateLayout::kPosition) / (0.1 * g(StateLayout::kPosition)), 1.0,
+              0.01);
 }
 
 TEST(Estimate, ConversionKeepsPositionCovarianceAndCorrelations) {
@@ -376,8 +379,8 @@ TEST(Estimate, ConversionKeepsPositionCovarianceAndCorrelations) {
     const Anchor anchor = *estimate.anchor_of(landmark);
     const Eigen::Matrix<double, 3, 9> J = world_position_jacobian(landmark, anchor);
     MatrixXd sources(9, 15);
-    sources << estimate.P.block(anchor.position_at, 0, 3, 15), estimate.P.block(anchor.attitude_at, 0, 3, 15),
-        estimate.P.block(landmark.at, 0, 3, 15);
+    sources << estimate.P().block(anchor.position_at, 0, 3, 15),
+        estimate.P().block(anchor.attitude_at, 0, 3, 15), estimate.P().block(landmark.at, 0, 3, 15);
     const Snapshot others = snapshot(estimate, {id});
     estimate.convert_to_cartesian(landmark);
 
@@ -387,7 +390,7 @@ TEST(Estimate, ConversionKeepsPositionCovarianceAndCorrelations) {
     Matrix3d P_after;
     EXPECT_LE((estimate.landmark_position(converted, &P_after) - before).norm(), 1e-13);
     EXPECT_LE((P_after - P_before).norm(), 1e-13 * P_before.norm());
-    EXPECT_LE((estimate.P.block(converted.at, 0, 3, 15) - J * sources).norm(), 1e-13 * sources.norm());
+    EXPECT_LE((estimate.P().block(converted.at, 0, 3, 15) - J * sources).norm(), 1e-13 * sources.norm());
     EXPECT_EQ(snapshot(estimate, {id}), others);
   }
 }
@@ -422,7 +425,7 @@ TEST(Estimate, LandmarkCovarianceIsThatOfManyDraws) {
       places.push_back(start + k);
     }
   }
-  const MatrixXd root = Cholesky(estimate.P.dense()(places, places)).L();
+  const MatrixXd root = Cholesky(estimate.P().dense()(places, places)).L();
   testing::SampleCovariance errors(3);
   for (int k = 0; k < 20000; ++k) {
     const VectorXd d = shrink * root * testing::random_normal(generator, 9);

@@ -38,7 +38,7 @@ void add_random_landmark(Generator& generator, Estimate& estimate, std::int64_t 
     landmark.value = random_vector(generator, 10.0);
   }
   std::normal_distribution<double> draw;
-  const Eigen::MatrixXd P = estimate.P.dense();
+  const Eigen::MatrixXd P = estimate.P().dense();
   const Eigen::MatrixXd G = Eigen::MatrixXd::NullaryExpr(3, P.rows(), [&] { return 0.3 * draw(generator); });
   estimate.add_landmark(landmark, congruence(G, P) + random_positive_definite(generator, 3, 0.01),
                         P * G.transpose());
@@ -49,7 +49,7 @@ Estimate random_map(Generator& generator, int count, StateLayout layout) {
   int anchor = -1;
   for (int k = 0; k < count; ++k) {
     if (k % 4 == 0) {
-      estimate.nav.T_world_body = random_pose(generator, 5.0);
+      move_body(estimate, [&](NavigationState& nav) { nav.T_world_body = random_pose(generator, 5.0); });
       anchor = estimate.add_anchor(random_pose(generator, 0.2));
     }
     add_random_landmark(generator, estimate, k, k % 4 == 3 ? -1 : anchor);
@@ -70,7 +70,7 @@ Eigen::MatrixXd awake_covariance(const Estimate& estimate) {
       places.push_back(k);
     }
   }
-  return estimate.P.dense()(places, places);
+  return estimate.P().dense()(places, places);
 }
 
 Snapshot snapshot(const Estimate& estimate, const std::vector<std::int64_t>& without) {
@@ -93,12 +93,12 @@ Snapshot snapshot(const Estimate& estimate, const std::vector<std::int64_t>& wit
     mean.insert(mean.end(), x.data(), x.data() + x.size());
   };
   place(0, estimate.layout().map_begin());
-  value(estimate.nav.T_world_body.R);
-  value(estimate.nav.T_world_body.p);
-  value(estimate.nav.v_world_body);
-  value(estimate.nav.bias_gyro);
-  value(estimate.nav.bias_accel);
-  value(estimate.theta);
+  value(estimate.nav().T_world_body.R);
+  value(estimate.nav().T_world_body.p);
+  value(estimate.nav().v_world_body);
+  value(estimate.nav().bias_gyro);
+  value(estimate.nav().bias_accel);
+  value(estimate.theta());
   Snapshot out;
   for (const Landmark* landmark : landmarks) {
     out.track_ids.push_back(landmark->track_id);
@@ -112,7 +112,7 @@ Snapshot snapshot(const Estimate& estimate, const std::vector<std::int64_t>& wit
     }
   }
   out.mean = Eigen::Map<const Eigen::VectorXd>(mean.data(), static_cast<Eigen::Index>(mean.size()));
-  out.P = estimate.P.dense()(places, places);
+  out.P = estimate.P().dense()(places, places);
   return out;
 }
 

@@ -13,6 +13,14 @@ namespace limber::testing {
 /// Symmetric positive definite, every two components correlated.
 Eigen::MatrixXd random_positive_definite(Generator& generator, Eigen::Index n, double sigma);
 
+/// Another mean of the body: `change` is handed its state.
+template <typename Change>
+void move_body(Estimate& estimate, Change change) {
+  NavigationState nav = estimate.nav();
+  change(nav);
+  estimate.set_nav(nav);
+}
+
 Estimate random_estimate(Generator& generator, StateLayout layout = {MotionModel::kImu, false});
 
 /// A landmark some metres before the camera, correlated with all that is there (P stays positive definite).

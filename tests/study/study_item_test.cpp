@@ -105,8 +105,9 @@ TEST(ComputeItem, CountsTheFramesOfAStartFromTheSensorsInTheWorldOfTheTruth) {
         nees += series.at(CurveQuantity::kPoseNees)[n] / 6.0 / 20.0;
       }
       EXPECT_NEAR(nees, *run.figures.anees, 1e-6 * nees) << label;
-      EXPECT_LT((item.methods[k].positions.front() - recording.groundtruth.front().p_world_body).norm(),
-                1e-9);
+      EXPECT_LT(
+          (item.methods[k].positions.front() - recording.truth.motion.states.front().p_world_body).norm(),
+          1e-9);
       EXPECT_LT(label == "ekf" ? *run.figures.landmark_rmse_m : 0.0, 5.0);  // where the truth has them
     }
   }

@@ -17,6 +17,13 @@ template <typename T>
   return *at;
 }
 
+/// The value that the given share of the others lies below, by the nearest rank: 0 is the smallest, 1 the
+/// largest. @param values  not empty
+[[nodiscard]] inline double quantile(std::vector<double> values, double share) {
+  const double rank = share * static_cast<double>(values.size() - 1);
+  return order_statistic(std::move(values), static_cast<std::size_t>(std::lround(rank)));
+}
+
 /// The middle value; of an even count the larger of the two in the middle, which is a value that occurred:
 /// for thresholds and scales. @param values  not empty
 template <typename T>

@@ -24,7 +24,8 @@ namespace limber {
 /// @brief The true rig at `t_ns`: the latest sample at or before it, the first one before that. Not
 /// interpolated, because that would smear a step of the rig over one interval.
 /// @param truth strictly increasing time
+/// @return with `t_ns` as its time
 /// @throws std::invalid_argument if `truth` is empty
-[[nodiscard]] RigParameters calibration_at(const std::vector<CalibrationTruth>& truth, std::int64_t t_ns);
+[[nodiscard]] TrueRig true_rig_at(const std::vector<TrueRig>& truth, std::int64_t t_ns);
 
 }  // namespace limber

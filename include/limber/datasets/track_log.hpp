@@ -23,6 +23,6 @@ void write_track_log(const Recording& recording, const std::filesystem::path& fo
 /// @brief The true rig over time as the text of calibration_truth0/data.csv, or of a KITTI folder's
 /// calibration_truth.csv.
 /// @throws std::invalid_argument for times that do not increase, or numbers that are not finite
-[[nodiscard]] std::string calibration_truth_text(const std::vector<CalibrationTruth>& truth);
+[[nodiscard]] std::string calibration_truth_text(const std::vector<TrueRig>& truth);
 
 }  // namespace limber

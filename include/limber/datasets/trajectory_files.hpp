@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "limber/core/pose.hpp"
+#include "limber/datasets/ground_truth.hpp"
 #include "limber/sensors/samples.hpp"
 
 /// Files that hold a trajectory. Every reader throws DataError (file, line, expected, found) for what it
@@ -47,15 +48,6 @@ void write_tum(const std::filesystem::path& path, const std::vector<StampedPose>
 /// The way back: the poses as they are, without their times, in KITTI's world.
 void write_kitti_poses(const std::filesystem::path& path, const std::vector<StampedPose>& poses);
 
-/// EuRoC ground truth: 8 (pose), 11 (with velocity) or 17 columns (with biases).
-struct GroundTruth {
-  /// strictly increasing time
-  std::vector<GroundTruthState> states;
-  /// false: velocities are zero
-  bool has_velocity = false;
-  /// false: biases are zero
-  bool has_biases = false;
-};
 /// Reads a ground truth of EuRoC. @throws DataError naming file and line
 [[nodiscard]] GroundTruth read_euroc_groundtruth(const std::filesystem::path& path);
 

@@ -11,7 +11,7 @@
 namespace limber {
 
 /// The rig of a recording as it would be if its right camera moved after the recording was calibrated. What
-/// bends is the rig that took the recording: calibration_true where that is known, else the calibration.
+/// bends is the rig that took the recording: truth.rig where that is known, else the calibration.
 class BentRig {
  public:
   /// What of the signals is applied.
@@ -34,7 +34,7 @@ class BentRig {
   [[nodiscard]] Eigen::Matrix3d turn_of_cam1(std::int64_t t_ns) const;
 
   /// The bent rig at every frame, at every jump between the first and the last one, and where it was known.
-  [[nodiscard]] std::vector<CalibrationTruth> truth() const;
+  [[nodiscard]] std::vector<TrueRig> truth() const;
 
  private:
   [[nodiscard]] RigParameters delta(std::int64_t t_ns) const;

@@ -70,9 +70,9 @@ class OnlineNavigator {
   /// The body at t_ns with the inputs so far, for instance at the rate of the IMU; changes nothing.
   /// @throws std::logic_error before the start
   [[nodiscard]] PredictedState predict(std::int64_t t_ns) const { return navigator().predict(t_ns); }
-  /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
-  /// @throws std::logic_error before the start
-  void assume_theta(const RigParameters& theta);
+  /// The door of `oracle`, and of nobody else: the rig as it is from now on, which the filter takes for true.
+  /// @throws std::logic_error before the start, and for any other method
+  void show_true_rig(const TrueRig& truth);
 
   /// What the alarm made of the last frame; nothing before the start, or if the calibration is not watched.
   [[nodiscard]] std::optional<HealthReport> health() const;

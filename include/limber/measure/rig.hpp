@@ -7,6 +7,7 @@
 #include "limber/core/pose.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/sensors/parameters.hpp"
+#include "limber/sensors/true_rig.hpp"
 
 namespace limber {
 
@@ -57,5 +58,7 @@ using MountedRig = std::array<MountedCamera, 2>;
 
 /// T_body_cam0 of the assumed calibration, whatever the body is.
 [[nodiscard]] Pose body_from_cam0(const StereoCalibration& calibration);
+/// The true one, of a rig with that calibration but for theta; for simulators.
+[[nodiscard]] Pose body_from_cam0(const StereoCalibration& calibration, const TrueRig& truth);
 
 }  // namespace limber

@@ -52,8 +52,9 @@ class Navigator {
   /// The body at t_ns with the inputs so far, for instance at the rate of the IMU; changes nothing.
   [[nodiscard]] PredictedState predict(std::int64_t t_ns) const { return answering().predict(t_ns); }
 
-  /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
-  void assume_theta(const RigParameters& theta) { filter_.assume_theta(theta); }
+  /// The door of `oracle`, and of nobody else: the rig as it is from now on, which the filter takes for true.
+  /// @throws as StereoFilter::show_true_rig
+  void show_true_rig(const TrueRig& truth) { filter_.show_true_rig(truth); }
 
   /// Mean and covariance of body, parameters and map. Invalidated by the next call.
   [[nodiscard]] const Estimate& estimate() const { return answering().estimate(); }

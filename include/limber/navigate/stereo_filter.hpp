@@ -28,6 +28,9 @@ namespace limber {
 namespace detail {
 struct Propagation;
 }
+namespace testing {
+struct StereoFilterDoubt;
+}
 
 /// How wrong the rig that `adaptive` takes for true may be from now on; both are learned from there.
 struct CalibrationPrior {
@@ -78,29 +81,10 @@ class StereoFilter {
   /// hours ahead, a pixel is not finite or a million pixels away, or an id comes twice; nothing has changed
   FrameReport process(const StereoFrame& frame);
 
-  /// Opens the state for what the images of a filter beside this one said against the inputs: velocity and
-  /// biases may be off by as much, and for some time the inputs are noisier by as much.
-  void distrust_inputs(const InputContradiction& found);
-
-  /// adaptive: begins to estimate theta, as a constant that walks and a part that is fresh in every frame,
-  /// instead of trusting it. Told by whoever found out (Navigator).
-  void distrust(const CalibrationPrior& prior);
-
-  /// adaptive: takes over the state of a constrained filter (lcekf with a witness, all six directions or
-  /// fewer), which was led astray by nothing; what its witness has learned becomes theta.
-  void take_over(const StereoFilter& constrained, const CalibrationPrior& prior);
-
-  /// adaptive, as long as it trusts: takes over the state of such a filter where an input that fails has led
-  /// it astray. Theta stays what it was.
-  void follow(const StereoFilter& constrained);
-
-  /// adaptive: an epoch of the map does not end in the next frame, because that of the filter beside ends
-  /// then.
-  void postpone_epoch() { postpones_epoch_ = true; }
-
-  /// What the filter assumes from now on. For `oracle`, which the application feeds with the truth.
-  /// @throws std::invalid_argument if theta is part of the state, not finite, or has no baseline
-  void assume_theta(const RigParameters& theta);
+  /// The door of `oracle`, and of nobody else: the rig as it is from now on, which the filter takes for true.
+  /// @throws std::logic_error for any other method
+  /// @throws std::invalid_argument if theta is not finite or has no baseline
+  void show_true_rig(const TrueRig& truth);
 
   /// The calibration that the filter takes for true: what was given, with what has been estimated.
   [[nodiscard]] const StereoCalibration& calibration() const { return calibration_; }
@@ -123,6 +107,29 @@ class StereoFilter {
   }
 
  private:
+  friend class Navigator;  // which has several of them and tells one what another has seen
+  friend struct testing::StereoFilterDoubt;
+
+  /// Opens the state for what the images of a filter beside this one said against the inputs: velocity and
+  /// biases may be off by as much, and for some time the inputs are noisier by as much.
+  void distrust_inputs(const InputContradiction& found);
+
+  /// adaptive: begins to estimate theta, as a constant that walks and a part that is fresh in every frame,
+  /// instead of trusting it. Told by whoever found out (Navigator).
+  void distrust(const CalibrationPrior& prior);
+
+  /// adaptive: takes over the state of a constrained filter (lcekf with a witness, all six directions or
+  /// fewer), which was led astray by nothing; what its witness has learned becomes theta.
+  void take_over(const StereoFilter& constrained, const CalibrationPrior& prior);
+
+  /// adaptive, as long as it trusts: takes over the state of such a filter where an input that fails has led
+  /// it astray. Theta stays what it was.
+  void follow(const StereoFilter& constrained);
+
+  /// adaptive: an epoch of the map does not end in the next frame, because that of the filter beside ends
+  /// then.
+  void postpone_epoch() { postpones_epoch_ = true; }
+
   /// Landmarks that are new in this frame, with those of its rows that the update may still use.
   using NewLandmarks = std::unordered_map<std::int64_t, RemainingRows>;
   /// The rig at which a frame is linearised, and how far that is from the assumed one.
@@ -132,6 +139,7 @@ class StereoFilter {
   };
 
   void add(const InputSample& sample);
+  void set_time(std::int64_t t_ns);
   /// The time of the state once something of t_ns has come.
   [[nodiscard]] std::int64_t started_at(std::int64_t t_ns) const;
   [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns) const;

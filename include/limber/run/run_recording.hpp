@@ -21,10 +21,10 @@ namespace limber {
 using FrameSource = std::function<StereoFrame(std::size_t)>;
 
 /// Stereo frames of a recording, matched points or images.
-[[nodiscard]] std::size_t frame_count(const Recording& recording);
+[[nodiscard]] std::size_t frame_count(const SensorData& sensors);
 
 /// Frame `n` of a recording with matched points. The recording must outlive the source.
-[[nodiscard]] FrameSource matched_frames(const Recording& recording);
+[[nodiscard]] FrameSource matched_frames(const SensorData& sensors);
 
 /// A frame of a run that is done.
 struct ObservedFrame {

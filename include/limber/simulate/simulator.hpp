@@ -24,7 +24,7 @@ namespace limber {
 
 /// @brief What the sensors deliver in this scenario, with the truth beside it.
 /// Times start at 0. IMU and odometry samples are instantaneous values; ground truth has the IMU's times;
-/// calibration_true has those of the frames and of every jump. `calibration` is the nominal rig. Landmarks
+/// truth.rig has those of the frames and of every jump. `calibration` is the nominal rig. Landmarks
 /// that no frame shows are left out, and those that move; their indices are the track ids.
 /// @throws std::invalid_argument if check_scenario does
 /// @throws DataError if the file of a FileTrajectory cannot be used, or is shorter than the scenario

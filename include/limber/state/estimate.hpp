@@ -30,10 +30,28 @@ class Estimate {
   Estimate(StateLayout layout, const NavigationState& nav, const Eigen::MatrixXd& body_covariance,
            const RigParameters& theta, const Eigen::Matrix<double, 6, 6>& theta_covariance);
 
+  /// Mean of the body's state.
+  [[nodiscard]] const NavigationState& nav() const { return nav_; }
+  /// What the filter takes for the rig: an estimate if it is in the state, else assumed [rad, m].
+  [[nodiscard]] const RigParameters& theta() const { return theta_; }
+  /// Parameters beyond theta, true minus assumed, as far as they are in the state.
+  [[nodiscard]] const Eigen::Matrix<double, kMoreParameters, 1>& more() const { return more_; }
+  /// Mean of the witness [plausible errors]; zero without one.
+  [[nodiscard]] const Eigen::Matrix<double, 6, 1>& witness() const { return witness_; }
+  /// Covariance of the error state: n×n, in the order of layout(), then the map.
+  [[nodiscard]] const Covariance& P() const { return P_; }
+  /// The same, to correct it; who does keeps it positive semidefinite.
+  [[nodiscard]] Covariance& mutable_P() { return P_; }
+
+  /// Another mean of the body, with the same covariance.
+  void set_nav(const NavigationState& nav) { nav_ = nav; }
+  /// Another rig is taken for true. For layouts that do not have theta in the state.
+  void assume_theta(const RigParameters& theta) { theta_ = theta; }
+
   /// Where things stand in the error state.
   [[nodiscard]] const StateLayout& layout() const { return layout_; }
   /// Size n of the error state that P covers; passive landmarks are not in it.
-  [[nodiscard]] Eigen::Index size() const { return P.size(); }
+  [[nodiscard]] Eigen::Index size() const { return P_.size(); }
   /// Of the whole map, active and passive, in no order.
   [[nodiscard]] const std::vector<Landmark>& landmarks() const { return landmarks_; }
   /// The same, to change them; who moves one has to keep P right.
@@ -119,16 +137,9 @@ class Estimate {
   /// Positions of all landmarks [m], in the order of landmarks(); cheaper than one by one.
   [[nodiscard]] std::vector<Eigen::Vector3d> landmark_positions() const;
 
-  /// mean of the body's state
-  NavigationState nav;
-  RigParameters theta;  ///< what the filter takes for the rig: an estimate if in the state, else assumed
-  /// Parameters beyond theta, true minus assumed, as far as they are in the state.
-  Eigen::Matrix<double, kMoreParameters, 1> more = Eigen::Matrix<double, kMoreParameters, 1>::Zero();
-  Eigen::Matrix<double, 6, 1> witness = Eigen::Matrix<double, 6, 1>::Zero();  ///< [plausible errors]
-  /// covariance of the error state: n×n, in the order of layout(), then the map
-  Covariance P;
-
  private:
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using More = Eigen::Matrix<double, kMoreParameters, 1>;
   enum class Owner : std::uint8_t { kLandmark, kAnchorPosition, kAnchorAttitude, kBodyClone, kBuried };
   struct StateBlock {
     Owner owner;
@@ -198,6 +209,11 @@ class Estimate {
   [[nodiscard]] static Anchor corrected(Anchor anchor, const Eigen::Vector3d& dp,
                                         const Eigen::Vector3d& dtheta);
 
+  NavigationState nav_;
+  RigParameters theta_;
+  More more_ = More::Zero();
+  Vector6 witness_ = Vector6::Zero();
+  Covariance P_;
   StateLayout layout_;
   std::vector<Anchor> anchors_;
   std::vector<int> free_anchors_;
