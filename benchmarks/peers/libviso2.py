@@ -44,9 +44,9 @@ def rig(cameras):
 
 
 def write_inputs(recording, folder):
-    """Writes rig.yaml and pairs.csv into a folder; returns their paths."""
+    """Writes rig.yaml and pairs.tsv into a folder; returns their paths. Tabs, because names of bent recordings hold commas."""
     folder.mkdir(parents=True, exist_ok=True)
-    calibration, pairs = folder / "rig.yaml", folder / "pairs.csv"
+    calibration, pairs = folder / "rig.yaml", folder / "pairs.tsv"
     calibration.write_text(rig(recordings.cameras(recording)))
-    pairs.write_text("".join(f"{t_ns},{left},{right}\n" for t_ns, left, right in recordings.stereo_pairs(recording)))
+    pairs.write_text("".join(f"{t_ns}\t{left}\t{right}\n" for t_ns, left, right in recordings.stereo_pairs(recording)))
     return calibration, pairs

@@ -17,9 +17,8 @@ inline double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Lines of a CSV file that are neither empty nor comments, with their fields. Throws where it cannot be
-/// read.
-inline std::vector<std::vector<std::string>> read_csv(const std::string& path) {
+/// Lines of a table that are neither empty nor comments, with their fields. Throws where it cannot be read.
+inline std::vector<std::vector<std::string>> read_csv(const std::string& path, char separator = ',') {
   std::ifstream file(path);
   if (!file) throw std::runtime_error(path + ": cannot be read");
   std::vector<std::vector<std::string>> rows;
@@ -28,7 +27,7 @@ inline std::vector<std::vector<std::string>> read_csv(const std::string& path) {
     if (line.empty() || line.front() == '#') continue;
     std::stringstream fields(line);
     rows.emplace_back();
-    for (std::string field; std::getline(fields, field, ',');) rows.back().push_back(field);
+    for (std::string field; std::getline(fields, field, separator);) rows.back().push_back(field);
   }
   return rows;
 }

@@ -255,7 +255,7 @@ class Libviso2(unittest.TestCase):
             _, pairs = libviso2.write_inputs(recording, recording / "run")
             rows = pairs.read_text().splitlines()
         self.assertEqual(len(rows), 7)
-        self.assertEqual(rows[1], f"1000000000156000000,{recording}/mav0/cam0/data/3.png,{recording}/mav0/cam1/data/3.png")
+        self.assertEqual(rows[1], f"1000000000156000000\t{recording}/mav0/cam0/data/3.png\t{recording}/mav0/cam1/data/3.png")
 
     def test_it_needs_no_start_and_runs_once(self):
         self.assertEqual(compare_peers.columns(["libviso2", "ekf"], ["truth", "own"]),

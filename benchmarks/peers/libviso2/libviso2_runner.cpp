@@ -151,9 +151,10 @@ struct Totals {
 Totals navigate(const std::string& rig_path, const std::string& pairs_path, const std::string& out_path,
                 unsigned seed) {
   cv::setNumThreads(0);
-  const auto pairs = read_csv(pairs_path);
+  const auto pairs = read_csv(pairs_path, '\t');  // names of recordings hold commas
   for (const auto& row : pairs)
-    if (row.size() != 3) throw std::runtime_error(pairs_path + ": expected t_ns, left image, right image");
+    if (row.size() != 3)
+      throw std::runtime_error(pairs_path + ": expected t_ns, left image, right image, tabs between them");
   if (pairs.empty()) throw std::runtime_error(pairs_path + ": no pairs");
   const Rectifier rectifier(read_rig(rig_path), read_image(pairs.front()[1]).size());
   VisualOdometryStereo odometry(settings(rectifier));
