@@ -20,7 +20,7 @@ STYLES = {"openvins": ("#999999", "s", "OpenVINS"), "openvins-calib": ("#444444"
 
 def degrees(profile):
     """Of a constant vergence; None of a profile that moves or turns otherwise."""
-    found = re.fullmatch(r"ay=([\d.]+)", profile)
+    found = re.fullmatch(r"ay=(-?[\d.]+)", profile)
     return 0.0 if profile == "" else float(found.group(1)) if found else None
 
 
@@ -59,6 +59,10 @@ def medians(results, system, start, value):
     return {profile: statistics.median(values) for profile, values in found.items()}
 
 
+def drawn_error(result):
+    return None if result["ate"] is None else min(result["ate"], LOST_M)
+
+
 def draw_lines(axes, results, start, ticks, value):
     for system, (colour, marker, name) in STYLES.items():
         known = medians(results, system, start, value)
@@ -72,6 +76,7 @@ def draw_lines(axes, results, start, ticks, value):
     axes.grid(True, color="#dddddd", linewidth=0.6)
 
 
+LOST_M = 100  # errors beyond it are drawn there, lest one of kilometres flattens the rest
 STARTS = {"truth": "start from the truth", "own": "own start", "none": "no start"}
 
 
@@ -87,14 +92,15 @@ def draw(results, out):
     for (source, start), above, below in zip(shown, *rows):
         own = [r for r in results if r["source"] == source]
         ticks = places(list(dict.fromkeys(r["bend"] for r in own)))
-        draw_lines(above, own, start, ticks, lambda r: r["ate"])
+        draw_lines(above, own, start, ticks, drawn_error)
         draw_lines(below, own, start, ticks, lambda r: 100 * r["poses"] / r["frames"])
         above.set_yscale("log")
+        above.set_ylim(top=1.5 * LOST_M)
         above.set_title(f"{source}, {STARTS[start]}", fontsize=10)
         below.set_ylim(0, 105)
         below.set_xlabel("vergence [°], constant | rigs that move", fontsize=9)
         names.update(zip(*reversed(above.get_legend_handles_labels())))
-    rows[0][0].set_ylabel("ATE, SE(3) [m]", fontsize=9)
+    rows[0][0].set_ylabel(f"ATE, SE(3) [m], at most {LOST_M}", fontsize=9)
     rows[1][0].set_ylabel("frames with a pose [%]", fontsize=9)
     figure.legend(names.values(), names.keys(), loc="upper center", ncols=6, fontsize=8, frameon=False)
     figure.tight_layout(rect=(0, 0, 1, 0.94))

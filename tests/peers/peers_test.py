@@ -328,6 +328,10 @@ class Picture(unittest.TestCase):
                          [("", "0"), ("ay=0.3", "0.3"), ("ay=2", "2"), ("ay=0.5,shape=vibration,frequency=1", "±0.5°\n1 Hz"),
                           ("ay=2,shape=ramp,end=8", "0→2°\nin 8 s")])
         self.assertEqual([x for _, x, _ in places], [0.0, 0.3, 2.0, 3.0, 3.8])
+        self.assertEqual([x for _, x, _ in draw_peers.places(["", "ay=-3"])], [-3.0, 0.0])
+
+    def test_an_error_of_kilometres_is_drawn_at_the_edge(self):
+        self.assertEqual([draw_peers.drawn_error({"ate": ate}) for ate in (None, 0.5, 3000.0)], [None, 0.5, draw_peers.LOST_M])
 
     def test_a_point_is_the_median_of_what_there_is(self):
         results = [{"bend": "ay=1", "system": "ekf", "start": "own", "ate": ate} for ate in (0.1, None, 0.3, 0.2)]
