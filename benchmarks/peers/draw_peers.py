@@ -38,9 +38,11 @@ def places(profiles):
     """[(profile, where on the axis, text of its tick)]: degrees first, then profiles that move, one beside the other."""
     constant = sorted((degrees(p), p) for p in profiles if degrees(p) is not None)
     moving = [p for p in profiles if degrees(p) is None]
-    beyond = (constant[-1][0] if constant else 0.0) + 1.0
+    span = constant[-1][0] - constant[0][0] if constant else 0.0
+    step = max(0.8, 0.18 * span)
+    beyond = (constant[-1][0] if constant else 0.0) + max(1.0, step)
     return ([(p, x, f"{x:g}") for x, p in constant]
-            + [(p, beyond + 0.8 * i, label(p)) for i, p in enumerate(moving)])
+            + [(p, beyond + step * i, label(p)) for i, p in enumerate(moving)])
 
 
 def panels(results):
@@ -86,7 +88,7 @@ def draw(results, out):
     matplotlib.rcParams["svg.hashsalt"] = "limber"
     from matplotlib import pyplot
     shown = panels(results)
-    figure, rows = pyplot.subplots(2, len(shown), figsize=(4.1 * len(shown), 5.6), sharex="col", squeeze=False,
+    figure, rows = pyplot.subplots(2, len(shown), figsize=(3.4 * len(shown), 5.2), sharex="col", squeeze=False,
                                    height_ratios=[2.2, 1])
     names = {}
     for (source, start), above, below in zip(shown, *rows):
