@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""limber and OpenVINS on the same images, bent and not, scored by `limber evaluate`.
+"""limber, OpenVINS and libviso2 on the same images, bent and not, scored by `limber evaluate`.
 
-  benchmarks/peers/compare_peers.py RECORDING --openvins SOURCE --runner PROGRAM --out NEW_FOLDER
+  benchmarks/peers/compare_peers.py RECORDING [--openvins SOURCE --runner PROGRAM] [--libviso2 PROGRAM] --out NEW_FOLDER
 
-RECORDING is an EuRoC folder. README.md beside this file says how to build the peer and what the columns mean.
+RECORDING is an EuRoC or a KITTI folder. README.md beside this file says how to build the peers and what the rows mean.
 """
 import argparse
 import hashlib
@@ -15,12 +15,14 @@ import subprocess
 import sys
 
 import euroc
+import libviso2
 import openvins
 import peers_table
+import recordings
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BENDS = ["ay=0.3", "ay=1", "ay=2", "ay=3", "ay=0.5,shape=vibration,frequency=1", "ay=2,shape=ramp,end=8"]
-SYSTEMS = ["openvins", "openvins-calib", "ekf", "lcekf", "adaptive"]
+BENDS = ["ay=0.5", "ay=1", "ay=2", "ay=3", "ay=5", "ay=0.5,shape=vibration,frequency=1", "ay=2,shape=ramp,end=8"]
+SYSTEMS = ["openvins", "openvins-calib", "libviso2", "ekf", "lcekf", "adaptive"]
 
 
 def measured(command, log):
@@ -60,17 +62,22 @@ def evaluation(limber, poses, folder, recording):
     return json.loads(done.stdout) if done.returncode == 0 else None
 
 
-def run_limber(arguments, recording, folder, method, start):
+def run_limber(arguments, recording, folder, method, start, _):
     command = [arguments.limber, "run", recording, "--method", method, "--init", "groundtruth" if start == "truth" else "auto",
                "--out", folder / "run", "--threads", "1"]
     command += ["--max-tracks", str(arguments.points)] if arguments.points else []
     settings = " ".join(map(str, command[4:8] + command[10:])) + digest(arguments.limber)
     code, cpu_s, peak_mb = measured(command, folder / "log.txt")
-    poses = limber_poses(folder / "run", euroc.stereo_stamps(recording)[0])
+    poses = limber_poses(folder / "run", recordings.stereo_stamps(recording)[0])
     return {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": hashed(settings)}, poses
 
 
-def run_openvins(arguments, recording, folder, system, start):
+def reported(log):
+    """What a runner says of itself in its last line."""
+    return json.loads(log.read_text().splitlines()[-1])
+
+
+def run_openvins(arguments, recording, folder, system, start, _):
     calibrate = system == "openvins-calib"
     config, state, changed = openvins.write_settings(arguments.openvins / "config/euroc_mav", recording, folder,
                                                      calibrate, start, arguments.points)
@@ -80,7 +87,20 @@ def run_openvins(arguments, recording, folder, system, start):
     settings = "".join(file.read_text() for file in sorted(folder.glob("*.yaml"))) + digest(arguments.runner)
     result = {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": hashed(settings), "changed": changed}
     if code == 0:
-        result.update(json.loads((folder / "log.txt").read_text().splitlines()[-1]))
+        result.update(reported(folder / "log.txt"))
+    return result, poses_from(trajectory)
+
+
+def run_libviso2(arguments, recording, folder, _, __, repetition):
+    """Each repetition has a seed of its own for its RANSAC; 1 is the one that the library takes."""
+    calibration, pairs = libviso2.write_inputs(recording, folder)
+    trajectory = folder / "trajectory.csv"
+    seed = 1 + repetition
+    code, cpu_s, peak_mb = measured([arguments.libviso2, calibration, pairs, trajectory, seed], folder / "log.txt")
+    settings = hashed(calibration.read_text() + digest(arguments.libviso2))
+    result = {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": settings, "seed": seed}
+    if code == 0:
+        result.update(reported(folder / "log.txt"))
     return result, poses_from(trajectory)
 
 
@@ -92,14 +112,18 @@ def hashed(text):
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
-def run(arguments, recording, folder, system, start):
+def runner_of(system):
+    return run_openvins if system.startswith("openvins") else run_libviso2 if system == "libviso2" else run_limber
+
+
+def run(arguments, recording, folder, system, start, repetition):
     """One run of one system, scored."""
     folder.mkdir(parents=True)
-    one = run_openvins if system.startswith("openvins") else run_limber
-    result, poses = one(arguments, recording, folder, system, start)
+    result, poses = runner_of(system)(arguments, recording, folder, system, start, repetition)
     scored = evaluation(arguments.limber, poses, folder, recording)
     result.update({"system": system, "start": start, "recording": recording.name, "poses": max(0, len(poses) - 1)})
-    result.update({"frames": len(euroc.stereo_stamps(recording)), "ate": scored["ate_m"]["se3"] if scored else None})
+    result.update({"frames": len(recordings.stereo_stamps(recording)), "ate": scored["ate_m"]["se3"] if scored else None})
+    result.update({"source": arguments.recording.name, "repetition": repetition, "trajectory": hashed("\n".join(poses))})
     return result
 
 
@@ -118,30 +142,56 @@ def bend(arguments, profile):
 def parse():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("recording", type=pathlib.Path)
-    parser.add_argument("--openvins", type=pathlib.Path, required=True, help="source tree of OpenVINS, for its EuRoC settings")
-    parser.add_argument("--runner", type=pathlib.Path, required=True, help="openvins_runner, built")
+    parser.add_argument("--openvins", type=pathlib.Path, help="source tree of OpenVINS, for its EuRoC settings")
+    parser.add_argument("--runner", type=pathlib.Path, help="openvins_runner, built")
+    parser.add_argument("--libviso2", type=pathlib.Path, help="libviso2_runner, built")
     parser.add_argument("--limber", type=pathlib.Path, default=ROOT / "build/release/limber")
     parser.add_argument("--out", type=pathlib.Path, required=True, help="new folder for recordings, runs and results.json")
     parser.add_argument("--bend", action="append", metavar="PROFILE", help="as in limber decalibrate --as; may be repeated; "
                         f"'' bends nothing; default: '' and {' '.join(BENDS)}")
-    parser.add_argument("--systems", default=",".join(SYSTEMS), help="default: %(default)s")
+    parser.add_argument("--systems", help=f"some of {','.join(SYSTEMS)}; default: those whose programs are given, and limber")
     parser.add_argument("--start", choices=["truth", "own", "both"], default="both", help="default: %(default)s")
     parser.add_argument("--points", type=int, help="points a camera, for all; default: what each system has for EuRoC")
     parser.add_argument("--repeat", type=int, default=5, help="default: %(default)s")
     arguments = parser.parse_args()
-    for path in (arguments.recording / "mav0", arguments.limber, arguments.runner, arguments.openvins / "config/euroc_mav"):
-        if not path.exists():
-            parser.error(f"{path} is not there")
-    unknown = set(arguments.systems.split(",")) - set(SYSTEMS)
+    if arguments.systems is None:
+        arguments.systems = ",".join(system for system in SYSTEMS if not missing(arguments, system))
+    check(parser, arguments)
+    for name in ("recording", "out", "limber", "runner", "openvins", "libviso2"):
+        if getattr(arguments, name):
+            setattr(arguments, name, getattr(arguments, name).resolve())
+    return arguments
+
+
+def missing(arguments, system):
+    """The options without which a peer cannot run."""
+    needed = ["openvins", "runner"] if system.startswith("openvins") else ["libviso2"] if system == "libviso2" else []
+    return [f"--{name}" for name in needed if getattr(arguments, name) is None]
+
+
+def check(parser, arguments):
+    systems = arguments.systems.split(",")
+    unknown = set(systems) - set(SYSTEMS)
     if unknown:
         parser.error(f"--systems: {', '.join(sorted(unknown))}: expected some of {', '.join(SYSTEMS)}")
+    for system in systems:
+        if missing(arguments, system):
+            parser.error(f"{system} needs {' and '.join(missing(arguments, system))}")
+        if system.startswith("openvins") and not recordings.has_imu(arguments.recording):
+            parser.error(f"{system} needs an IMU, and {arguments.recording} has none")
+    settings = arguments.openvins / "config/euroc_mav" if arguments.openvins else None
+    for path in (arguments.recording, arguments.limber, arguments.runner, settings, arguments.libviso2):
+        if path and not path.exists():
+            parser.error(f"{path} is not there")
     if arguments.repeat < 1:
         parser.error("--repeat: expected 1 or more")
     if arguments.out.exists() and any(arguments.out.iterdir()):
         parser.error(f"{arguments.out} is not empty: nothing is ever replaced")
-    for name in ("recording", "out", "limber", "runner", "openvins"):
-        setattr(arguments, name, getattr(arguments, name).resolve())
-    return arguments
+
+
+def columns(systems, starts):
+    """[(system, start)]: libviso2 needs no start, and runs once."""
+    return list(dict.fromkeys((system, "none" if system == "libviso2" else start) for start in starts for system in systems))
 
 
 def main():
@@ -149,14 +199,13 @@ def main():
     arguments.out.mkdir(parents=True, exist_ok=True)
     profiles = arguments.bend if arguments.bend is not None else ["", *BENDS]
     starts = ["truth", "own"] if arguments.start == "both" else [arguments.start]
-    columns = [(system, start) for start in starts for system in arguments.systems.split(",")]
     results = []
     for profile in profiles:
         recording = bend(arguments, profile)
         for repetition in range(arguments.repeat):
-            for system, start in columns:
+            for system, start in columns(arguments.systems.split(","), starts):
                 folder = arguments.out / "runs" / (profile or "nothing") / f"{system}-{start}-{repetition}"
-                results.append({"bend": profile, **run(arguments, recording, folder, system, start)})
+                results.append({"bend": profile, **run(arguments, recording, folder, system, start, repetition)})
                 (arguments.out / "results.json").write_text(json.dumps(results, indent=1) + "\n")
     print(peers_table.tables(results))
 

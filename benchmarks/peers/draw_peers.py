@@ -14,12 +14,13 @@ import statistics
 import sys
 
 STYLES = {"openvins": ("#999999", "s", "OpenVINS"), "openvins-calib": ("#444444", "D", "OpenVINS, online calibration"),
+          "libviso2": ("#cc79a7", "P", "libviso2"),
           "ekf": ("#d55e00", "v", "ekf"), "lcekf": ("#0072b2", "o", "lcekf"), "adaptive": ("#009e73", "^", "adaptive")}
 
 
 def degrees(profile):
     """Of a constant vergence; None of a profile that moves or turns otherwise."""
-    found = re.fullmatch(r"ay=([\d.]+)", profile)
+    found = re.fullmatch(r"ay=(-?[\d.]+)", profile)
     return 0.0 if profile == "" else float(found.group(1)) if found else None
 
 
@@ -37,18 +38,31 @@ def places(profiles):
     """[(profile, where on the axis, text of its tick)]: degrees first, then profiles that move, one beside the other."""
     constant = sorted((degrees(p), p) for p in profiles if degrees(p) is not None)
     moving = [p for p in profiles if degrees(p) is None]
-    beyond = (constant[-1][0] if constant else 0.0) + 1.0
+    span = constant[-1][0] - constant[0][0] if constant else 0.0
+    step = max(0.8, 0.18 * span)
+    beyond = (constant[-1][0] if constant else 0.0) + max(1.0, step)
     return ([(p, x, f"{x:g}") for x, p in constant]
-            + [(p, beyond + 0.8 * i, label(p)) for i, p in enumerate(moving)])
+            + [(p, beyond + step * i, label(p)) for i, p in enumerate(moving)])
+
+
+def panels(results):
+    """[(recording, start)], one a panel. What needs no start stands in each panel of its recording, alone where there is no other."""
+    found = list(dict.fromkeys((r["source"], r["start"]) for r in results))
+    started = {source for source, start in found if start != "none"}
+    return [(source, start) for source, start in found if start != "none" or source not in started]
 
 
 def medians(results, system, start, value):
     """{profile: median over the repetitions that have the value}"""
     found = {}
     for r in results:
-        if (r["system"], r["start"]) == (system, start) and value(r) is not None:
+        if r["system"] == system and r["start"] in (start, "none") and value(r) is not None:
             found.setdefault(r["bend"], []).append(value(r))
     return {profile: statistics.median(values) for profile, values in found.items()}
+
+
+def drawn_error(result):
+    return None if result["ate"] is None else min(result["ate"], LOST_M)
 
 
 def draw_lines(axes, results, start, ticks, value):
@@ -64,26 +78,34 @@ def draw_lines(axes, results, start, ticks, value):
     axes.grid(True, color="#dddddd", linewidth=0.6)
 
 
+LOST_M = 100  # errors beyond it are drawn there, lest one of kilometres flattens the rest
+STARTS = {"truth": "start from the truth", "own": "own start", "none": "no start"}
+
+
 def draw(results, out):
     import matplotlib
     matplotlib.use("Agg")
     matplotlib.rcParams["svg.hashsalt"] = "limber"
     from matplotlib import pyplot
-    ticks = places(list(dict.fromkeys(r["bend"] for r in results)))
-    starts = [s for s in ("truth", "own") if any(r["start"] == s for r in results)]
-    figure, rows = pyplot.subplots(2, len(starts), figsize=(4.6 * len(starts), 5.4), sharex=True, sharey="row", squeeze=False,
+    shown = panels(results)
+    figure, rows = pyplot.subplots(2, len(shown), figsize=(3.4 * len(shown), 5.2), sharex="col", squeeze=False,
                                    height_ratios=[2.2, 1])
-    for i, start in enumerate(starts):
-        draw_lines(rows[0][i], results, start, ticks, lambda r: r["ate"])
-        draw_lines(rows[1][i], results, start, ticks, lambda r: 100 * r["poses"] / r["frames"])
-        rows[0][i].set_yscale("log")
-        rows[0][i].set_title("start from the truth" if start == "truth" else "own start", fontsize=10)
-        rows[1][i].set_ylim(0, 105)
-        rows[1][i].set_xlabel("vergence [°], constant | rigs that move", fontsize=9)
-    rows[0][0].set_ylabel("ATE, SE(3) [m]", fontsize=9)
+    names = {}
+    for (source, start), above, below in zip(shown, *rows):
+        own = [r for r in results if r["source"] == source]
+        ticks = places(list(dict.fromkeys(r["bend"] for r in own)))
+        draw_lines(above, own, start, ticks, drawn_error)
+        draw_lines(below, own, start, ticks, lambda r: 100 * r["poses"] / r["frames"])
+        above.set_yscale("log")
+        above.set_ylim(top=1.5 * LOST_M)
+        above.set_title(f"{source}, {STARTS[start]}", fontsize=10)
+        below.set_ylim(0, 105)
+        below.set_xlabel("vergence [°], constant | rigs that move", fontsize=9)
+        names.update(zip(*reversed(above.get_legend_handles_labels())))
+    rows[0][0].set_ylabel(f"ATE, SE(3) [m], at most {LOST_M}", fontsize=9)
     rows[1][0].set_ylabel("frames with a pose [%]", fontsize=9)
-    figure.legend(*rows[0][0].get_legend_handles_labels(), loc="upper center", ncols=5, fontsize=8, frameon=False)
-    figure.tight_layout(rect=(0, 0, 1, 0.95))
+    figure.legend(names.values(), names.keys(), loc="upper center", ncols=6, fontsize=8, frameon=False)
+    figure.tight_layout(rect=(0, 0, 1, 0.94))
     figure.savefig(out, metadata={"Date": None} if out.suffix == ".svg" else None, dpi=150)
 
 

@@ -26,8 +26,14 @@ def stereo_stamps(recording):
     tracks = recording / "mav0/tracks0/data.csv"
     if tracks.exists():
         return sorted({int(row[0]) for row in rows(tracks, 6)})
-    left, right = ({int(row[0]) for row in rows(recording / f"mav0/{camera}/data.csv", 2)} for camera in ("cam0", "cam1"))
-    return sorted(left & right)
+    return [t_ns for t_ns, _, _ in stereo_pairs(recording)]
+
+
+def stereo_pairs(recording):
+    """[(t [ns], left image, right image)] of the stamps that both cameras have, ascending."""
+    left, right = ({int(row[0]): recording / f"mav0/{camera}/data" / row[1] for row in rows(recording / f"mav0/{camera}/data.csv", 2)}
+                   for camera in ("cam0", "cam1"))
+    return [(t_ns, left[t_ns], right[t_ns]) for t_ns in sorted(left.keys() & right.keys())]
 
 
 def number_list(text, key, path):

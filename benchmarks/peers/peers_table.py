@@ -25,39 +25,65 @@ def accuracy_cell(runs):
     return f"{text} · {share}" + (f" · {lost} of {len(runs)} without" if lost else "")
 
 
-def accuracy_table(results, profiles, columns):
-    """ATE and completeness: a row a profile, a column a system with its start."""
-    lines = ["| bent by | " + " | ".join(f"{system}, {start}" for system, start in columns) + " |",
-             "| --- |" + " --- |" * len(columns)]
-    for profile in profiles:
-        cells = [accuracy_cell([r for r in results if r["bend"] == profile and (r["system"], r["start"]) == column])
-                 for column in columns]
-        lines.append(f"| {profile or 'nothing'} | " + " | ".join(cells) + " |")
+def accuracy_table(results, profiles, rows):
+    """ATE and completeness: a row a system with its start, a column a profile."""
+    lines = ["| system, start | " + " | ".join(profile or "nothing" for profile in profiles) + " |",
+             "| --- |" + " --- |" * len(profiles)]
+    for row in rows:
+        cells = [accuracy_cell([r for r in results if r["bend"] == profile and (r["system"], r["start"]) == row])
+                 for profile in profiles]
+        lines.append(f"| {row[0]}, {row[1]} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
-def cost_table(results, columns):
-    """CPU and memory of a system over all profiles. What decoding takes is the runner's measurement, for all."""
+def repetition_table(results, rows):
+    """How far repetitions of one profile differ: in how many profiles not at all, and the largest ratio of two ATE."""
+    lines = ["| system, start | repetitions | equal to the bit | ATE, largest / smallest |", "| --- | --- | --- | --- |"]
+    for row in rows:
+        groups = {}
+        for r in results:
+            if (r["system"], r["start"]) == row:
+                groups.setdefault(r["bend"], []).append(r)
+        groups = [runs for runs in groups.values() if len(runs) > 1]
+        if not groups:
+            continue
+        counts = sorted({len(runs) for runs in groups})
+        equal = sum(len({r["trajectory"] for r in runs}) == 1 for runs in groups)
+        errors = [[r["ate"] for r in runs if r["ate"] is not None] for runs in groups]
+        ratio = max((max(ate) / min(ate) for ate in errors if ate), default=None)
+        lines.append(f"| {row[0]}, {row[1]} | {', '.join(map(str, counts))} | {equal} of {len(groups)} | "
+                     f"{'–' if ratio is None else f'{ratio:.3g}'} |")
+    return "\n".join(lines)
+
+
+def cost_table(results, rows):
+    """CPU and memory of a system over all profiles. What decoding takes is the runners' measurement, for all."""
     known = [r["decode_ms"] for r in results if "decode_ms" in r]
     decode = statistics.median(known) if known else None
     lines = ["| system, start | CPU of the process [s] | a frame, with decoding [ms] | without [ms] | peak memory [MB] |",
              "| --- | --- | --- | --- | --- |"]
-    for column in columns:
-        runs = [r for r in results if (r["system"], r["start"]) == column]
+    for row in rows:
+        runs = [r for r in results if (r["system"], r["start"]) == row]
         cpu = statistics.median(r["cpu_s"] for r in runs)
         frame = 1e3 * statistics.median(r["cpu_s"] / r["frames"] for r in runs)
         own = [r["estimate_ms"] for r in runs if "estimate_ms" in r]
         without = f"{statistics.median(own):.1f}" if own else f"≤ {frame - decode:.1f}" if decode is not None else ""
-        lines.append(f"| {column[0]}, {column[1]} | {cpu:.2f} | {frame:.1f} | {without} "
+        lines.append(f"| {row[0]}, {row[1]} | {cpu:.2f} | {frame:.1f} | {without} "
                      f"| {max(r['peak_mb'] for r in runs):.0f} |")
     return "\n".join(lines)
 
 
-def tables(results):
-    """Both, rows and columns in the order of the results."""
+def tables_of(results):
+    """All three, rows and profiles in the order of the results."""
     profiles = list(dict.fromkeys(r["bend"] for r in results))
-    columns = list(dict.fromkeys((r["system"], r["start"]) for r in results))
-    return accuracy_table(results, profiles, columns) + "\n\n" + cost_table(results, columns)
+    rows = list(dict.fromkeys((r["system"], r["start"]) for r in results))
+    return "\n\n".join([accuracy_table(results, profiles, rows), repetition_table(results, rows), cost_table(results, rows)])
+
+
+def tables(results):
+    """Those of each recording, under its name."""
+    sources = dict.fromkeys(r["source"] for r in results)
+    return "\n\n".join(f"{source}\n\n{tables_of([r for r in results if r['source'] == source])}" for source in sources)
 
 
 if __name__ == "__main__":

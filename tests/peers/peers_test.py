@@ -4,6 +4,7 @@
 import json
 import math
 import pathlib
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -13,8 +14,11 @@ import compare_peers  # noqa: E402
 import compare_simulator  # noqa: E402
 import draw_peers  # noqa: E402
 import euroc  # noqa: E402
+import kitti  # noqa: E402
+import libviso2  # noqa: E402
 import openvins  # noqa: E402
 import peers_table  # noqa: E402
+import recordings  # noqa: E402
 
 CONFIG = """%YAML:1.0
 calib_cam_extrinsics: true # says what
@@ -179,17 +183,27 @@ class Results(unittest.TestCase):
         self.assertEqual(peers_table.accuracy_cell(runs(0.5, None)), "0.5 · 80 % · 1 of 2 without")
         self.assertEqual(peers_table.accuracy_cell(runs(None, poses=0)), "none · 0 %")
 
-    def test_tables_have_a_row_a_profile_and_a_column_a_system(self):
+    def test_tables_have_a_row_a_system_and_a_column_a_profile_for_each_recording(self):
         def one(bend, system, ate, **more):
             return {"bend": bend, "system": system, "start": "own", "ate": ate, "poses": 10, "frames": 10, "cpu_s": 0.3,
-                    "peak_mb": 99.6, **more}
+                    "peak_mb": 99.6, "source": "flight", "trajectory": "a", **more}
         text = peers_table.tables([one("", "openvins", 0.1, decode_ms=5, estimate_ms=7.25), one("", "ekf", 0.2),
-                                   one("ay=1", "ekf", 0.3)])
-        self.assertEqual(text.splitlines(), [
-            "| bent by | openvins, own | ekf, own |", "| --- | --- | --- |", "| nothing | 0.1 · 100 % | 0.2 · 100 % |",
-            "| ay=1 |  | 0.3 · 100 % |", "", "| system, start | CPU of the process [s] | a frame, with decoding [ms] | without [ms] "
+                                   one("ay=1", "ekf", 0.3), one("", "ekf", 0.4, source="drive")])
+        self.assertEqual(text.splitlines()[:15], [
+            "flight", "", "| system, start | nothing | ay=1 |", "| --- | --- | --- |", "| openvins, own | 0.1 · 100 % |  |",
+            "| ekf, own | 0.2 · 100 % | 0.3 · 100 % |", "", "| system, start | repetitions | equal to the bit | ATE, largest / smallest |",
+            "| --- | --- | --- | --- |", "", "| system, start | CPU of the process [s] | a frame, with decoding [ms] | without [ms] "
             "| peak memory [MB] |", "| --- | --- | --- | --- | --- |", "| openvins, own | 0.30 | 30.0 | 7.2 | 100 |",
-            "| ekf, own | 0.30 | 30.0 | ≤ 25.0 | 100 |"])
+            "| ekf, own | 0.30 | 30.0 | ≤ 25.0 | 100 |", ""])
+        self.assertEqual(text.splitlines()[15:18], ["drive", "", "| system, start | nothing |"])
+
+    def test_repetitions_are_compared_within_a_profile(self):
+        def one(bend, system, trajectory, ate):
+            return {"bend": bend, "system": system, "start": "own", "trajectory": trajectory, "ate": ate}
+        runs = [one("", "ekf", "a", 0.1), one("", "ekf", "a", 0.1), one("ay=1", "ekf", "b", 0.2), one("ay=1", "ekf", "b", 0.2),
+                one("", "libviso2", "c", 0.1), one("", "libviso2", "d", 0.25), one("", "libviso2", "e", None), one("", "lcekf", "f", 1)]
+        text = peers_table.repetition_table(runs, [("ekf", "own"), ("libviso2", "own"), ("lcekf", "own")])
+        self.assertEqual(text.splitlines()[2:], ["| ekf, own | 2 | 2 of 2 | 1 |", "| libviso2, own | 3 | 0 of 1 | 2.5 |"])
 
     def test_frames_of_a_track_log_are_counted_once(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -205,13 +219,119 @@ class Results(unittest.TestCase):
         self.assertGreater(peak_mb, 150)
 
 
+class Libviso2(unittest.TestCase):
+    def test_a_rig_with_lenses_is_rectified_by_its_own_calibration(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, shift in (("cam0", "0.1"), ("cam1", "0.35")):
+                write(folder, f"mav0/{name}/sensor.yaml", SENSOR.replace("0.0, -1.0, 0.0, 0.1,", f"0.0, -1.0, 0.0, {shift},"))
+            text = libviso2.rig(recordings.cameras(pathlib.Path(folder)))
+        self.assertIn("rectified: 0\nK0: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [458.5, 0.0, 367.0, 0.0, 457.0", text)
+        self.assertIn("distortion1: !!opencv-matrix\n   rows: 1\n   cols: 4\n   dt: d\n   data: [-0.28, 0.07, 0.0002, 1.7e-05]", text)
+        self.assertIn("   data: [0.0, -1.0, 0.0, 0.1, 1.0", text.partition("T_body_cam0")[2])
+        shift = [float(x) for x in text.partition("T_cam1_cam0")[2].partition("[")[2].partition("]")[0].split(",")]
+        self.assertEqual([round(x, 12) for x in shift[3::4]], [0.0, 0.25, 0.0, 1.0])  # x of the body is -y of the camera
+
+    def test_images_of_a_rectified_rig_stay_as_they_are(self):
+        camera = {"intrinsics": [300.0, 300.0, 240.0, 320.0], "distortion_coefficients": []}
+        other = {"intrinsics": [300.0, 301.0, 240.0, 320.0], "distortion_coefficients": []}
+        lens = {"intrinsics": [300.0, 300.0, 240.0, 320.0], "distortion_coefficients": [0.1, 0.0]}
+        aside, up = ([[1, 0, 0, -2.0], [0, 1, 0, y], [0, 0, 1, 0], [0, 0, 0, 1]] for y in (0.0, 0.01))
+        self.assertTrue(libviso2.is_rectified([camera, camera], aside))
+        for cameras, T in (([camera, camera], up), ([camera, other], aside), ([other, other], aside), ([camera, lens], aside)):
+            self.assertFalse(libviso2.is_rectified(cameras, T))
+
+    def test_a_lens_the_rectifier_lacks_is_an_error(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("cam0", "cam1"):
+                write(folder, f"mav0/{name}/sensor.yaml", SENSOR.replace("radial-tangential", "equidistant"))
+            with self.assertRaisesRegex(euroc.Malformed, "cam0: .*equidistant"):
+                libviso2.rig(recordings.cameras(pathlib.Path(folder)))
+
+    def test_pairs_are_listed_with_their_images(self):
+        with tempfile.TemporaryDirectory() as folder:
+            recording = turning_recording(folder, [0] * 3, [0] * 3)
+            for name in ("cam0", "cam1"):
+                write(folder, f"mav0/{name}/sensor.yaml", SENSOR)
+            _, pairs = libviso2.write_inputs(recording, recording / "run")
+            rows = pairs.read_text().splitlines()
+        self.assertEqual(len(rows), 7)
+        self.assertEqual(rows[1], f"1000000000156000000\t{recording}/mav0/cam0/data/3.png\t{recording}/mav0/cam1/data/3.png")
+
+    def test_it_needs_no_start_and_runs_once(self):
+        self.assertEqual(compare_peers.columns(["libviso2", "ekf"], ["truth", "own"]),
+                         [("libviso2", "none"), ("ekf", "truth"), ("ekf", "own")])
+
+
+class Kitti(unittest.TestCase):
+    def recording(self, folder, times="0.0\n1.045055e-01\n2.1e-01\n"):
+        write(folder, "calib.txt", "P0: 700 0 600 0 0 700 180 0 0 0 1 0\nP1: 700 0 600 -350 0 700 180 0 0 0 1 0\n")
+        write(folder, "times.txt", times)
+        for image in ("image_0/000000.png", "image_0/000001.png", "image_0/000002.png", "image_1/000000.png", "image_1/000002.png"):
+            write(folder, image, "")
+        return pathlib.Path(folder)
+
+    def test_pairs_have_the_times_of_their_numbers(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(recordings.stereo_stamps(self.recording(folder)), [0, 210_000_000])
+
+    def test_a_frame_without_a_time_is_an_error(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaisesRegex(euroc.Malformed, "000002.png, found 1"):
+                kitti.stereo_pairs(self.recording(folder, "0.0\n"))
+
+    def test_the_baseline_is_that_of_calib_txt_and_images_are_rectified(self):
+        with tempfile.TemporaryDirectory() as folder:
+            cameras = recordings.cameras(self.recording(folder))
+        self.assertEqual(cameras[1]["T_imu_cam"][0], [1.0, 0.0, 0.0, 0.5])
+        self.assertEqual(cameras[0]["intrinsics"], [700.0, 700.0, 600.0, 180.0])
+        self.assertIn("rectified: 1\n", libviso2.rig(cameras))
+
+    def test_a_calibration_without_a_camera_is_an_error(self):
+        with tempfile.TemporaryDirectory() as folder:
+            write(folder, "calib.txt", "P0: 700 0 600 0 0 700 180 0 0 0 1 0\nP1: 1 2\n")
+            with self.assertRaisesRegex(euroc.Malformed, "P1: and 12"):
+                kitti.camera(pathlib.Path(folder), "cam1")
+
+
+class Choice(unittest.TestCase):
+    PROGRAM = pathlib.Path(compare_peers.__file__)
+
+    def refused(self, recording, *options):
+        done = subprocess.run([sys.executable, self.PROGRAM, recording, "--limber", sys.executable, "--out", recording / "out", *options],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertFalse((recording / "out").exists())
+        return done.stderr
+
+    def test_a_peer_without_its_program_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertIn("libviso2 needs --libviso2", self.refused(pathlib.Path(folder), "--systems", "libviso2,ekf"))
+            self.assertIn("openvins needs --runner", self.refused(pathlib.Path(folder), "--systems", "openvins", "--openvins", folder))
+
+    def test_openvins_without_an_imu_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            said = self.refused(pathlib.Path(folder), "--systems", "openvins", "--openvins", folder, "--runner", sys.executable)
+        self.assertIn("openvins needs an IMU", said)
+
+
 class Picture(unittest.TestCase):
+    def test_a_panel_is_a_recording_and_a_start_and_what_needs_none_is_in_each(self):
+        results = [{"source": source, "start": start} for source, start in
+                   (("a", "none"), ("a", "truth"), ("a", "own"), ("b", "none"), ("a", "truth"))]
+        self.assertEqual(draw_peers.panels(results), [("a", "truth"), ("a", "own"), ("b", "none")])
+        without = [{"bend": "", "system": "libviso2", "start": "none", "ate": 0.5}]
+        self.assertEqual(draw_peers.medians(without, "libviso2", "own", lambda r: r["ate"]), {"": 0.5})
+
     def test_constant_angles_come_first_and_in_order_then_rigs_that_move(self):
         places = draw_peers.places(["", "ay=2", "ay=0.5,shape=vibration,frequency=1", "ay=0.3", "ay=2,shape=ramp,end=8"])
         self.assertEqual([(profile, text) for profile, _, text in places],
                          [("", "0"), ("ay=0.3", "0.3"), ("ay=2", "2"), ("ay=0.5,shape=vibration,frequency=1", "±0.5°\n1 Hz"),
                           ("ay=2,shape=ramp,end=8", "0→2°\nin 8 s")])
         self.assertEqual([x for _, x, _ in places], [0.0, 0.3, 2.0, 3.0, 3.8])
+        self.assertEqual([x for _, x, _ in draw_peers.places(["", "ay=-3"])], [-3.0, 0.0])
+
+    def test_an_error_of_kilometres_is_drawn_at_the_edge(self):
+        self.assertEqual([draw_peers.drawn_error({"ate": ate}) for ate in (None, 0.5, 3000.0)], [None, 0.5, draw_peers.LOST_M])
 
     def test_a_point_is_the_median_of_what_there_is(self):
         results = [{"bend": "ay=1", "system": "ekf", "start": "own", "ate": ate} for ate in (0.1, None, 0.3, 0.2)]

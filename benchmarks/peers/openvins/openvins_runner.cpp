@@ -7,15 +7,12 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -23,6 +20,7 @@
 
 #include "core/VioManager.h"
 #include "core/VioManagerOptions.h"
+#include "read_recording.hpp"
 #include "state/State.h"
 #include "state/StateHelper.h"
 #include "track/TrackKLT.h"
@@ -31,28 +29,6 @@
 #include "utils/sensor_data.h"
 
 namespace {
-
-/// CPU time of all threads of this process [s].
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-/// Lines of a CSV file that are neither empty nor comments, with their fields.
-std::vector<std::vector<std::string>> read_csv(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + ": cannot be read");
-  std::vector<std::vector<std::string>> rows;
-  for (std::string line; std::getline(file, line);) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.empty() || line.front() == '#') continue;
-    std::stringstream fields(line);
-    rows.emplace_back();
-    for (std::string field; std::getline(fields, field, ',');) rows.back().push_back(field);
-  }
-  return rows;
-}
 
 double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
 
@@ -100,10 +76,8 @@ ov_core::CameraData load(const ImagePair& pair) {
   ov_core::CameraData data;
   data.timestamp = seconds(pair.t_ns);
   for (const int camera : {0, 1}) {
-    const std::string& file = camera == 0 ? pair.left : pair.right;
     data.sensor_ids.push_back(camera);
-    data.images.push_back(cv::imread(file, cv::IMREAD_GRAYSCALE));
-    if (data.images.back().empty()) throw std::runtime_error(file + ": not an image");
+    data.images.push_back(read_image(camera == 0 ? pair.left : pair.right));
     data.masks.push_back(cv::Mat::zeros(data.images.back().size(), CV_8UC1));
   }
   return data;
