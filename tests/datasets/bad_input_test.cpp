@@ -117,7 +117,7 @@ std::vector<BadFile> bad_files() {
        "every track_id once, found 100 again"},
       {"CalibrationTruthNan", "calibration_truth0/data.csv", replace("0.01", "NaN"), 2,
        "number for ax [rad]"},
-      {"UnknownCameraModel", kCam1, replace("pinhole", "omni"), 7, "camera_model pinhole, found 'omni'"},
+      {"UnknownCameraModel", kCam1, replace("pinhole", "fov"), 7, "camera_model pinhole or omni, found 'fov'"},
       {"UnknownDistortion", kCam1, replace("equidistant", "fov"), 9, "found 'fov'"},
       {"TooFewCoefficients", kCam1, replace("_coefficients: [0.01, ", "_coefficients: ["), 10,
        "found a list of 3"},
