@@ -39,19 +39,18 @@ struct Lens<Omni> {
 
   static std::optional<Eigen::Vector3d> unproject(const Omni& d, const Eigen::Vector2d& target) {
     const RadialTangential lens = plane(d);
-    const auto n =
-        undistort([&](const Eigen::Vector2d& at) { return Lens<RadialTangential>::distort(lens, at); },
-                  target / (1.0 + d.xi));
-    if (!n) {
-      return std::nullopt;
-    }
-    // |(eta n, eta - xi)| = 1, the nearer of two points.
-    const double s = n->squaredNorm(), inside = 1.0 + (1.0 - d.xi * d.xi) * s;
+    return undistort([&](const Eigen::Vector2d& n) { return Lens<RadialTangential>::distort(lens, n); },
+                     target / (1.0 + d.xi), [&](const Eigen::Vector2d& n) { return on_sphere(d.xi, n); });
+  }
+
+  /// |(eta n, eta - xi)| = 1, the nearer of two points.
+  static std::optional<Eigen::Vector3d> on_sphere(double xi, const Eigen::Vector2d& n) {
+    const double s = n.squaredNorm(), inside = 1.0 + (1.0 - xi * xi) * s;
     if (!(inside > 0.0)) {
       return std::nullopt;
     }
-    const double eta = (d.xi + std::sqrt(inside)) / (1.0 + s);
-    return Eigen::Vector3d(eta * n->x(), eta * n->y(), eta - d.xi);
+    const double eta = (xi + std::sqrt(inside)) / (1.0 + s);
+    return Eigen::Vector3d(eta * n.x(), eta * n.y(), eta - xi);
   }
 
   static Eigen::Vector2d radial(const Omni& d, const Eigen::Vector3d& X) {

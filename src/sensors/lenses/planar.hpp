@@ -18,9 +18,11 @@ struct Distorted {
   Eigen::Matrix2d J;  ///< derivative with respect to the undistorted ones
 };
 
-/// Newton's method on distort(m) = target; `distort` gives nothing beyond its valid disc.
-template <typename Distort>
-std::optional<Eigen::Vector2d> undistort(const Distort& distort, const Eigen::Vector2d& target) {
+/// Newton's method on distort(m) = target; `distort` gives nothing beyond its valid disc. The bearing of m, or
+/// nothing, is what `bearing` makes of it.
+template <typename Distort, typename Bearing>
+std::optional<Eigen::Vector3d> undistort(const Distort& distort, const Eigen::Vector2d& target,
+                                         const Bearing& bearing) {
   Eigen::Vector2d m = target;
   for (int i = 0; i < kMaxIterations; ++i) {
     const std::optional<Distorted> distorted = distort(m);
@@ -35,7 +37,7 @@ std::optional<Eigen::Vector2d> undistort(const Distort& distort, const Eigen::Ve
       return std::nullopt;
     }
     if (step.norm() < kConvergence * (1.0 + m.norm()) && distort(m)) {
-      return m;
+      return bearing(m);
     }
   }
   return std::nullopt;
@@ -63,9 +65,10 @@ struct PlanarLens {
   }
 
   static std::optional<Eigen::Vector3d> unproject(const Model& d, const Eigen::Vector2d& target) {
-    const auto m =
-        undistort([&](const Eigen::Vector2d& at) { return Lens<Model>::distort(d, at); }, target);
-    return m ? std::optional(Eigen::Vector3d(m->x(), m->y(), 1.0).normalized()) : std::nullopt;
+    return undistort([&](const Eigen::Vector2d& m) { return Lens<Model>::distort(d, m); }, target,
+                     [](const Eigen::Vector2d& m) {
+                       return std::optional<Eigen::Vector3d>(Eigen::Vector3d(m.x(), m.y(), 1.0).normalized());
+                     });
   }
 
   /// of m + k1 m |m|^2

@@ -28,14 +28,13 @@ struct Lens<Rational> : PlanarLens<Rational> {
 
   /// Whether r n/d grows all the way from the axis to r: beyond a fold or a pole, pixels belong to other rays.
   static bool is_monotonic(const Rational& k, double r2) {
-    for (int i = 1; i <= kMonotonicSamples; ++i) {
+    bool grows = true;
+    for (int i = 1; i <= kMonotonicSamples; ++i) {  // without a way out: becomes vector instructions
       const double share = static_cast<double>(i) / kMonotonicSamples, s = r2 * share * share;
       const Cubic n = cubic(k.k1, k.k2, k.k3, s), d = cubic(k.k4, k.k5, k.k6, s);
-      if (!(d.value > 0.0) || !((n.value + 2.0 * s * n.slope) * d.value > 2.0 * s * n.value * d.slope)) {
-        return false;
-      }
+      grows &= (d.value > 0.0) & ((n.value + 2.0 * s * n.slope) * d.value > 2.0 * s * n.value * d.slope);
     }
-    return true;
+    return grows;
   }
 
   static std::optional<Distorted> distort(const Rational& k, const Eigen::Vector2d& m) {
