@@ -14,9 +14,8 @@ namespace {
 
 void bind_rational(py::module_& module) {
   py::class_<Rational>(module, "Rational", DOC(Rational))
-      .def(py::init([](double k1, double k2, double p1, double p2, double k3, double k4, double k5, double k6) {
-             return Rational{k1, k2, p1, p2, k3, k4, k5, k6};
-           }),
+      .def(py::init([](double k1, double k2, double p1, double p2, double k3, double k4, double k5,
+                       double k6) { return Rational{k1, k2, p1, p2, k3, k4, k5, k6}; }),
            py::arg("k1") = 0.0, py::arg("k2") = 0.0, py::arg("p1") = 0.0, py::arg("p2") = 0.0,
            py::arg("k3") = 0.0, py::arg("k4") = 0.0, py::arg("k5") = 0.0, py::arg("k6") = 0.0)
       .def_readwrite("k1", &Rational::k1)

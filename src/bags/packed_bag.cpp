@@ -211,8 +211,8 @@ class UnpackedMessages final : public BagFile {
     return out;
   }
 
-  /// The first `count` bytes of a message, of which no more is unpacked than the blocks that hold them; of the
-  /// others the heads are looked at. @throws Damage
+  /// The first `count` bytes of a message, of which no more is unpacked than the blocks that hold them; of
+  /// the others the heads are looked at. @throws Damage
   void unpack_beginning(Bytes packed, std::uint64_t count, std::vector<std::uint8_t>& out) {
     if (size_of(packed) > kLargestWindow) {  // grows with what really comes
       out = unpack(packed);

@@ -18,13 +18,13 @@ struct RowGap {
   std::string why;                            ///< as SQLite says it
 };
 
-/// @brief Hands out the rows of a table, numbered from 0 or more, in their order; behind a page that cannot be read it goes
-/// on with the first row that can.
+/// @brief Hands out the rows of a table, numbered from 0 or more, in their order; behind a page that cannot
+/// be read it goes on with the first row that can.
 /// @param columns  after rowid, of each row
 /// @param visit    gets the rowid, and the statement for the columns behind it; what it throws passes through
 /// @return what is missing
-[[nodiscard]] std::vector<RowGap> visit_rows(const SqliteFile& file, const std::string& table,
-                                             const std::string& columns,
-                                             const std::function<void(std::int64_t, SqliteStatement&)>& visit);
+[[nodiscard]] std::vector<RowGap> visit_rows(
+    const SqliteFile& file, const std::string& table, const std::string& columns,
+    const std::function<void(std::int64_t, SqliteStatement&)>& visit);
 
 }  // namespace limber::detail

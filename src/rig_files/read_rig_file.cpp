@@ -126,11 +126,13 @@ Camera fitted(const ForeignProjection& projection, const Camera& start, const fs
   if (!fit || fit->worst_px > kWorstFit_px) {
     throw DataError(
         place.string(), line,
-        fmt::format("a camera model of limber's, or one that pinhole with radial-tangential (k1, k2, p1, p2) or "
-                    "equidistant distortion can stand for to {} px",
-                    kWorstFit_px),
+        fmt::format(
+            "a camera model of limber's, or one that pinhole with radial-tangential (k1, k2, p1, p2) or "
+            "equidistant distortion can stand for to {} px",
+            kWorstFit_px),
         (fit ? fmt::format("{}: {:.2g} px off at worst", name, fit->worst_px) : name + ": nothing fits") +
-            "; Kalibr's --models pinhole-radtan, pinhole-equi and omni-radtan give such models, and rectified "
+            "; Kalibr's --models pinhole-radtan, pinhole-equi and omni-radtan give such models, and "
+            "rectified "
             "images need none");
   }
   notes.push_back(fmt::format(

@@ -38,7 +38,8 @@ namespace limber::detail {
 /// Sets T_body_cam0, theta and the body from the places of the cameras on the IMU.
 void place_on_imu(StereoCalibration& calibration, const Pose& T_imu_cam0, const Pose& T_imu_cam1);
 
-/// @brief A camera of Mei's unified model, whose files have the focal lengths of limber's camera times 1 + xi.
+/// @brief A camera of Mei's unified model, whose files have the focal lengths of limber's camera times 1 +
+/// xi.
 /// @param pinhole  with the file's focal lengths
 /// @param key      where xi stands, for messages
 /// @throws DataError if xi is not above -1

@@ -68,7 +68,8 @@ Omni omni_lens(double xi, const Distortion& distortion, const SensorYaml& yaml) 
   if (const auto* d = std::get_if<RadialTangential>(&distortion)) {
     return {xi, d->k1, d->k2, d->p1, d->p2};
   }
-  yaml.fail("distortion_model", "distortion_model none, or radial-tangential with four coefficients, of an omni camera",
+  yaml.fail("distortion_model",
+            "distortion_model none, or radial-tangential with four coefficients, of an omni camera",
             "another");
 }
 

@@ -147,9 +147,9 @@ const char* opencv_model(const StereoCalibration& calibration) {
   const auto is_rational = [](const Camera& camera) {
     return opencv_coefficients(camera.distortion)->size() > kPlumbBob;
   };
-  return is_equidistant(calibration)                                             ? "equidistant"
+  return is_equidistant(calibration)                                      ? "equidistant"
          : is_rational(calibration.cam0) || is_rational(calibration.cam1) ? "rational_polynomial"
-                                                                                 : "plumb_bob";
+                                                                          : "plumb_bob";
 }
 
 RowMajor opencv_distortion(const Camera& camera) {
@@ -189,13 +189,15 @@ std::string kitti_camera(const Camera& camera, const std::string& number, const 
 
 /// Of the camera that a format has no word for.
 std::string lens_in_words(const StereoCalibration& calibration) {
-  const auto first = model_name(calibration.cam0.distortion), second = model_name(calibration.cam1.distortion);
+  const auto first = model_name(calibration.cam0.distortion),
+             second = model_name(calibration.cam1.distortion);
   return first == second ? std::string(first) : fmt::format("{} and {}", first, second);
 }
 
 void require_known(bool known, const char* format, const StereoCalibration& calibration) {
   if (!known) {
-    throw std::invalid_argument(fmt::format("{} cannot say {} distortion", format, lens_in_words(calibration)));
+    throw std::invalid_argument(
+        fmt::format("{} cannot say {} distortion", format, lens_in_words(calibration)));
   }
 }
 
@@ -306,8 +308,8 @@ std::vector<std::string> rig_files_left_out(const StereoCalibration& calibration
   std::vector<std::string> out;
   for (const LensFile& file : lens_files(calibration)) {
     if (!file.knows_lens) {
-      out.push_back(
-          fmt::format("{} is not written: it cannot say {} distortion", file.name, lens_in_words(calibration)));
+      out.push_back(fmt::format("{} is not written: it cannot say {} distortion", file.name,
+                                lens_in_words(calibration)));
     }
   }
   return out;

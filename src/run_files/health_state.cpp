@@ -119,8 +119,7 @@ class StateReader {
 
 std::string camera_in_words(const Camera& camera) {
   return fmt::format("{}x{} px, {} {} {} {}, {}", camera.width, camera.height, camera.fu, camera.fv,
-                     camera.cu, camera.cv,
-                     in_words(camera.distortion));
+                     camera.cu, camera.cv, in_words(camera.distortion));
 }
 
 std::string to_json(const HealthState& state) {

@@ -136,7 +136,8 @@ void visit_distortion(FieldVisitor& io, Distortion& distortion) {
   io.numbers("distortion_coefficients", Eigen::Map<Eigen::VectorXd>(k.data(), std::ssize(k)),
              {.min = -100.0, .max = 100.0}, kNone);
   distortion = with_coefficients(distortion, k);
-  io.check("distortion_coefficients", project({.distortion = distortion}, Eigen::Vector3d::UnitZ()).has_value(),
+  io.check("distortion_coefficients",
+           project({.distortion = distortion}, Eigen::Vector3d::UnitZ()).has_value(),
            "of a lens that sees straight ahead (omni: xi above -1)", "another");
 }
 

@@ -260,8 +260,8 @@ std::vector<MatrixXd> Marginals::of_chain(Index width) const {
     return {};
   }
   // With the chain's own C, its coupling B with what is kept and the covariance S of that, the chain's is
-  // C⁻¹ + C⁻¹ Bᵀ S B C⁻¹. S column by column, of which the lower triangle and half the diagonal are enough: the
-  // rest is the transpose.
+  // C⁻¹ + C⁻¹ Bᵀ S B C⁻¹. S column by column, of which the lower triangle and half the diagonal are enough:
+  // the rest is the transpose.
   const BlockTridiagonal chain(system_.chain, width);
   if (!chain.succeeded()) {
     fail("velocities or biases are");

@@ -355,8 +355,9 @@ TEST(DamagedPage, TwoOfThemKeepWhatStandsBetween) {
 TEST(PackedMessage, BeginsAsTheWholeOfItDoes) {
   const auto bag = open_bag(fixture("ros2_messages.db3"));
   std::vector<std::pair<BagPlace, std::vector<std::uint8_t>>> heads;
-  bag->walk([](const BagTopic&) { return 24; },
-            [&](const BagMessage& m) { heads.emplace_back(m.place, std::vector(m.data.begin(), m.data.end())); });
+  bag->walk(
+      [](const BagTopic&) { return 24; },
+      [&](const BagMessage& m) { heads.emplace_back(m.place, std::vector(m.data.begin(), m.data.end())); });
   std::size_t longer = 0;
   for (const auto& [place, head] : heads) {
     const auto message = bag->read(place);

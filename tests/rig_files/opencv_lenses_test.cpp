@@ -56,7 +56,8 @@ TEST(OpenCvProjects, LensesOfFourFiveAndEightCoefficientsWhereLimberDoes) {
 
 TEST(OpenCvProjects, AFisheyeWhereLimberDoes) {
   Camera camera = testing::tum_vi_camera();
-  camera.width = camera.height = 400;  // cv::fisheye ends at 90 degrees
+  camera.width = camera.height = 300;  // cv::fisheye ends at 90 degrees
+  camera.cu = camera.cv = 150.0;
   const auto rays = rays_of(camera);
   std::vector<cv::Point2d> pixels;
   cv::fisheye::projectPoints(rays, pixels, cv::Vec3d(), cv::Vec3d(), matrix_of(camera),

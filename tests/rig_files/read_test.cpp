@@ -198,7 +198,8 @@ TEST(ReadRigFile, KalibrsOmniIsReadWithTheFocalLengthsOfTheAxis) {
   const Camera camera = with("0.8", "model: radtan ");
   EXPECT_EQ(coefficients(camera.distortion), (std::vector<double>{0.8, -0.28, 0.07, 2e-4, 2e-5}));
   EXPECT_NEAR(camera.fu, 458.654 / 1.8, 1e-12);
-  EXPECT_EQ(coefficients(with("0.8", "model: none").distortion), (std::vector<double>{0.8, 0.0, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(coefficients(with("0.8", "model: none").distortion),
+            (std::vector<double>{0.8, 0.0, 0.0, 0.0, 0.0}));
   EXPECT_THAT(data_error_of([&] { static_cast<void>(with("-1", "model: none")); }).what(),
               HasSubstr("xi above -1"));
   EXPECT_THAT(data_error_of([&] { static_cast<void>(with("0.8", "model: equidistant")); }).what(),
@@ -209,11 +210,11 @@ TEST(ReadRigFile, APrismIsFoldedIntoTheModelOrRefused) {
   const TemporaryFolder folder;
   const auto with = [&](const std::string& s1) {
     const std::string list = "-0.28, 0.07, 0.0002, 2e-05";
-    return write_text(folder.path() / "stereo.yml",
-                      replaced(replaced(opencv_stereo_yaml(some_rig()), "cols: 4\n   dt: d\n   data: [" + list,
-                                        "cols: 12\n   dt: d\n   data: [" + list + ", 0, 0, 0, 0, " + s1 +
-                                            ", 0, 0, 0"),
-                               "plumb_bob", "rational_polynomial"));
+    return write_text(
+        folder.path() / "stereo.yml",
+        replaced(replaced(opencv_stereo_yaml(some_rig()), "cols: 4\n   dt: d\n   data: [" + list,
+                          "cols: 12\n   dt: d\n   data: [" + list + ", 0, 0, 0, 0, " + s1 + ", 0, 0, 0"),
+                 "plumb_bob", "rational_polynomial"));
   };
   const RigFile small = read_rig_file(with("1e-7"), ImageKind::kRaw);
   ASSERT_FALSE(small.notes.empty());

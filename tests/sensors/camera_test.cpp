@@ -157,7 +157,8 @@ TEST(Camera, JacobianDoesNotMoveThePixelAlongTheRay) {
 }
 
 TEST(Camera, PointsBehindOrInThePinholeHaveNoPixel) {
-  for (const Camera& camera : {testing::paper_camera(), testing::euroc_camera(), testing::rational_camera()}) {
+  for (const Camera& camera :
+       {testing::paper_camera(), testing::euroc_camera(), testing::rational_camera()}) {
     EXPECT_FALSE(project(camera, {0.1, 0.1, -1.0}));
     EXPECT_FALSE(project(camera, {0.1, 0.1, 0.0}));
     EXPECT_FALSE(project(camera, {0.0, 0.0, 0.0}));
@@ -277,7 +278,8 @@ TEST(Camera, RationalWithoutItsOwnCoefficientsIsRadialTangential) {
   EXPECT_LE((plain->J_uv_X - rational->J_uv_X).norm(), 1e-10);
 }
 
-/// Mei's model with Kalibr's numbers: the unit sphere from xi behind it, then radtan, then Kalibr's focal lengths.
+/// Mei's model with Kalibr's numbers: the unit sphere from xi behind it, then radtan, then Kalibr's focal
+/// lengths.
 Vector2d by_kalibrs_formula(const Camera& camera, const Vector3d& X) {
   const auto d = std::get<Omni>(camera.distortion);
   const Vector3d on_sphere = X / X.norm();

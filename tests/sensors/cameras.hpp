@@ -72,13 +72,14 @@ inline Camera kalibr_omni_camera() {
 /// The middle of a fisheye image of KITTI-360, xi > 1: its corners are 138 degrees apart.
 inline Camera kitti_360_camera() {
   constexpr double kXi = 2.2134047507854890;
-  return {1336.3220825849971 / (1.0 + kXi),
-          1335.7883350012958 / (1.0 + kXi),
-          500.0,
-          500.0,
-          1000,
-          1000,
-          Omni{kXi, 0.016798235660113681, 1.6548773243373522, 0.00042223943394772046, 0.00042462134260997584}};
+  return {
+      1336.3220825849971 / (1.0 + kXi),
+      1335.7883350012958 / (1.0 + kXi),
+      500.0,
+      500.0,
+      1000,
+      1000,
+      Omni{kXi, 0.016798235660113681, 1.6548773243373522, 0.00042223943394772046, 0.00042462134260997584}};
 }
 
 struct NamedCamera {
@@ -87,10 +88,9 @@ struct NamedCamera {
 };
 
 inline std::vector<NamedCamera> all_cameras() {
-  return {{"paper", paper_camera()}, {"euroc", euroc_camera()}, {"tum_vi", tum_vi_camera()},
-          {"kitti_raw", kitti_raw_camera()},
-          {"rational", rational_camera()},
-          {"kalibr_omni", kalibr_omni_camera()},
+  return {{"paper", paper_camera()},        {"euroc", euroc_camera()},
+          {"tum_vi", tum_vi_camera()},      {"kitti_raw", kitti_raw_camera()},
+          {"rational", rational_camera()},  {"kalibr_omni", kalibr_omni_camera()},
           {"kitti_360", kitti_360_camera()}};
 }
 

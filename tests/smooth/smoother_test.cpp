@@ -160,7 +160,8 @@ TEST(Smoother, VelocitiesAndBiasesAreAsFarOffAsTheirBoundsSay) {
   for (const RigModel rig : {RigModel::kTrusted, RigModel::kFree}) {
     SCOPED_TRACE(static_cast<int>(rig));
     std::map<std::size_t, double> sums;
-    Eigen::Vector3d parts = Eigen::Vector3d::Zero();  // velocity, gyro bias, accelerometer bias of the last frame
+    Eigen::Vector3d parts =
+        Eigen::Vector3d::Zero();  // velocity, gyro bias, accelerometer bias of the last frame
     for (int run = 0; run < kRuns; ++run) {
       Case c(rig == RigModel::kTrusted ? small_scenario() : bent(small_scenario()), MotionModel::kImu,
              static_cast<std::uint64_t>(100 + run));
@@ -173,7 +174,8 @@ TEST(Smoother, VelocitiesAndBiasesAreAsFarOffAsTheirBoundsSay) {
         const VectorXd error = motion_error(MotionModel::kImu, c.truth[k], frame.nav);
         sums[k] += nees(error, frame.motion_covariance);
         for (int part = 0; k + 1 == result.frames.size() && part < 3; ++part) {
-          parts(part) += nees(error.segment(3 * part, 3), frame.motion_covariance.block(3 * part, 3 * part, 3, 3));
+          parts(part) +=
+              nees(error.segment(3 * part, 3), frame.motion_covariance.block(3 * part, 3 * part, 3, 3));
         }
       }
     }

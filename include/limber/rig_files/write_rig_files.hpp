@@ -25,8 +25,8 @@ namespace limber {
 [[nodiscard]] std::string kalibr_imu(const ImuNoise& noise);
 
 /// What stereoCalibrate and stereoRectify leave: size, M1, D1, M2, D2, R, T, R1, R2, P1, P2, Q; for
-/// cv::FileStorage. `distortion_model: equidistant` marks coefficients of cv::fisheye. Knows no omni lens, and an
-/// equidistant one for both cameras only.
+/// cv::FileStorage. `distortion_model: equidistant` marks coefficients of cv::fisheye. Knows no omni lens,
+/// and an equidistant one for both cameras only.
 [[nodiscard]] std::string opencv_stereo_yaml(const StereoCalibration& calibration);
 
 /// KITTI odometry's calib.txt (P0, P1): of images that were rectified with R1, R2, P1, P2 of
@@ -38,12 +38,12 @@ namespace limber {
 /// All names that write_rig_files may write, relative to its folder.
 [[nodiscard]] std::vector<std::string> rig_file_names();
 
-/// Which of camchain.yaml, stereo.yml and calib_cam_to_cam.txt write_rig_files leaves out, and why: a sentence
-/// each.
+/// Which of camchain.yaml, stereo.yml and calib_cam_to_cam.txt write_rig_files leaves out, and why: a
+/// sentence each.
 [[nodiscard]] std::vector<std::string> rig_files_left_out(const StereoCalibration& calibration);
 
-/// @brief All of them that can say it: cam0/sensor.yaml, cam1/sensor.yaml, camchain.yaml, imu.yaml (with noise),
-/// stereo.yml, calib.txt and calib_cam_to_cam.txt.
+/// @brief All of them that can say it: cam0/sensor.yaml, cam1/sensor.yaml, camchain.yaml, imu.yaml (with
+/// noise), stereo.yml, calib.txt and calib_cam_to_cam.txt.
 /// @return the names, relative to `folder`, which exists
 [[nodiscard]] std::vector<std::string> write_rig_files(const std::filesystem::path& folder,
                                                        const StereoCalibration& calibration,

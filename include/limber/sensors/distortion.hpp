@@ -6,9 +6,9 @@
 #include <variant>
 #include <vector>
 
-/// Lens models: how (x', y') of a camera, u = fu x' + cu and v = fv y' + cv, follow from the ray. All have slope
-/// 1 on the axis, so that fu and fv are pixels per radian there. A model's formulas and names are in one file
-/// of src/sensors/lenses.
+/// Lens models: how (x', y') of a camera, u = fu x' + cu and v = fv y' + cv, follow from the ray. All have
+/// slope 1 on the axis, so that fu and fv are pixels per radian there. A model's formulas and names are in
+/// one file of src/sensors/lenses.
 namespace limber {
 
 /// Distortion of normalised coordinates: none.
@@ -33,8 +33,8 @@ struct Rational {
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0, k4 = 0.0, k5 = 0.0, k6 = 0.0;
 };
 
-/// Unified (Mei's; Kalibr's omni): radial-tangential distortion of (x, y) / (z + xi |X|), times 1 + xi. So the
-/// focal lengths of Mei, Kalibr and OpenCV's omnidir are 1 + xi times fu, fv. Needs xi > -1.
+/// Unified (Mei's; Kalibr's omni): radial-tangential distortion of (x, y) / (z + xi |X|), times 1 + xi. So
+/// the focal lengths of Mei, Kalibr and OpenCV's omnidir are 1 + xi times fu, fv. Needs xi > -1.
 struct Omni {
   /// [-]
   double xi = 0.0, k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0;

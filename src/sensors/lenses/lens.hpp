@@ -8,15 +8,15 @@
 
 #include "limber/sensors/camera.hpp"
 
-/// A lens model is one file beside this one: formulas and names, which camera.cpp and distortion.cpp pick by the
-/// alternative that a camera holds. A further model is such a file, its struct in distortion.hpp and a line in
-/// all_lenses.hpp.
+/// A lens model is one file beside this one: formulas and names, which camera.cpp and distortion.cpp pick by
+/// the alternative that a camera holds. A further model is such a file, its struct in distortion.hpp and a
+/// line in all_lenses.hpp.
 namespace limber::detail {
 
 template <typename Model>
 struct Coefficient {
   std::string_view name;
-  double Model::* value;
+  double Model::*value;
 };
 
 /// @brief Specialised for each model, with

@@ -18,8 +18,8 @@ struct Distorted {
   Eigen::Matrix2d J;  ///< derivative with respect to the undistorted ones
 };
 
-/// Newton's method on distort(m) = target; `distort` gives nothing beyond its valid disc. The bearing of m, or
-/// nothing, is what `bearing` makes of it.
+/// Newton's method on distort(m) = target; `distort` gives nothing beyond its valid disc. The bearing of m,
+/// or nothing, is what `bearing` makes of it.
 template <typename Distort, typename Bearing>
 std::optional<Eigen::Vector3d> undistort(const Distort& distort, const Eigen::Vector2d& target,
                                          const Bearing& bearing) {

@@ -26,7 +26,8 @@ struct Lens<Rational> : PlanarLens<Rational> {
                                                                        {"k5", &Rational::k5},
                                                                        {"k6", &Rational::k6}}};
 
-  /// Whether r n/d grows all the way from the axis to r: beyond a fold or a pole, pixels belong to other rays.
+  /// Whether r n/d grows all the way from the axis to r: beyond a fold or a pole, pixels belong to other
+  /// rays.
   static bool is_monotonic(const Rational& k, double r2) {
     bool grows = true;
     for (int i = 1; i <= kMonotonicSamples; ++i) {  // without a way out: becomes vector instructions
