@@ -93,9 +93,35 @@ nlohmann::ordered_json to_json(const StreamInfo& stream) {
           {"images", or_null(!stream.images.empty(), stream.images)}};
 }
 
+/// The lens's coefficients by name.
+nlohmann::ordered_json lens_json(const Distortion& distortion) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::object();
+  const auto names = coefficient_names(distortion);
+  const auto values = coefficients(distortion);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    out[std::string(names[k])] = values[k];
+  }
+  return out;
+}
+
+nlohmann::ordered_json to_json(const Camera& camera) {
+  return {{"width", camera.width},
+          {"height", camera.height},
+          {"fu", camera.fu},
+          {"fv", camera.fv},
+          {"cu", camera.cu},
+          {"cv", camera.cv},
+          {"distortion_model", model_name(camera.distortion)},
+          {"distortion_coefficients", lens_json(camera.distortion)}};
+}
+
 std::string to_json(const RecordingInfo& info, const std::optional<Brightness>& brightness) {
   nlohmann::ordered_json out = {{"path", info.path.string()}, {"format", info.format}};
-  out["has_calibration"] = info.has_calibration;
+  out["has_calibration"] = info.calibration.has_value();
+  out["cameras"] = nullptr;
+  if (info.calibration) {
+    out["cameras"] = {to_json(info.calibration->cam0), to_json(info.calibration->cam1)};
+  }
   out["streams"] = nlohmann::ordered_json::array();
   for (const StreamInfo& stream : info.streams) {
     out["streams"].push_back(to_json(stream));
@@ -131,6 +157,17 @@ std::string to_text(const StreamInfo& stream) {
   return out + (stream.images.empty() ? "" : (out.ends_with("  ") ? "" : ", ") + stream.images) + "\n";
 }
 
+std::string to_text(const char* side, const Camera& camera) {
+  std::string lens(model_name(camera.distortion));
+  const auto names = coefficient_names(camera.distortion);
+  const auto values = coefficients(camera.distortion);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    lens += fmt::format(" {}={:.4g}", names[k], values[k]);
+  }
+  return fmt::format("{:<5}  {} x {} px, f {:.2f} {:.2f}, centre {:.2f} {:.2f}, distortion {}\n", side,
+                     camera.width, camera.height, camera.fu, camera.fv, camera.cu, camera.cv, lens);
+}
+
 std::string to_text(const RecordingInfo& info, const std::optional<Brightness>& brightness) {
   std::string out = fmt::format("{}: {}\n\n", info.path.string(), info.format);
   out += fmt::format("  {:<32} {:<9} {:>8} {:>12} {:>11}  {}\n", "stream", "role", "messages", "rate",
@@ -149,6 +186,10 @@ std::string to_text(const RecordingInfo& info, const std::optional<Brightness>& 
       out += fmt::format("        mean grey {:.0f} left, {:.0f} right, of 255\n", brightness->left,
                          brightness->right);
     }
+  }
+  if (info.calibration) {
+    out += "\ncameras: " + to_text("left", info.calibration->cam0) + "         " +
+           to_text("right", info.calibration->cam1);
   }
   const std::string topics = format_bag_topics(info.topics);
   out += topics.empty() ? "" : "\ntopics: --topics " + topics + "\n";

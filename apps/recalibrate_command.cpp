@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "frame_source.hpp"
 #include "interrupt.hpp"
+#include "limber/rig_files/write_rig_files.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
 #include "progress.hpp"
@@ -56,6 +57,10 @@ void recalibrate_dataset(const RecalibrateArguments& arguments) {
   {
     const Uninterrupted until_written;
     write_recalibration(arguments.out, outcome, recording, write);
+  }
+  for (const std::string& omission :
+       write ? rig_files_left_out(outcome.found.fitted) : std::vector<std::string>()) {
+    print_note(omission);
   }
   fmt::print("{}", to_text(outcome.found, recording.name, outcome.ate, write ? arguments.out.string() : ""));
   if (!better) {

@@ -15,16 +15,16 @@ import pathlib as _pathlib
 from . import _limber
 from ._limber import (PARAMETER_NAMES, BodyFrame, Camera, DataError, DivergenceError, Equidistant, FrameCleaner,
                       FrameReport, HealthReport, ImuNoise, InitialState, Navigator, NavigatorOptions,
-                      NoDistortion, OdometryNoise, OnlineNavigator, OnlineReport, Pose, RadialTangential,
-                      Recording, Refusal, Run, RunOptions, Scenario, SensorStart, StartReport, State,
+                      NoDistortion, OdometryNoise, Omni, OnlineNavigator, OnlineReport, Pose, RadialTangential,
+                      Rational, Recording, Refusal, Run, RunOptions, Scenario, SensorStart, StartReport, State,
                       StereoCalibration, StereoFrame, StereoTracker, Study, Trajectory, __version__, frames,
                       pose_from_rig, read_trajectory, rig_from_pose, set_up)
 
 __all__ = [
     "PARAMETER_NAMES", "BodyFrame", "Camera", "Comparison", "DataError", "DivergenceError", "Equidistant",
     "FrameCleaner", "FrameReport", "Health", "HealthReport", "ImuNoise", "InitialState", "Navigator",
-    "NavigatorOptions", "NoDistortion", "OdometryNoise", "OnlineNavigator", "OnlineReport", "Pose",
-    "RadialTangential", "Recalibration", "Recording", "Refusal", "Run", "RunOptions", "Scenario", "SensorStart",
+    "NavigatorOptions", "NoDistortion", "OdometryNoise", "Omni", "OnlineNavigator", "OnlineReport", "Pose",
+    "RadialTangential", "Rational", "Recalibration", "Recording", "Refusal", "Run", "RunOptions", "Scenario", "SensorStart",
     "StartReport", "State", "StereoCalibration", "StereoFrame", "StereoTracker", "Study", "Trajectory",
     "compare", "evaluate", "frames", "health", "pose_from_rig", "read", "read_trajectory", "recalibrate",
     "rig_from_pose", "run", "scenarios", "set_up", "simulate", "smooth", "study"

@@ -12,7 +12,39 @@
 namespace limber::python {
 namespace {
 
+void bind_rational(py::module_& module) {
+  py::class_<Rational>(module, "Rational", DOC(Rational))
+      .def(py::init([](double k1, double k2, double p1, double p2, double k3, double k4, double k5,
+                       double k6) { return Rational{k1, k2, p1, p2, k3, k4, k5, k6}; }),
+           py::arg("k1") = 0.0, py::arg("k2") = 0.0, py::arg("p1") = 0.0, py::arg("p2") = 0.0,
+           py::arg("k3") = 0.0, py::arg("k4") = 0.0, py::arg("k5") = 0.0, py::arg("k6") = 0.0)
+      .def_readwrite("k1", &Rational::k1)
+      .def_readwrite("k2", &Rational::k2)
+      .def_readwrite("p1", &Rational::p1)
+      .def_readwrite("p2", &Rational::p2)
+      .def_readwrite("k3", &Rational::k3)
+      .def_readwrite("k4", &Rational::k4)
+      .def_readwrite("k5", &Rational::k5)
+      .def_readwrite("k6", &Rational::k6);
+}
+
+void bind_omni(py::module_& module) {
+  py::class_<Omni>(module, "Omni", DOC(Omni))
+      .def(py::init([](double xi, double k1, double k2, double p1, double p2) {
+             return Omni{xi, k1, k2, p1, p2};
+           }),
+           py::arg("xi") = 0.0, py::arg("k1") = 0.0, py::arg("k2") = 0.0, py::arg("p1") = 0.0,
+           py::arg("p2") = 0.0)
+      .def_readwrite("xi", &Omni::xi)
+      .def_readwrite("k1", &Omni::k1)
+      .def_readwrite("k2", &Omni::k2)
+      .def_readwrite("p1", &Omni::p1)
+      .def_readwrite("p2", &Omni::p2);
+}
+
 void bind_cameras(py::module_& module) {
+  bind_rational(module);
+  bind_omni(module);
   py::class_<NoDistortion>(module, "NoDistortion", DOC(NoDistortion)).def(py::init<>());
   py::class_<RadialTangential>(module, "RadialTangential", DOC(RadialTangential))
       .def(py::init([](double k1, double k2, double p1, double p2) {

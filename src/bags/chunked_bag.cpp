@@ -9,22 +9,12 @@
 
 #include "decompress.hpp"
 #include "limber/core/errors.hpp"
+#include "loss.hpp"
 
 namespace limber::detail {
 namespace {
 
 constexpr std::size_t kRecentChunks = 3;  // left and right image alternate, often between two chunks
-constexpr std::size_t kMostDamages = 5;   // that are told one by one
-
-/// Between which messages a loss lies.
-std::string when_lost(const Loss& loss) {
-  if (loss.before && loss.after) {
-    return fmt::format(", between the messages of {} ns and {} ns", *loss.before, *loss.after);
-  }
-  return loss.before  ? fmt::format(", behind the message of {} ns", *loss.before)
-         : loss.after ? fmt::format(", before the message of {} ns", *loss.after)
-                      : "";
-}
 
 }  // namespace
 
@@ -152,7 +142,7 @@ void ChunkedBag::tell_damages() {
       break;
     }
     damages_.push_back(fmt::format("{}, byte {}: {}; {} bytes are left out{}", file, loss.at, loss.what,
-                                   loss.bytes, when_lost(loss)));
+                                   loss.bytes, when_lost(loss.before, loss.after)));
   }
   if (losses_.size() > kMostDamages) {
     std::uint64_t bytes = 0;

@@ -108,13 +108,13 @@ void note_clocks(RecordingInfo& info) {
 void say_what_can_be_done(RecordingInfo& info) {
   const bool frames = info.stereo.has_value() || with_role(info, "tracks") != nullptr;
   const bool imu = with_role(info, "imu") != nullptr, odometry = with_role(info, "odometry") != nullptr;
-  const std::string calib = info.has_calibration ? "" : " --calib camchain.yaml --imu imu.yaml";
+  const std::string calib = info.calibration ? "" : " --calib camchain.yaml --imu imu.yaml";
   if (!frames) {
     info.missing.push_back("run, health, smooth: no stereo images that limber can tell are left and right");
   } else {
     info.possible.push_back(fmt::format("limber health {}{}", info.path.string(), calib));
     info.possible.push_back(fmt::format("limber run {}{} --out runs/NAME", info.path.string(), calib));
-    if (!info.has_calibration) {
+    if (!info.calibration) {
       info.notes.push_back("the bag holds no calibration that is read: --calib gives it");
     }
     if (!imu && !odometry) {
@@ -181,7 +181,7 @@ RecordingInfo inspect_folder(const fs::path& path) {
   const Recording recording = read_recording(path);
   RecordingInfo info;
   info.path = path;
-  info.has_calibration = true;
+  info.calibration = recording.calibration;
   info.format = recording.images.empty()                                         ? "track log"
                 : fs::exists(path / "mav0") || fs::exists(path / "cam0")         ? "EuRoC folder"
                 : fs::exists(path / "image_00") || fs::exists(path / "image_02") ? "KITTI raw drive"

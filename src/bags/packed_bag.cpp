@@ -153,7 +153,11 @@ class PackedBag final : public BagFile {
 class UnpackedMessages final : public BagFile {
  public:
   UnpackedMessages(fs::path path, std::unique_ptr<BagFile> bag)
-      : path_(std::move(path)), bag_(std::move(bag)) {}
+      : path_(std::move(path)), bag_(std::move(bag)) {
+    if (!context_) {
+      throw std::bad_alloc();
+    }
+  }
 
   void walk(const Wanted& wanted, const Visitor& visitor) override {
     bag_->walk(wanted, [&](const BagMessage& message) {
@@ -165,10 +169,11 @@ class UnpackedMessages final : public BagFile {
       BagMessage out = message;
       std::vector<std::uint8_t> unpacked;
       try {
-        unpacked = unpack(bag_->read(message.place));
+        const std::vector<std::uint8_t> packed = bag_->read(message.place);
         out.place.packed_size = message.place.size;
-        out.place.size = unpacked.size();
-        out.data = Bytes(unpacked).first(std::min(unpacked.size(), wanted(topic)));
+        out.place.size = size_of(packed);
+        unpack_beginning(packed, std::min(out.place.size, std::uint64_t{wanted(topic)}), unpacked);
+        out.data = unpacked;
       } catch (const Damage&) {  // goes on as it is, which no message of ROS looks like
       }
       visitor(out);
@@ -192,16 +197,47 @@ class UnpackedMessages final : public BagFile {
   [[nodiscard]] std::string format() const override { return bag_->format(); }
 
  private:
-  static std::vector<std::uint8_t> unpack(Bytes packed) {
+  static std::uint64_t size_of(Bytes packed) {
     const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
     if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) {
       throw Damage("a compressed message that does not say its size");
     }
+    return size;
+  }
+
+  static std::vector<std::uint8_t> unpack(Bytes packed) {
     std::vector<std::uint8_t> out;
-    decompress("zstd", packed, size, out);
+    decompress("zstd", packed, size_of(packed), out);
     return out;
   }
 
+  /// The first `count` bytes of a message, of which no more is unpacked than the blocks that hold them; of
+  /// the others the heads are looked at. @throws Damage
+  void unpack_beginning(Bytes packed, std::uint64_t count, std::vector<std::uint8_t>& out) {
+    if (size_of(packed) > kLargestWindow) {  // grows with what really comes
+      out = unpack(packed);
+      out.resize(std::min<std::uint64_t>(count, out.size()));
+      return;
+    }
+    if (ZSTD_findFrameCompressedSize(packed.data(), packed.size()) != packed.size()) {
+      throw Damage("a compressed message that ends too early, or too late");
+    }
+    ZSTD_DCtx_reset(context_.get(), ZSTD_reset_session_only);
+    out.resize(count);
+    ZSTD_inBuffer input{packed.data(), packed.size(), 0};
+    ZSTD_outBuffer output{out.data(), out.size(), 0};
+    while (output.pos < output.size) {
+      const std::size_t before = output.pos + input.pos;
+      const std::size_t code = ZSTD_decompressStream(context_.get(), &output, &input);
+      if (ZSTD_isError(code) != 0 || output.pos + input.pos == before) {
+        throw Damage("broken zstd");
+      }
+    }
+  }
+
+  static constexpr std::uint64_t kLargestWindow = std::uint64_t{1} << 25;  // [bytes]
+
+  std::unique_ptr<ZSTD_DCtx, std::size_t (*)(ZSTD_DCtx*)> context_{ZSTD_createDCtx(), ZSTD_freeDCtx};
   fs::path path_;
   std::unique_ptr<BagFile> bag_;
 };

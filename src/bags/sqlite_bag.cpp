@@ -10,7 +10,9 @@
 #include "byte_source.hpp"
 #include "io/sqlite.hpp"
 #include "limber/core/errors.hpp"
+#include "loss.hpp"
 #include "openers.hpp"
+#include "sqlite_rows.hpp"
 
 namespace limber::detail {
 namespace {
@@ -32,12 +34,12 @@ class SqliteBag final : public BagFile {
   [[nodiscard]] std::string format() const override { return "ROS 2 bag (sqlite3)"; }
 
  private:
-  /// Whether there is another row; where the database is damaged there is none, and it is said.
-  [[nodiscard]] bool next(SqliteStatement& rows);
   void require_table(const std::string& name) const;
   [[nodiscard]] std::map<std::int64_t, std::size_t> read_topics();
   /// The first `count` bytes of a message, or all of them; its size goes to `size`.
   void read_blob(std::int64_t row, std::uint64_t count, std::vector<std::uint8_t>& out, std::uint64_t& size);
+  [[nodiscard]] std::optional<std::int64_t> time_of(std::optional<std::int64_t> row) const;
+  void tell_gaps(const std::vector<RowGap>& gaps);
 
   SqliteFile file_;
   std::unique_ptr<sqlite3_blob, CloseBlob> blob_;  // goes before the database does
@@ -101,11 +103,9 @@ void SqliteBag::walk(const Wanted& wanted, const Visitor& visitor) {
   const auto indices = read_topics();
   std::vector<std::size_t> wanted_bytes;
   std::transform(topics_.begin(), topics_.end(), std::back_inserter(wanted_bytes), wanted);
-  SqliteStatement rows = file_.prepare("SELECT rowid, topic_id, timestamp FROM messages ORDER BY rowid");
   std::vector<std::uint8_t> data;
   std::size_t damaged = 0;
-  while (next(rows)) {
-    const auto row = rows.get<std::int64_t>();
+  const auto visit = [&](std::int64_t row, SqliteStatement& rows) {
     const auto topic = indices.find(rows.get<std::int64_t>());
     try {
       if (topic == indices.end()) {
@@ -124,18 +124,34 @@ void SqliteBag::walk(const Wanted& wanted, const Visitor& visitor) {
         damages_.push_back(fmt::format("{}: {}; it is left out", file_.path().string(), damage.what()));
       }
     }
-  }
+  };
+  const auto gaps = visit_rows(file_, "messages", "topic_id, timestamp", visit);
+  tell_gaps(gaps);
   if (damaged > 1) {
     damages_.push_back(fmt::format("{}: {} more damaged messages", file_.path().string(), damaged - 1));
   }
 }
 
-bool SqliteBag::next(SqliteStatement& rows) {
-  try {
-    return rows.step();
-  } catch (const DataError& error) {
-    damages_.push_back(fmt::format("{}; what follows is left out", error.what()));
-    return false;
+std::optional<std::int64_t> SqliteBag::time_of(std::optional<std::int64_t> row) const {
+  if (!row) {
+    return std::nullopt;
+  }
+  SqliteStatement time = file_.prepare("SELECT timestamp FROM messages WHERE rowid = ?");
+  return time.put(*row).step() ? std::optional(time.get<std::int64_t>()) : std::nullopt;
+}
+
+void SqliteBag::tell_gaps(const std::vector<RowGap>& gaps) {
+  const std::string file = file_.path().string();
+  for (std::size_t k = 0; k < std::min(gaps.size(), kMostDamages); ++k) {
+    const RowGap& gap = gaps[k];
+    const std::string rows =
+        gap.after ? fmt::format("rows {} to {} are left out", gap.before.value_or(0) + 1, *gap.after - 1)
+                  : fmt::format("what follows row {} is left out", gap.before.value_or(0));
+    damages_.push_back(fmt::format("{}: a damaged page ({}); {}{}", file, gap.why, rows,
+                                   when_lost(time_of(gap.before), time_of(gap.after))));
+  }
+  if (gaps.size() > kMostDamages) {
+    damages_.push_back(fmt::format("{}: {} more damaged pages", file, gaps.size() - kMostDamages));
   }
 }
 

@@ -145,24 +145,9 @@ ImageKind image_kind_of(const RawDrive& drive, const fs::path& image) {
                   fmt::format("{} x {}", size.width, size.height));
 }
 
-RigFile read_rig(const RawDrive& drive) {
-  try {
-    return read_kitti_raw_rig(drive.cameras(), drive.images, drive.colour);
-  } catch (const DataError& error) {
-    if (drive.images == ImageKind::kRectified) {
-      throw;
-    }
-    throw DataError(
-        drive.folder.string(), 0,
-        "a drive with rectified images (DATE_drive_NUMBER_sync), or raw ones of cameras that limber "
-        "knows",
-        std::string("raw ones, and ") + error.what());
-  }
-}
-
 void read_cameras(RawDrive& drive, Recording& recording) {
   drive.images = image_kind_of(drive, recording.images.front().cam0);
-  const RigFile rig = read_rig(drive);
+  const RigFile rig = read_kitti_raw_rig(drive.cameras(), drive.images, drive.colour);
   recording.calibration = rig.calibration;
   recording.notes = rig.notes;
   recording.notes.push_back(fmt::format("the images are {}, by their size of {} x {} pixels",

@@ -32,6 +32,16 @@ Camera basalt_pinhole(const SensorYaml& yaml, const Camera& size) {
   return camera;
 }
 
+/// alpha = xi / (1 + xi), with the focal lengths of the axis.
+Camera unified_camera(Camera camera, const SensorYaml& yaml) {
+  const double alpha = yaml.number("alpha");
+  if (!(alpha >= 0.0 && alpha < 1.0)) {
+    yaml.fail("alpha", "alpha from 0 to below 1", fmt::format("{}", alpha));
+  }
+  camera.distortion = Omni{.xi = alpha / (1.0 - alpha)};
+  return camera;
+}
+
 Camera basalt_camera(const SensorYaml& entry, const Camera& size, const std::string& name,
                      std::vector<std::string>& notes) {
   const std::string type = entry.text("camera_type");
@@ -53,6 +63,9 @@ Camera basalt_camera(const SensorYaml& entry, const Camera& size, const std::str
                           yaml.number("k3"), yaml.number("k4"), yaml.number("k5"), yaml.number("k6")},
                          yaml.path(), yaml.line("k1"), name, notes);
   }
+  if (type == "ucm") {
+    return unified_camera(camera, yaml);
+  }
   if (type == "ds") {
     const double xi = yaml.number("xi");
     projection = double_sphere(pinhole, xi, yaml.number("alpha"));
@@ -60,8 +73,6 @@ Camera basalt_camera(const SensorYaml& entry, const Camera& size, const std::str
     camera.fv /= 1.0 + xi;
   } else if (type == "eucm") {
     projection = extended_unified(pinhole, yaml.number("alpha"), yaml.number("beta"));
-  } else if (type == "ucm") {
-    projection = extended_unified(pinhole, yaml.number("alpha"), 1.0);
   } else {
     entry.fail("camera_type", "camera_type pinhole, pinhole-radtan8, kb4, ds, ucm or eucm", excerpt(type));
   }

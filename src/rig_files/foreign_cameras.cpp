@@ -46,17 +46,6 @@ ForeignProjection extended_unified(const Pinhole& pinhole, double alpha, double 
   };
 }
 
-ForeignProjection omni(const Pinhole& pinhole, double xi, const std::array<double, 4>& distortion) {
-  const std::array<double, 12> k{distortion[0], distortion[1], distortion[2], distortion[3]};
-  return [=](const Vector3d& X) -> std::optional<Vector2d> {
-    const double denominator = X.z() + xi * X.norm();
-    if (!(denominator > 0.0)) {
-      return std::nullopt;
-    }
-    return to_pixel(pinhole, opencv_distort(X.head<2>() / denominator, k));
-  };
-}
-
 ForeignProjection opencv_pinhole(const Pinhole& pinhole, const std::array<double, 12>& distortion) {
   return [=](const Vector3d& X) -> std::optional<Vector2d> {
     if (!(X.z() > 0.0)) {

@@ -18,11 +18,8 @@ struct Pinhole {
 
 /// [Usenko2018] Double sphere.
 [[nodiscard]] ForeignProjection double_sphere(const Pinhole& pinhole, double xi, double alpha);
-/// [Usenko2018] Extended unified camera model; beta = 1: the unified one.
+/// [Usenko2018] Extended unified camera model.
 [[nodiscard]] ForeignProjection extended_unified(const Pinhole& pinhole, double alpha, double beta);
-/// Mei's unified model: Kalibr's omni with radial-tangential distortion k1, k2, p1, p2.
-[[nodiscard]] ForeignProjection omni(const Pinhole& pinhole, double xi,
-                                     const std::array<double, 4>& distortion);
 /// OpenCV's k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4.
 [[nodiscard]] ForeignProjection opencv_pinhole(const Pinhole& pinhole,
                                                const std::array<double, 12>& distortion);

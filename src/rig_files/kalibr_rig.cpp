@@ -47,15 +47,17 @@ Camera kalibr_pinhole(const SensorYaml& yaml) {
   return camera;
 }
 
-std::array<double, 4> omni_distortion(const SensorYaml& yaml) {
+Camera kalibr_omni(const SensorYaml& yaml) {
+  const Camera camera = pinhole_part(yaml, 1);
+  Omni lens{.xi = yaml.numbers("intrinsics")[0]};
   const std::string model = yaml.text("distortion_model");
-  if (model == "none") {
-    return {};
-  }
-  if (model != "radtan") {
+  if (model == "radtan") {
+    const auto k = four(yaml, "distortion_coeffs");
+    lens = {lens.xi, k[0], k[1], k[2], k[3]};
+  } else if (model != "none") {
     yaml.fail("distortion_model", "distortion_model radtan or none of an omni camera", excerpt(model));
   }
-  return four(yaml, "distortion_coeffs");
+  return omni_camera(camera, lens, yaml, "intrinsics");
 }
 
 Camera kalibr_camera(const SensorYaml& yaml, const std::string& name, std::vector<std::string>& notes) {
@@ -63,15 +65,12 @@ Camera kalibr_camera(const SensorYaml& yaml, const std::string& name, std::vecto
   if (model == "pinhole") {
     return kalibr_pinhole(yaml);
   }
+  if (model == "omni") {
+    return kalibr_omni(yaml);
+  }
   Camera start;
   ForeignProjection projection;
-  if (model == "omni") {
-    start = pinhole_part(yaml, 1);
-    const double xi = yaml.numbers("intrinsics")[0];
-    projection = omni({start.fu, start.fv, start.cu, start.cv}, xi, omni_distortion(yaml));
-    start.fu /= 1.0 + xi;
-    start.fv /= 1.0 + xi;
-  } else if (model == "ds") {
+  if (model == "ds") {
     start = pinhole_part(yaml, 2);
     const auto values = yaml.numbers("intrinsics");
     projection = double_sphere({start.fu, start.fv, start.cu, start.cv}, values[0], values[1]);

@@ -8,6 +8,7 @@
 
 #include "io/numbers.hpp"
 #include "limber/core/errors.hpp"
+#include "rig_files/opencv_lens.hpp"
 #include "rig_files/rig_formats.hpp"
 
 namespace limber::detail {
@@ -138,10 +139,11 @@ Camera opencv_camera(Camera pinhole, const std::vector<double>& coefficients,
     throw DataError(place.string(), line, "a sensor that is not tilted (the last two coefficients zero)",
                     "a tilt");
   }
+  constexpr std::ptrdiff_t kWithoutPrism = 8;
   std::array<double, 12> k{};
   std::copy_n(coefficients.begin(), std::min(coefficients.size(), k.size()), k.begin());
-  pinhole.distortion = RadialTangential{k[0], k[1], k[2], k[3]};
-  if (std::all_of(k.begin() + 4, k.end(), [](double value) { return value == 0.0; })) {
+  pinhole.distortion = opencv_lens({k.begin(), k.begin() + kWithoutPrism});
+  if (std::all_of(k.begin() + kWithoutPrism, k.end(), [](double value) { return value == 0.0; })) {
     return pinhole;
   }
   return fitted(opencv_pinhole({pinhole.fu, pinhole.fv, pinhole.cu, pinhole.cv}, k), pinhole, place, line,

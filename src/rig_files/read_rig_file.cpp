@@ -105,6 +105,17 @@ ImageKind chosen(std::optional<ImageKind> images, const fs::path& file) {
   return *images;
 }
 
+Camera omni_camera(Camera pinhole, const Omni& lens, const SensorYaml& yaml, const std::string& key) {
+  if (!(lens.xi > -1.0)) {
+    yaml.fail(key, "xi above -1 of an omni camera", fmt::format("{}", lens.xi));
+  }
+  pinhole.fu /= 1.0 + lens.xi;
+  pinhole.fv /= 1.0 + lens.xi;
+  check_pinhole(yaml, key, pinhole);
+  pinhole.distortion = lens;
+  return pinhole;
+}
+
 Camera fitted(const ForeignProjection& projection, const Camera& start, const fs::path& place,
               std::size_t line, const std::string& name, std::vector<std::string>& notes) {
   if (start.width == 0) {
@@ -115,12 +126,14 @@ Camera fitted(const ForeignProjection& projection, const Camera& start, const fs
   if (!fit || fit->worst_px > kWorstFit_px) {
     throw DataError(
         place.string(), line,
-        fmt::format("a camera model that pinhole with radial-tangential (k1, k2, p1, p2) or equidistant "
-                    "distortion can stand for to {} px",
-                    kWorstFit_px),
+        fmt::format(
+            "a camera model of limber's, or one that pinhole with radial-tangential (k1, k2, p1, p2) or "
+            "equidistant distortion can stand for to {} px",
+            kWorstFit_px),
         (fit ? fmt::format("{}: {:.2g} px off at worst", name, fit->worst_px) : name + ": nothing fits") +
-            "; Kalibr's --models pinhole-radtan and pinhole-equi give such models, and rectified images need "
-            "none");
+            "; Kalibr's --models pinhole-radtan, pinhole-equi and omni-radtan give such models, and "
+            "rectified "
+            "images need none");
   }
   notes.push_back(fmt::format(
       "{}: taken as pinhole with {} distortion, the same to {:.2g} px anywhere in the image", name,

@@ -38,6 +38,14 @@ namespace limber::detail {
 /// Sets T_body_cam0, theta and the body from the places of the cameras on the IMU.
 void place_on_imu(StereoCalibration& calibration, const Pose& T_imu_cam0, const Pose& T_imu_cam1);
 
+/// @brief A camera of Mei's unified model, whose files have the focal lengths of limber's camera times 1 +
+/// xi.
+/// @param pinhole  with the file's focal lengths
+/// @param key      where xi stands, for messages
+/// @throws DataError if xi is not above -1
+[[nodiscard]] Camera omni_camera(Camera pinhole, const Omni& lens, const SensorYaml& yaml,
+                                 const std::string& key);
+
 /// @brief A camera of limber's in place of a foreign one, and a note of how well it fits.
 /// @param start  as fit_camera has it; width 0: the size of the image is not known
 /// @param place, line  where it stands
@@ -47,7 +55,7 @@ void place_on_imu(StereoCalibration& calibration, const Pose& T_imu_cam0, const 
                             const std::filesystem::path& place, std::size_t line, const std::string& name,
                             std::vector<std::string>& notes);
 /// A pinhole camera with OpenCV's k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [tx ty]]]], as `fitted` where it
-/// needs more than four.
+/// needs more than eight.
 [[nodiscard]] Camera opencv_camera(Camera pinhole, const std::vector<double>& coefficients,
                                    const std::filesystem::path& place, std::size_t line,
                                    const std::string& name, std::vector<std::string>& notes);

@@ -14,6 +14,8 @@
 #include "io/yaml_words.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/sensors/calibration.hpp"
+#include "rig_files/opencv_lens.hpp"
+#include "rig_files/rig_formats.hpp"
 
 namespace limber::detail {
 namespace {
@@ -44,8 +46,12 @@ Distortion read_distortion(const SensorYaml& yaml) {
     return NoDistortion{};
   }
   if (model == "radial-tangential" || model == "radtan") {
-    const auto k = yaml.numbers("distortion_coefficients", 4);
-    return RadialTangential{k[0], k[1], k[2], k[3]};
+    const auto k = yaml.numbers("distortion_coefficients");
+    if (k.size() != 4 && k.size() != 5 && k.size() != 8) {
+      yaml.fail("distortion_coefficients", "distortion_coefficients as a list of 4, 5 or 8 numbers",
+                fmt::format("{} numbers", k.size()));
+    }
+    return opencv_lens(k);
   }
   if (model == "equidistant") {
     const auto k = yaml.numbers("distortion_coefficients", 4);
@@ -53,6 +59,18 @@ Distortion read_distortion(const SensorYaml& yaml) {
   }
   yaml.fail("distortion_model", "distortion_model none, radial-tangential, radtan or equidistant",
             excerpt(model));
+}
+
+Omni omni_lens(double xi, const Distortion& distortion, const SensorYaml& yaml) {
+  if (std::holds_alternative<NoDistortion>(distortion)) {
+    return {.xi = xi};
+  }
+  if (const auto* d = std::get_if<RadialTangential>(&distortion)) {
+    return {xi, d->k1, d->k2, d->p1, d->p2};
+  }
+  yaml.fail("distortion_model",
+            "distortion_model none, or radial-tangential with four coefficients, of an omni camera",
+            "another");
 }
 
 }  // namespace
@@ -246,14 +264,21 @@ void read_resolution(const SensorYaml& yaml, const std::string& key, Camera& cam
 }
 
 Camera read_camera(const SensorYaml& yaml) {
-  if (const std::string model = yaml.text("camera_model"); model != "pinhole") {
-    yaml.fail("camera_model", "camera_model pinhole", excerpt(model));
+  const std::string model = yaml.text("camera_model");
+  const bool omni = model == "omni";
+  if (model != "pinhole" && !omni) {
+    yaml.fail("camera_model", "camera_model pinhole or omni", excerpt(model));
   }
-  const auto intrinsics = yaml.numbers("intrinsics", 4);
-  Camera camera{intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3], 0, 0, NoDistortion{}};
+  const auto intrinsics = yaml.numbers("intrinsics", omni ? 5 : 4);  // of omni, xi stands first
+  const double* f = &intrinsics[omni ? 1 : 0];
+  Camera camera{f[0], f[1], f[2], f[3], 0, 0, NoDistortion{}};
   check_pinhole(yaml, "intrinsics", camera);
   read_resolution(yaml, "resolution", camera);
-  camera.distortion = read_distortion(yaml);
+  const Distortion distortion = read_distortion(yaml);
+  if (omni) {
+    return omni_camera(camera, omni_lens(intrinsics[0], distortion, yaml), yaml, "intrinsics");
+  }
+  camera.distortion = distortion;
   return camera;
 }
 

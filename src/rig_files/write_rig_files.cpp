@@ -9,9 +9,11 @@
 #include <cmath>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "limber/io/atomic_file.hpp"
 #include "rig_files/euroc_text.hpp"
+#include "rig_files/opencv_lens.hpp"
 #include "rig_files/rectified_pair.hpp"
 
 namespace limber {
@@ -24,22 +26,33 @@ struct DistortionText {
   std::string model, coefficients;
 };
 
-std::array<double, 4> coefficients(const Distortion& distortion) {
-  if (const auto* d = std::get_if<RadialTangential>(&distortion)) {
-    return {d->k1, d->k2, d->p1, d->p2};
-  }
-  if (const auto* d = std::get_if<Equidistant>(&distortion)) {
-    return {d->k1, d->k2, d->k3, d->k4};
-  }
-  return {};
-}
-
 DistortionText distortion_text(const Distortion& distortion) {
+  const auto k = opencv_coefficients(distortion);
   if (std::holds_alternative<NoDistortion>(distortion)) {
     return {"none", "[]"};
   }
-  return {std::holds_alternative<Equidistant>(distortion) ? "equidistant" : "radial-tangential",
-          list_of(coefficients(distortion).data(), 4)};
+  return k ? DistortionText{"radial-tangential", list_of(*k)}
+           : DistortionText{std::string(model_name(distortion)), list_of(coefficients(distortion))};
+}
+
+/// The camera model, its intrinsics and the lens on the plane that it projects to, as Kalibr says them.
+struct CameraText {
+  std::string model;
+  std::vector<double> intrinsics;
+  Distortion distortion;
+};
+
+CameraText camera_text(const Camera& camera) {
+  const auto* omni = std::get_if<Omni>(&camera.distortion);
+  if (omni == nullptr) {
+    return {"pinhole", {camera.fu, camera.fv, camera.cu, camera.cv}, camera.distortion};
+  }
+  const double scale = 1.0 + omni->xi;
+  const RadialTangential plane{omni->k1, omni->k2, omni->p1, omni->p2};
+  const bool plain = coefficients(plane) == std::vector<double>(4, 0.0);
+  return {"omni",
+          {omni->xi, scale * camera.fu, scale * camera.fv, camera.cu, camera.cv},
+          plain ? Distortion(NoDistortion{}) : Distortion(plane)};
 }
 
 void require_rigid_body(const StereoCalibration& calibration) {
@@ -74,10 +87,16 @@ std::string rows_text(const RowMajor& M) {
   return out;
 }
 
+bool kalibr_knows(const StereoCalibration& calibration) {
+  return !std::holds_alternative<Rational>(calibration.cam0.distortion) &&
+         !std::holds_alternative<Rational>(calibration.cam1.distortion);
+}
+
 std::string kalibr_camera(const StereoCalibration& calibration, int camera) {
   const Camera& cam = camera == 0 ? calibration.cam0 : calibration.cam1;
+  const CameraText text = camera_text(cam);
   std::string out =
-      fmt::format("cam{}:\n  cam_overlaps: [{}]\n  camera_model: pinhole\n", camera, 1 - camera);
+      fmt::format("cam{}:\n  cam_overlaps: [{}]\n  camera_model: {}\n", camera, 1 - camera, text.model);
   if (calibration.body == BodyFrame::kImu) {
     out += "  T_cam_imu:\n" + rows_text(matrix_of(body_from_camera(calibration, camera).inverse()));
     out += fmt::format("  timeshift_cam_imu: {}\n",
@@ -89,14 +108,13 @@ std::string kalibr_camera(const StereoCalibration& calibration, int camera) {
   if (camera == 1) {
     out += "  T_cn_cnm1:\n" + rows_text(matrix_of(pose_from_rig(calibration.theta)));
   }
-  const std::array intrinsics{cam.fu, cam.fv, cam.cu, cam.cv};
+  const auto radtan = opencv_coefficients(text.distortion);
   return out +
          fmt::format(
              "  intrinsics: {}\n  distortion_model: {}\n  distortion_coeffs: {}\n  resolution: [{}, {}]\n"
              "  rostopic: /cam{}/image_raw\n",
-             list_of(intrinsics.data(), 4),
-             std::holds_alternative<Equidistant>(cam.distortion) ? "equidistant" : "radtan",
-             list_of(coefficients(cam.distortion).data(), 4), cam.width, cam.height, camera);
+             list_of(text.intrinsics), radtan ? "radtan" : "equidistant",
+             list_of(radtan.value_or(coefficients(text.distortion))), cam.width, cam.height, camera);
 }
 
 RowMajor camera_matrix(const Camera& camera) {
@@ -113,9 +131,30 @@ std::string opencv_matrix(const char* name, const RowMajor& M) {
                      M.cols(), list_of(M.data(), static_cast<std::size_t>(M.size())));
 }
 
+bool is_equidistant(const StereoCalibration& calibration) {
+  return std::holds_alternative<Equidistant>(calibration.cam0.distortion) &&
+         std::holds_alternative<Equidistant>(calibration.cam1.distortion);
+}
+
+bool opencv_knows(const StereoCalibration& calibration) {
+  return is_equidistant(calibration) || (opencv_coefficients(calibration.cam0.distortion) &&
+                                         opencv_coefficients(calibration.cam1.distortion));
+}
+
+/// What cv::FileStorage is to hold of a calibration that opencv_knows.
+const char* opencv_model(const StereoCalibration& calibration) {
+  constexpr std::size_t kPlumbBob = 5;
+  const auto is_rational = [](const Camera& camera) {
+    return opencv_coefficients(camera.distortion)->size() > kPlumbBob;
+  };
+  return is_equidistant(calibration)                                      ? "equidistant"
+         : is_rational(calibration.cam0) || is_rational(calibration.cam1) ? "rational_polynomial"
+                                                                          : "plumb_bob";
+}
+
 RowMajor opencv_distortion(const Camera& camera) {
-  const std::array<double, 4> k = coefficients(camera.distortion);
-  return Eigen::Map<const RowMajor>(k.data(), 1, 4);
+  const auto k = opencv_coefficients(camera.distortion).value_or(coefficients(camera.distortion));
+  return Eigen::Map<const RowMajor>(k.data(), 1, std::ssize(k));
 }
 
 RowMajor disparity_to_depth(const RectifiedPair& pair) {
@@ -124,15 +163,23 @@ RowMajor disparity_to_depth(const RectifiedPair& pair) {
   return Q;
 }
 
+/// k1 k2 p1 p2 k3
+constexpr std::size_t kKittiCoefficients = 5;
+
+bool kitti_knows(const Camera& camera) {
+  const auto k = opencv_coefficients(camera.distortion);
+  return k && k->size() <= kKittiCoefficients;
+}
+
 std::string kitti_line(const std::string& label, const RowMajor& M) {
   return fmt::format("{}: {}\n", label, fmt::join(M.data(), M.data() + M.size(), " "));
 }
 
 std::string kitti_camera(const Camera& camera, const std::string& number, const Pose& T_cam_cam0,
                          const Eigen::Matrix3d& R_rect, const RowMajor& P_rect) {
-  const auto k = coefficients(camera.distortion);
-  RowMajor D(1, 5);
-  D << k[0], k[1], k[2], k[3], 0.0;
+  auto k = *opencv_coefficients(camera.distortion);
+  k.resize(kKittiCoefficients);
+  const RowMajor D = Eigen::Map<const RowMajor>(k.data(), 1, std::ssize(k));
   const RowMajor size = Eigen::RowVector2d(camera.width, camera.height);
   return kitti_line("S_" + number, size) + kitti_line("K_" + number, camera_matrix(camera)) +
          kitti_line("D_" + number, D) + kitti_line("R_" + number, T_cam_cam0.R) +
@@ -140,9 +187,34 @@ std::string kitti_camera(const Camera& camera, const std::string& number, const 
          kitti_line("R_rect_" + number, R_rect) + kitti_line("P_rect_" + number, P_rect);
 }
 
-bool is_equidistant(const StereoCalibration& calibration) {
-  return std::holds_alternative<Equidistant>(calibration.cam0.distortion) ||
-         std::holds_alternative<Equidistant>(calibration.cam1.distortion);
+/// Of the camera that a format has no word for.
+std::string lens_in_words(const StereoCalibration& calibration) {
+  const auto first = model_name(calibration.cam0.distortion),
+             second = model_name(calibration.cam1.distortion);
+  return first == second ? std::string(first) : fmt::format("{} and {}", first, second);
+}
+
+void require_known(bool known, const char* format, const StereoCalibration& calibration) {
+  if (!known) {
+    throw std::invalid_argument(
+        fmt::format("{} cannot say {} distortion", format, lens_in_words(calibration)));
+  }
+}
+
+constexpr const char *kKalibrFile = "camchain.yaml", *kOpenCvFile = "stereo.yml",
+                     *kKittiFile = "calib_cam_to_cam.txt";
+
+/// A file that knows some lenses only.
+struct LensFile {
+  const char* name;
+  bool knows_lens;
+  std::string (*text)(const StereoCalibration&);
+};
+
+std::array<LensFile, 3> lens_files(const StereoCalibration& calibration) {
+  return {{{kKalibrFile, kalibr_knows(calibration), kalibr_camchain},
+           {kOpenCvFile, opencv_knows(calibration), opencv_stereo_yaml},
+           {kKittiFile, kitti_knows(calibration.cam0) && kitti_knows(calibration.cam1), kitti_cam_to_cam}}};
 }
 
 }  // namespace
@@ -154,19 +226,21 @@ std::string list_of(const double* begin, std::size_t count) {
   return fmt::format("[{}]", fmt::join(begin, begin + count, ", "));
 }
 
+std::string list_of(const std::vector<double>& values) { return list_of(values.data(), values.size()); }
+
 std::string T_BS_text(const Pose& T_body_sensor) {
   return fmt::format("T_BS:\n  cols: 4\n  rows: 4\n  data: {}\n",
                      list_of(matrix_of(T_body_sensor).data(), 16));
 }
 
 std::string camera_yaml(const Camera& camera, const Pose& T_body_cam) {
-  const std::array intrinsics{camera.fu, camera.fv, camera.cu, camera.cv};
-  const DistortionText distortion = distortion_text(camera.distortion);
+  const CameraText text = camera_text(camera);
+  const DistortionText distortion = distortion_text(text.distortion);
   return fmt::format(
-      "sensor_type: camera\n{}resolution: [{}, {}]\ncamera_model: pinhole\n"
-      "intrinsics: {}{}distortion_model: {}\ndistortion_coefficients: {}\n",
-      T_BS_text(T_body_cam), camera.width, camera.height, list_of(intrinsics.data(), 4), kIntrinsicsMark,
-      distortion.model, distortion.coefficients);
+      "sensor_type: camera\n{}resolution: [{}, {}]\ncamera_model: {}\n"
+      "intrinsics: {}  # {}{}distortion_model: {}\ndistortion_coefficients: {}\n",
+      T_BS_text(T_body_cam), camera.width, camera.height, text.model, list_of(text.intrinsics),
+      text.model == "omni" ? "xi, " : "", kIntrinsicsMark, distortion.model, distortion.coefficients);
 }
 
 }  // namespace detail
@@ -183,6 +257,7 @@ std::string euroc_sensor_yaml(const StereoCalibration& calibration, int camera) 
 
 std::string kalibr_camchain(const StereoCalibration& calibration) {
   require_rigid_body(calibration);
+  require_known(kalibr_knows(calibration), kKalibrFile, calibration);
   return kalibr_camera(calibration, 0) + kalibr_camera(calibration, 1);
 }
 
@@ -197,14 +272,12 @@ std::string kalibr_imu(const ImuNoise& noise) {
 
 std::string opencv_stereo_yaml(const StereoCalibration& calibration) {
   require_rigid_body(calibration);
+  require_known(opencv_knows(calibration), kOpenCvFile, calibration);
   const Camera &cam0 = calibration.cam0, &cam1 = calibration.cam1;
-  if (cam0.distortion.index() != cam1.distortion.index()) {
-    throw std::invalid_argument("OpenCV's stereo YAML: one distortion model for both cameras");
-  }
   const Pose T_cam1_cam0 = pose_from_rig(calibration.theta);
   const RectifiedPair pair = rectify(calibration);
   return fmt::format("%YAML:1.0\n---\nsize: [ {}, {} ]\ndistortion_model: {}\n", cam0.width, cam0.height,
-                     is_equidistant(calibration) ? "equidistant" : "plumb_bob") +
+                     opencv_model(calibration)) +
          opencv_matrix("M1", camera_matrix(cam0)) + opencv_matrix("D1", opencv_distortion(cam0)) +
          opencv_matrix("M2", camera_matrix(cam1)) + opencv_matrix("D2", opencv_distortion(cam1)) +
          opencv_matrix("R", T_cam1_cam0.R) + opencv_matrix("T", T_cam1_cam0.p) +
@@ -220,9 +293,7 @@ std::string kitti_calib(const StereoCalibration& calibration) {
 
 std::string kitti_cam_to_cam(const StereoCalibration& calibration) {
   require_rigid_body(calibration);
-  if (is_equidistant(calibration)) {
-    throw std::invalid_argument("calib_cam_to_cam.txt cannot say equidistant distortion");
-  }
+  require_known(kitti_knows(calibration.cam0) && kitti_knows(calibration.cam1), kKittiFile, calibration);
   const RectifiedPair pair = rectify(calibration);
   return kitti_camera(calibration.cam0, "00", Pose{}, pair.R0, pair.P0()) +
          kitti_camera(calibration.cam1, "01", pose_from_rig(calibration.theta), pair.R1, pair.P1());
@@ -233,19 +304,28 @@ std::vector<std::string> rig_file_names() {
           "stereo.yml",       "calib.txt",        "calib_cam_to_cam.txt"};
 }
 
+std::vector<std::string> rig_files_left_out(const StereoCalibration& calibration) {
+  std::vector<std::string> out;
+  for (const LensFile& file : lens_files(calibration)) {
+    if (!file.knows_lens) {
+      out.push_back(fmt::format("{} is not written: it cannot say {} distortion", file.name,
+                                lens_in_words(calibration)));
+    }
+  }
+  return out;
+}
+
 std::vector<std::string> write_rig_files(const std::filesystem::path& folder,
                                          const StereoCalibration& calibration,
                                          const std::optional<ImuNoise>& noise) {
   std::vector<std::pair<std::string, std::string>> files = {
       {"cam0/sensor.yaml", euroc_sensor_yaml(calibration, 0)},
       {"cam1/sensor.yaml", euroc_sensor_yaml(calibration, 1)},
-      {"camchain.yaml", kalibr_camchain(calibration)},
       {"calib.txt", kitti_calib(calibration)}};
-  if (calibration.cam0.distortion.index() == calibration.cam1.distortion.index()) {
-    files.emplace_back("stereo.yml", opencv_stereo_yaml(calibration));
-  }
-  if (!is_equidistant(calibration)) {
-    files.emplace_back("calib_cam_to_cam.txt", kitti_cam_to_cam(calibration));
+  for (const LensFile& file : lens_files(calibration)) {
+    if (file.knows_lens) {
+      files.emplace_back(file.name, file.text(calibration));
+    }
   }
   if (noise) {
     files.emplace_back("imu.yaml", kalibr_imu(*noise));

@@ -57,7 +57,7 @@ CalibrationRow calibration_row(const SmoothedFrame& frame, const SmootherResult&
 }
 
 TrajectoryRow row_of(const SmoothedFrame& frame, MotionModel motion) {
-  TrajectoryRow row = trajectory_row(frame.nav, motion, frame.pose_covariance);
+  TrajectoryRow row = trajectory_row(frame.nav, motion, frame.pose_covariance, frame.motion_covariance);
   if (motion == MotionModel::kOdometry) {
     row.v_world_body.reset();  // no unknown of the problem
   }

@@ -2,10 +2,10 @@
 #include "limber/run_files/health_state.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <variant>
 
 #include "io/json_text.hpp"
 #include "io/text_file.hpp"
@@ -20,12 +20,9 @@ using Matrix = NormalEquations::Matrix;
 
 constexpr int kVersion = 1;
 
-std::string in_words(const NoDistortion&) { return "no distortion"; }
-std::string in_words(const RadialTangential& d) {
-  return fmt::format("radial-tangential {} {} {} {}", d.k1, d.k2, d.p1, d.p2);
-}
-std::string in_words(const Equidistant& d) {
-  return fmt::format("equidistant {} {} {} {}", d.k1, d.k2, d.k3, d.k4);
+std::string in_words(const Distortion& distortion) {
+  const auto k = coefficients(distortion);
+  return k.empty() ? "no distortion" : fmt::format("{} {}", model_name(distortion), fmt::join(k, " "));
 }
 
 template <typename Derived>
@@ -122,8 +119,7 @@ class StateReader {
 
 std::string camera_in_words(const Camera& camera) {
   return fmt::format("{}x{} px, {} {} {} {}, {}", camera.width, camera.height, camera.fu, camera.fv,
-                     camera.cu, camera.cv,
-                     std::visit([](const auto& d) { return in_words(d); }, camera.distortion));
+                     camera.cu, camera.cv, in_words(camera.distortion));
 }
 
 std::string to_json(const HealthState& state) {

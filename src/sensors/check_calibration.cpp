@@ -22,10 +22,6 @@ void require_finite(const std::string& name, double value) {
   }
 }
 
-Eigen::Vector4d coefficients(const NoDistortion& /*none*/) { return Eigen::Vector4d::Zero(); }
-Eigen::Vector4d coefficients(const RadialTangential& d) { return {d.k1, d.k2, d.p1, d.p2}; }
-Eigen::Vector4d coefficients(const Equidistant& d) { return {d.k1, d.k2, d.k3, d.k4}; }
-
 void require_focal_length(const std::string& name, double value) {
   if (!std::isfinite(value) || value <= 0.0) {
     refuse(name, value, "a positive number of pixels");
@@ -37,8 +33,12 @@ void check_camera(const std::string& name, const Camera& camera) {
   require_focal_length("fv of " + name, camera.fv);
   require_finite("cu of " + name, camera.cu);
   require_finite("cv of " + name, camera.cv);
-  for (const double value : std::visit([](const auto& d) { return coefficients(d); }, camera.distortion)) {
+  for (const double value : coefficients(camera.distortion)) {
     require_finite("a distortion coefficient of " + name, value);
+  }
+  if (!project(camera, Eigen::Vector3d::UnitZ())) {  // omni with xi <= -1
+    throw std::invalid_argument("calibration: the distortion of " + name +
+                                ": expected a lens that sees straight ahead, found one that does not");
   }
 }
 

@@ -122,31 +122,23 @@ void visit_fields(FieldVisitor& io, WorldScenario& w) {
   visit_optional(io, "moving_body", w.moving_body, visit_fields);
 }
 
-template <typename Model>
-Eigen::Vector4d coefficients(const Model& m) {
-  if constexpr (std::is_same_v<Model, RadialTangential>) {
-    return {m.k1, m.k2, m.p1, m.p2};
-  } else if constexpr (std::is_same_v<Model, Equidistant>) {
-    return {m.k1, m.k2, m.k3, m.k4};
-  } else {
-    return Eigen::Vector4d::Zero();
-  }
-}
-
 void visit_distortion(FieldVisitor& io, Distortion& distortion) {
-  hold_alternative(distortion, io.choice("distortion_model", distortion.index(),
-                                         {"none", "radial-tangential", "equidistant"}));
-  if (std::holds_alternative<NoDistortion>(distortion)) {
+  std::vector<std::string> names;
+  for (const Distortion& model : distortion_models()) {
+    names.emplace_back(model_name(model));
+  }
+  hold_alternative(distortion, io.choice("distortion_model", distortion.index(), names));
+  std::vector<double> k = coefficients(distortion);
+  if (k.empty()) {
     return;
   }
   io.require("distortion_coefficients");
-  Eigen::Vector4d k = std::visit([](const auto& model) { return coefficients(model); }, distortion);
-  io.numbers("distortion_coefficients", k, {.min = -100.0, .max = 100.0}, kNone);
-  if (auto* radial = std::get_if<RadialTangential>(&distortion)) {
-    *radial = {k[0], k[1], k[2], k[3]};
-  } else {
-    distortion = Equidistant{k[0], k[1], k[2], k[3]};
-  }
+  io.numbers("distortion_coefficients", Eigen::Map<Eigen::VectorXd>(k.data(), std::ssize(k)),
+             {.min = -100.0, .max = 100.0}, kNone);
+  distortion = with_coefficients(distortion, k);
+  io.check("distortion_coefficients",
+           project({.distortion = distortion}, Eigen::Vector3d::UnitZ()).has_value(),
+           "of a lens that sees straight ahead (omni: xi above -1)", "another");
 }
 
 void visit_fields(FieldVisitor& io, Camera& camera) {

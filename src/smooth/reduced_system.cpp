@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "block_tridiagonal.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/smooth/unsolvable_error.hpp"
 
@@ -75,15 +76,16 @@ struct Accumulator {
   Accumulator(const Linearised& l, const Columns& columns)
       : linearised(l),
         landmarks(static_cast<std::size_t>(l.chain_begin / 3)),
-        chain(l.kept_begin - l.chain_begin, l.kept_begin - l.chain_begin),
-        kept_chain(l.J.num_cols - l.kept_begin, l.kept_begin - l.chain_begin),
-        chain_gradient(VectorXd::Zero(chain.rows())) {
-    system.information = MatrixXd::Zero(kept_chain.rows(), kept_chain.rows());
-    system.gradient = VectorXd::Zero(kept_chain.rows());
+        chain_gradient(VectorXd::Zero(l.kept_begin - l.chain_begin)) {
+    const Index kept = l.J.num_cols - l.kept_begin;
+    system.chain.resize(chain_gradient.size(), chain_gradient.size());
+    system.kept_chain.resize(kept, chain_gradient.size());
+    system.information = MatrixXd::Zero(kept, kept);
+    system.gradient = VectorXd::Zero(kept);
     system.begin = l.begin;
     if (columns.rig == nullptr) return;  // nobody asks for cells
     rig_begin = l.begin.at(columns.rig);
-    const CellPart none{VectorXd::Zero(kept_chain.rows())};
+    const CellPart none{VectorXd::Zero(kept)};
     for (const int cell : columns.cells) {
       cell_parts.push_back(&system.of_cell.try_emplace(cell, none).first->second);
     }
@@ -115,8 +117,8 @@ struct Accumulator {
         }
       }
     }
-    chain.setFromTriplets(of_chain.begin(), of_chain.end());
-    kept_chain.setFromTriplets(of_both.begin(), of_both.end());
+    system.chain.setFromTriplets(of_chain.begin(), of_chain.end());
+    system.kept_chain.setFromTriplets(of_both.begin(), of_both.end());
   }
 
   /// Part of the cell of the landmark among the columns of a row; null if there is none.
@@ -188,6 +190,7 @@ struct Accumulator {
   }
 
   void eliminate_chain() {
+    const Sparse &chain = system.chain, &kept_chain = system.kept_chain;
     if (chain.rows() == 0) {
       return;
     }
@@ -206,7 +209,6 @@ struct Accumulator {
 
   const Linearised& linearised;
   std::vector<LandmarkPart> landmarks;
-  Sparse chain, kept_chain;
   VectorXd chain_gradient;
   ReducedSystem system;
   std::vector<CellPart*> cell_parts;  // of each landmark, in the system
@@ -251,6 +253,38 @@ MatrixXd Marginals::of(const double* block, int size) const {
   const auto part = inverse_factor_.block(at, at, rest, size);
   const auto scale = scale_.segment(at, size);
   return scale.asDiagonal() * multiply(transposed(part), part) * scale.asDiagonal();
+}
+
+std::vector<MatrixXd> Marginals::of_chain(Index width) const {
+  if (system_.chain.rows() == 0) {
+    return {};
+  }
+  // With the chain's own C, its coupling B with what is kept and the covariance S of that, the chain's is
+  // C⁻¹ + C⁻¹ Bᵀ S B C⁻¹. S column by column, of which the lower triangle and half the diagonal are enough:
+  // the rest is the transpose.
+  const BlockTridiagonal chain(system_.chain, width);
+  if (!chain.succeeded()) {
+    fail("velocities or biases are");
+  }
+  std::vector<MatrixXd> out = chain.inverse_diagonal();
+  const Sparse chain_kept = system_.kept_chain.transpose();
+  const Index kept = inverse_factor_.rows();
+  for (Index col = 0; col < kept; col += kColumnsAtATime) {
+    const Index rest = kept - col, n = std::min(kColumnsAtATime, rest);
+    MatrixXd lower = multiply(transposed(inverse_factor_.bottomRightCorner(rest, rest)),
+                              inverse_factor_.block(col, col, rest, n));
+    lower.topRows(n) *= 0.5;
+    lower = (scale_.tail(rest).asDiagonal() * lower * scale_.segment(col, n).asDiagonal()).eval();
+    MatrixXd left = chain_kept.rightCols(rest) * lower, right = chain_kept.middleCols(col, n);
+    chain.solve(left);
+    chain.solve(right);
+    for (std::size_t j = 0; j < out.size(); ++j) {
+      const Index at = static_cast<Index>(j) * width;
+      const MatrixXd half = left.middleRows(at, width) * right.middleRows(at, width).transpose();
+      out[j] += half + half.transpose();
+    }
+  }
+  return out;
 }
 
 VectorXd Marginals::of_step(const double* block, int size, const VectorXd& gradient) const {

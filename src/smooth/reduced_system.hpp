@@ -4,7 +4,9 @@
 #include <ceres/problem.h>
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <map>
+#include <vector>
 
 #include "least_squares.hpp"
 
@@ -24,6 +26,8 @@ struct ReducedSystem {
   Eigen::VectorXd gradient;            ///< K: of half the squared residuals
   std::map<int, CellPart> of_cell;     ///< what the points of each image cell have in it
   std::map<const double*, int> begin;  ///< where each block's tangent begins
+  /// Of JᵀJ: the chain's own part, and its rows of what is kept (K × chain).
+  Eigen::SparseMatrix<double> chain, kept_chain;
 
   [[nodiscard]] int at(const double* block) const { return begin.at(block); }
 };
@@ -37,6 +41,8 @@ class Marginals {
  public:
   explicit Marginals(ReducedSystem system);
   [[nodiscard]] Eigen::MatrixXd of(const double* block, int size) const;
+  /// Those of the chain's blocks, all of one width, in their order. Takes as long as the construction.
+  [[nodiscard]] std::vector<Eigen::MatrixXd> of_chain(Eigen::Index width) const;
   /// Part of a block in the covariance times a gradient of what is kept.
   [[nodiscard]] Eigen::VectorXd of_step(const double* block, int size, const Eigen::VectorXd& gradient) const;
   /// Of the points of each image cell: ReducedSystem::of_cell.

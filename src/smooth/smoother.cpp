@@ -280,6 +280,10 @@ class Smoothing {
 
   void add_covariances(SmootherResult& out) {
     const Marginals marginals(reduce(problem_->problem(), problem_->columns()));
+    const std::vector<MatrixXd> of_motion = marginals.of_chain(motion_size(options_.motion));
+    for (std::size_t k = 0; k < of_motion.size(); ++k) {
+      out.frames[k].motion_covariance = of_motion[k];
+    }
     const bool with_theta = options_.rig != RigModel::kTrusted;
     for (std::size_t k = 0; k < out.frames.size(); ++k) {
       out.frames[k].pose_covariance = marginals.of(unknowns_.pose[k].data(), kPoseTangent);

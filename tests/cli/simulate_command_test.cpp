@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "cli/run_program.hpp"
 #include "limber/datasets/read_recording.hpp"
@@ -224,6 +225,33 @@ TEST_F(SimulateCommand, LeavesNothingWhenItIsKilledHalfWay) {
                                                signal, 100));
     EXPECT_EQ(files_below(folder()), std::vector<std::string>{"case.yaml"});
   }
+}
+
+TEST_F(SimulateCommand, WritesAnyLensAndRunKnowsItAgain) {
+  struct Lens {
+    const char *scenario, *info;
+  };
+  for (const auto& [lens, words] :
+       {Lens{"distortion_model: omni, distortion_coefficients: [1.2, -0.25, 0.1, 0.0005, 0]",
+             "distortion omni xi=1.2 k1=-0.25"},
+        Lens{"distortion_model: rational-polynomial, distortion_coefficients: [-0.37, 0.2, 0.002, 0.001, "
+             "-0.07, 0, "
+             "0, 0]",
+             "distortion rational-polynomial k1=-0.37 k2=0.2 p1=0.002 p2=0.001 k3=-0.07 k4=0"}}) {
+    SCOPED_TRACE(lens);
+    write_text(scenario(), std::string("duration: 2\nrig: {cam0: {") + lens + "}}\n");
+    const ProgramResult made = simulate({"--force"});
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    EXPECT_THAT(run_limber({"info", out().string()}).out, HasSubstr(words));
+    const ProgramResult run = run_limber({"run", out().string(), "--method", "ekf", "--init", "groundtruth",
+                                          "--out", (folder() / "run").string(), "--force"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const auto summary = nlohmann::json::parse(read_text(folder() / "run" / "summary.json"));
+    EXPECT_LT(summary["position_rmse_m"], 0.1);
+  }
+  write_text(scenario(),
+             "rig: {cam0: {distortion_model: omni, distortion_coefficients: [-1, 0, 0, 0, 0]}}\n");
+  EXPECT_THAT(simulate({"--force"}).err, HasSubstr("of a lens that sees straight ahead (omni: xi above -1)"));
 }
 
 }  // namespace

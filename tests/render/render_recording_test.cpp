@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <string>
 
 #include "datasets/files.hpp"
 #include "limber/datasets/read_recording.hpp"
@@ -99,8 +100,11 @@ TEST(MovingBoxes, AreTrackedWhereTheyGoAndTheWorldBesideThem) {
   EXPECT_LT(on_boxes[on_boxes.size() / 2], 0.15);  // some slide along the edges of boxes
 }
 
-TEST(PictureCamera, SeesTheSamePaintOfAPlaceFromEverywhere) {
-  const Scenario scenario = small_drone(0.6);
+class PictureLens : public ::testing::TestWithParam<Distortion> {};
+
+TEST_P(PictureLens, SeesTheSamePaintOfAPlaceFromEverywhere) {
+  Scenario scenario = small_drone(0.6);
+  scenario.rig.cam0.distortion = GetParam();
   const Scene scene = PictureTruth(scenario, {}, 2, 0).scene();
   const Camera& camera = scenario.rig.cam0;
   const PictureCamera pictures(camera);
@@ -112,7 +116,9 @@ TEST(PictureCamera, SeesTheSamePaintOfAPlaceFromEverywhere) {
   std::vector<double> differences;
   for (int v = 20; v < 220; v += 7) {
     for (int u = 20; u < 356; u += 7) {
-      const auto seen = scene.hit(a.p, a.R * *unproject(camera, Eigen::Vector2d(u, v)));
+      const auto bearing = unproject(camera, Eigen::Vector2d(u, v));
+      ASSERT_TRUE(bearing) << u << " " << v;
+      const auto seen = scene.hit(a.p, a.R * *bearing);
       const auto again = project(camera, b.inverse() * seen->p);
       if (!again || !in_image(camera, again->uv, 2.0)) continue;
       const Eigen::Vector2d whole = again->uv.array().floor(), part = again->uv - whole;
@@ -129,6 +135,15 @@ TEST(PictureCamera, SeesTheSamePaintOfAPlaceFromEverywhere) {
   std::sort(differences.begin(), differences.end());
   EXPECT_LT(differences[differences.size() / 2], 3.0);  // of 16 to 240: interpolation of an image with edges
 }
+
+INSTANTIATE_TEST_SUITE_P(Lenses, PictureLens,
+                         ::testing::Values(Distortion(RadialTangential{-0.28, 0.07, 2e-4, 1e-4}),
+                                           Distortion(Equidistant{-0.01, 0.002, 0.0, 0.0}),
+                                           Distortion(Rational{-0.25, 0.08, 2e-3, 1e-3, -0.01, 0.0, 0.0, 0.0}),
+                                           Distortion(Rational{0.46, -2.6, 1e-3, -2e-4, 1.5, 0.34, -2.4,
+                                                               1.4}),
+                                           Distortion(Omni{1.2, -0.3, 0.1, 6e-4, 5e-4})),
+                         [](const auto& test) { return "Lens" + std::to_string(test.index); });
 
 std::string bytes_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);

@@ -54,15 +54,15 @@ TEST(CameraFit, ProjectionsAgreeWhereTheModelsMeet) {
   const Eigen::Vector3d X(0.3, -0.2, 1.0);
   const auto plain = opencv_pinhole(pinhole, {})(X);
   ASSERT_TRUE(plain);
-  for (const auto& same :
-       {double_sphere(pinhole, 0.0, 0.0), extended_unified(pinhole, 0.0, 1.0), omni(pinhole, 0.0, {})}) {
+  for (const auto& same : {double_sphere(pinhole, 0.0, 0.0), extended_unified(pinhole, 0.0, 1.0)}) {
     EXPECT_LT((*same(X) - *plain).norm(), 1e-12);
   }
-  // Mei's xi and alpha of the unified model: alpha = xi / (1 + xi), focal lengths over 1 + xi.
+  // With beta = 1 it is the unified model: alpha = xi / (1 + xi).
   const double xi = 0.8;
-  const auto unified =
-      extended_unified({300.0 / (1.0 + xi), 310.0 / (1.0 + xi), 320.0, 240.0}, xi / (1.0 + xi), 1.0)(X);
-  EXPECT_LT((*unified - *omni(pinhole, xi, {})(X)).norm(), 1e-10);
+  const auto unified = extended_unified(pinhole, xi / (1.0 + xi), 1.0)(X);
+  const auto omni = project({300.0, 310.0, 320.0, 240.0, 640, 480, Omni{.xi = xi}}, X);
+  ASSERT_TRUE(unified && omni);
+  EXPECT_LT((*unified - omni->uv).norm(), 1e-10);
 }
 
 }  // namespace

@@ -156,18 +156,71 @@ TEST(ReadRigFile, RawOrRectifiedIsAsked) {
   }
 }
 
-TEST(ReadRigFile, AThirdRadialCoefficientIsFoldedIntoTheModelOrRefused) {
+TEST(ReadRigFile, AThirdRadialCoefficientIsKept) {
   const TemporaryFolder folder;
-  const auto with = [&](const std::string& k3) {
-    const std::string text = kitti_cam_to_cam(some_rig());
-    return write_text(folder.path() / "calib_cam_to_cam.txt",
-                      replaced(text, " 0\nR_00", " " + k3 + "\nR_00"));
+  const auto path = write_text(folder.path() / "calib_cam_to_cam.txt",
+                               replaced(kitti_cam_to_cam(some_rig()), " 0\nR_00", " -0.07\nR_00"));
+  const RigFile rig = read_rig_file(path, ImageKind::kRaw);
+  EXPECT_EQ(std::get<Rational>(rig.calibration.cam0.distortion).k3, -0.07);
+  EXPECT_EQ(std::get<Rational>(rig.calibration.cam0.distortion).k4, 0.0);
+  EXPECT_TRUE(std::holds_alternative<RadialTangential>(rig.calibration.cam1.distortion));
+}
+
+TEST(ReadRigFile, ASensorYamlMayHaveFiveOrEightCoefficients) {
+  const TemporaryFolder folder;
+  const auto with = [&](const std::string& list) {
+    for (const int camera : {0, 1}) {
+      write_text(folder.path() / ("cam" + std::to_string(camera)) / "sensor.yaml",
+                 replaced(euroc_sensor_yaml(some_rig(), camera), "[-0.28, 0.07, 0.0002, 2e-05]", list));
+    }
+    return read_rig_file(folder.path()).calibration.cam0.distortion;
   };
-  const RigFile small = read_rig_file(with("-0.0003"), ImageKind::kRaw);
+  EXPECT_EQ(coefficients(with("[-0.28, 0.07, 0.0002, 2e-05, -0.01]")),
+            (std::vector<double>{-0.28, 0.07, 0.0002, 2e-05, -0.01, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(coefficients(with("[1, 2, 3, 4, 5, 6, 7, 8]")), (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_TRUE(std::holds_alternative<RadialTangential>(with("[-0.28, 0.07, 0.0002, 2e-05, 0]")));
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(with("[1, 2, 3, 4, 5, 6]")); }).what(),
+              HasSubstr("distortion_coefficients as a list of 4, 5 or 8 numbers, found 6 numbers"));
+}
+
+TEST(ReadRigFile, KalibrsOmniIsReadWithTheFocalLengthsOfTheAxis) {
+  const TemporaryFolder folder;
+  const auto with = [&](const std::string& xi, const std::string& model) {
+    std::string text = kalibr_camchain(some_rig());
+    for (const char* const f : {"458.654", "457.587"}) {
+      text = replaced(text, std::string("[") + f, "[" + xi + ", " + f);
+    }
+    for (int k = 0; k < 2; ++k) {
+      text = replaced(replaced(text, "camera_model: pinhole", "camera_model: omni"), "model: radtan", model);
+    }
+    return read_rig_file(write_text(folder.path() / "camchain.yaml", text)).calibration.cam0;
+  };
+  const Camera camera = with("0.8", "model: radtan ");
+  EXPECT_EQ(coefficients(camera.distortion), (std::vector<double>{0.8, -0.28, 0.07, 2e-4, 2e-5}));
+  EXPECT_NEAR(camera.fu, 458.654 / 1.8, 1e-12);
+  EXPECT_EQ(coefficients(with("0.8", "model: none").distortion),
+            (std::vector<double>{0.8, 0.0, 0.0, 0.0, 0.0}));
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(with("-1", "model: none")); }).what(),
+              HasSubstr("xi above -1"));
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(with("0.8", "model: equidistant")); }).what(),
+              HasSubstr("radtan or none of an omni camera"));
+}
+
+TEST(ReadRigFile, APrismIsFoldedIntoTheModelOrRefused) {
+  const TemporaryFolder folder;
+  const auto with = [&](const std::string& s1) {
+    const std::string list = "-0.28, 0.07, 0.0002, 2e-05";
+    return write_text(
+        folder.path() / "stereo.yml",
+        replaced(replaced(opencv_stereo_yaml(some_rig()), "cols: 4\n   dt: d\n   data: [" + list,
+                          "cols: 12\n   dt: d\n   data: [" + list + ", 0, 0, 0, 0, " + s1 + ", 0, 0, 0"),
+                 "plumb_bob", "rational_polynomial"));
+  };
+  const RigFile small = read_rig_file(with("1e-7"), ImageKind::kRaw);
   ASSERT_FALSE(small.notes.empty());
-  EXPECT_THAT(small.notes.front(), HasSubstr("the same to"));
-  EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(with("-5"), ImageKind::kRaw)); }).what(),
-              AllOf(HasSubstr("camera 00"), HasSubstr("--models pinhole-radtan and pinhole-equi")));
+  EXPECT_THAT(small.notes.back(), HasSubstr("the same to"));
+  EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(with("0.5"), ImageKind::kRaw)); }).what(),
+              AllOf(HasSubstr("camera 1"), HasSubstr("pinhole-radtan, pinhole-equi and omni-radtan")));
 }
 
 TEST(ReadRigFile, WhatIsNoCalibrationIsToldWhatWouldBeOne) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/rig_files/write_rig_files.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -13,8 +14,12 @@
 namespace limber {
 namespace {
 
+using ::testing::Contains;
+using ::testing::ElementsAre;
 using testing::expect_same_camera;
 using testing::expect_same_pose;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using testing::some_rig;
 
 class WrittenRig : public ::testing::TestWithParam<Distortion> {};
@@ -26,7 +31,8 @@ TEST_P(WrittenRig, ComesBackFromEveryFormatThatSaysItAll) {
   for (const char* name : {"", "camchain.yaml", "stereo.yml", "calib_cam_to_cam.txt"}) {
     SCOPED_TRACE(name);
     if (!std::filesystem::exists(folder.path() / name)) {
-      EXPECT_TRUE(std::holds_alternative<Equidistant>(GetParam())) << "KITTI alone cannot say it";
+      EXPECT_THAT(rig_files_left_out(rig), Contains(name + std::string(" is not written: it cannot say ") +
+                                                    std::string(model_name(GetParam())) + " distortion"));
       continue;
     }
     const RigFile back = read_rig_file(folder.path() / name, ImageKind::kRaw);
@@ -42,10 +48,33 @@ TEST_P(WrittenRig, ComesBackFromEveryFormatThatSaysItAll) {
   EXPECT_EQ(noise.accel_walk, ImuNoise{}.accel_walk);
 }
 
-INSTANTIATE_TEST_SUITE_P(Distortions, WrittenRig,
-                         ::testing::Values(Distortion{NoDistortion{}},
-                                           Distortion{RadialTangential{-0.28, 0.07, 2e-4, 2e-5}},
-                                           Distortion{Equidistant{-0.006, 0.03, -0.034, 0.0148}}));
+INSTANTIATE_TEST_SUITE_P(
+    Distortions, WrittenRig,
+    ::testing::Values(Distortion{NoDistortion{}}, Distortion{RadialTangential{-0.28, 0.07, 2e-4, 2e-5}},
+                      Distortion{Equidistant{-0.006, 0.03, -0.034, 0.0148}},
+                      Distortion{Rational{-0.37, 0.2, 2e-3, 1e-3, -0.07, 0.0, 0.0, 0.0}},
+                      Distortion{Rational{0.46, -2.6, 1e-3, -2e-4, 1.5, 0.34, -2.4, 1.4}},
+                      Distortion{Omni{0.8, 0.0, 0.0, 0.0, 0.0}},
+                      Distortion{Omni{1.9, -0.33, 0.13, 6e-4, 5e-4}}));
+
+TEST(WriteRigFiles, EachFormatIsLeftOutForTheLensesItHasNoWordFor) {
+  const auto left_out = [](const Distortion& distortion) { return rig_files_left_out(some_rig(distortion)); };
+  EXPECT_THAT(left_out(RadialTangential{-0.28, 0.07, 2e-4, 2e-5}), IsEmpty());
+  EXPECT_THAT(left_out(Equidistant{}), ElementsAre(HasSubstr("calib_cam_to_cam.txt")));
+  EXPECT_THAT(left_out(Rational{.k3 = 0.1}), ElementsAre(HasSubstr("camchain.yaml")));
+  EXPECT_THAT(left_out(Rational{.k4 = 0.1}),
+              ElementsAre(HasSubstr("camchain.yaml"), HasSubstr("calib_cam_to_cam.txt")));
+  EXPECT_THAT(left_out(Omni{.xi = 1.0}),
+              ElementsAre(HasSubstr("stereo.yml"), HasSubstr("calib_cam_to_cam.txt")));
+  StereoCalibration mixed = some_rig(Rational{.k4 = 0.1});
+  mixed.cam1.distortion = RadialTangential{-0.28, 0.07, 2e-4, 2e-5};
+  EXPECT_NO_THROW(static_cast<void>(opencv_stereo_yaml(mixed))) << "eight coefficients and four";
+  mixed.cam1.distortion = Equidistant{};
+  EXPECT_NE(testing::message_of([&] {
+              static_cast<void>(opencv_stereo_yaml(mixed));
+            }).find("stereo.yml cannot say rational-polynomial and equidistant distortion"),
+            std::string::npos);
+}
 
 TEST(WriteRigFiles, KalibrKeepsTheTimeOffsets) {
   const testing::TemporaryFolder folder;

@@ -92,6 +92,8 @@ TEST(StereoCalibration, WhatNoRigHasIsRefusedByName) {
   expect_refusal("distortion coefficient of cam1", [&](StereoCalibration& c) {
     c.cam1.distortion = Equidistant{0.1, 0.0, 0.0, nan};
   });
+  expect_refusal("cam0: expected a lens that sees straight ahead",
+                 [](StereoCalibration& c) { c.cam0.distortion = Omni{.xi = -1.0}; });
   expect_refusal("T_body_cam0", [](StereoCalibration& c) { c.T_body_cam0.R.setZero(); });
   expect_refusal("T_body_cam0", [](StereoCalibration& c) { c.T_body_cam0.R(0, 0) = -1.0; });
   expect_refusal("T_body_cam0", [&](StereoCalibration& c) { c.T_body_cam0.p.y() = nan; });

@@ -157,13 +157,17 @@ TEST(Camera, JacobianDoesNotMoveThePixelAlongTheRay) {
 }
 
 TEST(Camera, PointsBehindOrInThePinholeHaveNoPixel) {
-  for (const Camera& camera : {testing::paper_camera(), testing::euroc_camera()}) {
+  for (const Camera& camera :
+       {testing::paper_camera(), testing::euroc_camera(), testing::rational_camera()}) {
     EXPECT_FALSE(project(camera, {0.1, 0.1, -1.0}));
     EXPECT_FALSE(project(camera, {0.1, 0.1, 0.0}));
     EXPECT_FALSE(project(camera, {0.0, 0.0, 0.0}));
   }
-  EXPECT_FALSE(project(testing::tum_vi_camera(), {0.0, 0.0, 0.0}));
-  EXPECT_FALSE(project(testing::tum_vi_camera(), {0.0, 0.0, -1.0}));
+  for (const Camera& camera :
+       {testing::tum_vi_camera(), testing::kalibr_omni_camera(), testing::kitti_360_camera()}) {
+    EXPECT_FALSE(project(camera, {0.0, 0.0, 0.0}));
+    EXPECT_FALSE(project(camera, {0.0, 0.0, -1.0}));
+  }
 }
 
 TEST(Camera, NotANumberHasNoPixelAndNoBearing) {
@@ -227,6 +231,7 @@ TEST(Camera, EveryPixelWithABearingComesBackEvenFarOutsideTheImage) {
   cameras.push_back({"folding", {100.0, 100.0, 0.0, 0.0, 200, 200, RadialTangential{-0.3, 0.0, 0.0, 0.0}}});
   cameras.push_back(
       {"folding fisheye", {100.0, 100.0, 0.0, 0.0, 200, 200, Equidistant{-0.5, 0.1, 0.0, 0.0}}});
+  cameras.push_back({"folding rational", {100.0, 100.0, 0.0, 0.0, 200, 200, Rational{.k3 = -0.2}}});
   for (const auto& [name, camera] : cameras) {
     for (int k = 0; k < 500; ++k) {
       const double u = testing::random_scalar(generator, -2000.0, 2000.0);
@@ -240,6 +245,86 @@ TEST(Camera, EveryPixelWithABearingComesBackEvenFarOutsideTheImage) {
       EXPECT_LE((projection->uv - uv).norm(), 1e-6) << name << " " << uv.transpose();
     }
   }
+}
+
+TEST(Camera, RationalDistortionEndsWhereItFoldsBack) {
+  // r (1 - 0.2 r^6) grows until r^6 = 1 / 1.4, r = 0.9455, where it is 0.8104.
+  const Camera camera{100.0, 100.0, 0.0, 0.0, 200, 200, Rational{.k3 = -0.2}};
+  EXPECT_TRUE(project(camera, {0.94, 0.0, 1.0}));
+  EXPECT_FALSE(project(camera, {0.95, 0.0, 1.0}));
+  EXPECT_FALSE(project(camera, {5.0, 0.0, 1.0}));
+  EXPECT_TRUE(unproject(camera, {81.0, 0.0}));
+  EXPECT_FALSE(unproject(camera, {81.1, 0.0}));
+}
+
+TEST(Camera, RationalDistortionEndsAtThePoleOfItsDenominator) {
+  // r / (1 - r^2) grows without end towards r = 1.
+  const Camera camera{100.0, 100.0, 0.0, 0.0, 200, 200, Rational{.k4 = -1.0}};
+  EXPECT_TRUE(project(camera, {0.99, 0.0, 1.0}));
+  EXPECT_FALSE(project(camera, {1.0, 0.0, 1.0}));
+  EXPECT_FALSE(project(camera, {1.5, 0.0, 1.0}));
+  EXPECT_TRUE(unproject(camera, {1000.0, 0.0}));
+}
+
+TEST(Camera, RationalWithoutItsOwnCoefficientsIsRadialTangential) {
+  Camera camera = testing::euroc_camera();
+  const auto d = std::get<RadialTangential>(camera.distortion);
+  const Vector3d X(0.4, -0.3, 1.1);
+  const auto plain = project(camera, X);
+  camera.distortion = Rational{.k1 = d.k1, .k2 = d.k2, .p1 = d.p1, .p2 = d.p2};
+  const auto rational = project(camera, X);
+  ASSERT_TRUE(plain && rational);
+  EXPECT_LE((plain->uv - rational->uv).norm(), 1e-12);
+  EXPECT_LE((plain->J_uv_X - rational->J_uv_X).norm(), 1e-10);
+}
+
+/// Mei's model with Kalibr's numbers: the unit sphere from xi behind it, then radtan, then Kalibr's focal
+/// lengths.
+Vector2d by_kalibrs_formula(const Camera& camera, const Vector3d& X) {
+  const auto d = std::get<Omni>(camera.distortion);
+  const Vector3d on_sphere = X / X.norm();
+  const double x = on_sphere.x() / (on_sphere.z() + d.xi), y = on_sphere.y() / (on_sphere.z() + d.xi);
+  const double s = x * x + y * y, radial = 1.0 + d.k1 * s + d.k2 * s * s;
+  const double gamma_u = camera.fu * (1.0 + d.xi), gamma_v = camera.fv * (1.0 + d.xi);
+  return {gamma_u * (x * radial + 2.0 * d.p1 * x * y + d.p2 * (s + 2.0 * x * x)) + camera.cu,
+          gamma_v * (y * radial + d.p1 * (s + 2.0 * y * y) + 2.0 * d.p2 * x * y) + camera.cv};
+}
+
+TEST(Camera, OmniIsKalibrsFormulaWithTheFocalLengthsOfTheAxis) {
+  Generator generator(5);
+  for (const Camera& camera : {testing::kalibr_omni_camera(), testing::kitti_360_camera()}) {
+    int seen = 0;
+    for (int k = 0; k < 300; ++k) {
+      const Vector3d X = 7.0 * testing::random_direction(generator);
+      const auto projection = project(camera, X);
+      if (projection && in_image(camera, projection->uv)) {
+        EXPECT_LE((projection->uv - by_kalibrs_formula(camera, X)).norm(), 1e-9);
+        ++seen;
+      }
+    }
+    EXPECT_GE(seen, 20);
+    const auto near_axis = project(camera, {1e-4, 0.0, 1.0});
+    ASSERT_TRUE(near_axis);
+    EXPECT_NEAR((near_axis->uv.x() - camera.cu) / 1e-4, camera.fu, 1e-3 * camera.fu);
+  }
+}
+
+TEST(Camera, OmniEndsWhereTheSphereHidesItself) {
+  // xi = 2 sees until cos(theta) = -1/2, 120 degrees; xi = 0.5 until cos(theta) = -0.5 too, at infinity.
+  const auto at = [](double degrees) {
+    const double theta = degrees * std::numbers::pi / 180.0;
+    return Vector3d(std::sin(theta), 0.0, std::cos(theta));
+  };
+  for (const double xi : {2.0, 0.5}) {
+    const Camera camera{100.0, 100.0, 0.0, 0.0, 200, 200, Omni{.xi = xi}};
+    EXPECT_TRUE(project(camera, at(119.9))) << xi;
+    EXPECT_FALSE(project(camera, at(120.1))) << xi;
+    EXPECT_FALSE(project(camera, at(180.0))) << xi;
+  }
+  // sin / (cos + 2) = 0.57735 at the end, times 1 + xi and f.
+  const Camera camera{100.0, 100.0, 0.0, 0.0, 200, 200, Omni{.xi = 2.0}};
+  EXPECT_TRUE(unproject(camera, {173.2, 0.0}));
+  EXPECT_FALSE(unproject(camera, {173.3, 0.0}));
 }
 
 TEST(Camera, InImageKeepsTheBorderFree) {

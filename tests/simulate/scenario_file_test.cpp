@@ -334,7 +334,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScenario{"NegativeFocalLength", "rig:\n  cam0:\n    intrinsics: [-300, 300, 240, 320]\n", 3,
                     "rig.cam0.intrinsics with positive focal lengths"},
         BadScenario{"UnknownDistortion", "rig: {cam1: {distortion_model: fov}}\n", 1,
-                    "rig.cam1.distortion_model as one of none, radial-tangential, equidistant"},
+                    "rig.cam1.distortion_model as one of none, radial-tangential, equidistant, "
+                    "rational-polynomial, omni"},
         BadScenario{"DistortionWithoutCoefficients", "rig: {cam0: {distortion_model: equidistant}}\n", 1,
                     "the key rig.cam0.distortion_coefficients"},
         BadScenario{"SignalWithoutShape", "decalibration:\n  - {amplitude: [0, 0, 0, 0, 0, 0]}\n", 2,

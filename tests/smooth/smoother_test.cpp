@@ -145,6 +145,59 @@ TEST(Smoother, IsConsistentForEveryModelOfTheRigThatCanBeTrue) {
   }
 }
 
+VectorXd motion_error(MotionModel motion, const NavigationState& truth, const NavigationState& estimate) {
+  VectorXd out(motion == MotionModel::kImu ? 9 : 3);
+  out.head<3>() = truth.v_world_body - estimate.v_world_body;
+  if (motion == MotionModel::kImu) {
+    out.segment<3>(3) = truth.bias_gyro - estimate.bias_gyro;
+    out.segment<3>(6) = truth.bias_accel - estimate.bias_accel;
+  }
+  return out;
+}
+
+TEST(Smoother, VelocitiesAndBiasesAreAsFarOffAsTheirBoundsSay) {
+  constexpr int kRuns = 24;
+  for (const RigModel rig : {RigModel::kTrusted, RigModel::kFree}) {
+    SCOPED_TRACE(static_cast<int>(rig));
+    std::map<std::size_t, double> sums;
+    Eigen::Vector3d parts =
+        Eigen::Vector3d::Zero();  // velocity, gyro bias, accelerometer bias of the last frame
+    for (int run = 0; run < kRuns; ++run) {
+      Case c(rig == RigModel::kTrusted ? small_scenario() : bent(small_scenario()), MotionModel::kImu,
+             static_cast<std::uint64_t>(100 + run));
+      c.options.rig = rig;
+      c.options.loss = RobustLoss::kNone;
+      const SmootherResult result = c.solve();
+      ASSERT_TRUE(result.converged);
+      for (const std::size_t k : {std::size_t{0}, result.frames.size() / 2, result.frames.size() - 1}) {
+        const SmoothedFrame& frame = result.frames[k];
+        const VectorXd error = motion_error(MotionModel::kImu, c.truth[k], frame.nav);
+        sums[k] += nees(error, frame.motion_covariance);
+        for (int part = 0; k + 1 == result.frames.size() && part < 3; ++part) {
+          parts(part) +=
+              nees(error.segment(3 * part, 3), frame.motion_covariance.block(3 * part, 3 * part, 3, 3));
+        }
+      }
+    }
+    for (const auto& [frame, sum] : sums) {
+      SCOPED_TRACE(frame);
+      expect_chi_square(sum, 9.0 * kRuns);
+    }
+    for (int part = 0; part < 3; ++part) {
+      SCOPED_TRACE(part);
+      expect_chi_square(parts(part), 3.0 * kRuns);
+    }
+  }
+}
+
+TEST(Smoother, HasNoBoundsOfVelocityWhereNoneAreWantedOrKnown) {
+  Case c(small_scenario(), MotionModel::kImu, 1);
+  c.options.covariance = false;
+  EXPECT_EQ(c.solve().frames.front().motion_covariance.size(), 0);
+  Case odometry(small_scenario(), MotionModel::kOdometry, 1);
+  EXPECT_EQ(odometry.solve().frames.front().motion_covariance.size(), 0);
+}
+
 TEST(Smoother, OdometryAndConstantVelocityAreConsistentToo) {
   constexpr int kRuns = 8;
   double odometry = 0.0;
@@ -164,6 +217,11 @@ TEST(Smoother, OdometryAndConstantVelocityAreConsistentToo) {
   ASSERT_TRUE(result.converged);
   EXPECT_LT(nees(pose_error(c.truth.back(), result.frames.back().nav), result.frames.back().pose_covariance),
             chi_square_quantile(1.0 - kFalseAlarm, 6.0));
+  const MatrixXd& motion = result.frames.back().motion_covariance;
+  ASSERT_EQ(motion.rows(), 6) << "velocity and rate";
+  EXPECT_LT(nees(motion_error(MotionModel::kConstantVelocity, c.truth.back(), result.frames.back().nav),
+                 motion.topLeftCorner(3, 3)),
+            chi_square_quantile(1.0 - kFalseAlarm, 3.0));
 }
 
 TEST(Smoother, GrossMismatchesAreRefusedAndDoNoHarm) {

@@ -41,8 +41,8 @@ struct RecordingInfo {
   std::filesystem::path path;
   /// BagContents::format, "track log" or what kind of folder it is
   std::string format;
-  /// the recording brings its own; bags never do
-  bool has_calibration = false;
+  /// the recording's own; bags never bring one
+  std::optional<StereoCalibration> calibration;
   /// in the order of the file, or of the folder
   std::vector<StreamInfo> streams;
   /// nothing unless there are left and right images

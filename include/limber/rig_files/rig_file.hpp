@@ -47,9 +47,9 @@ struct RigFile {
 /// | KITTI odometry calib.txt | P0: and P1: | rectified |
 /// | KITTI raw calib_cam_to_cam.txt | K_00: and P_rect_00: | raw, rectified |
 ///
-/// Models beyond pinhole with radial-tangential (k1, k2, p1, p2) or equidistant distortion (double sphere,
-/// omni, EUCM, more coefficients) are replaced by the one of these that fits best over the whole image, if it
-/// fits to 0.1 px everywhere; `notes` says how well.
+/// Lenses that limber has not (double sphere, EUCM, more than eight coefficients) are replaced by the
+/// radial-tangential (k1, k2, p1, p2) or equidistant one that fits best over the whole image, if it fits to
+/// 0.1 px everywhere; `notes` says how well.
 ///
 /// @param images  which of the two, where a file holds both
 /// @throws DataError with file, line, what was expected and what was found

@@ -81,7 +81,11 @@ struct SmootherInput {
 struct SmoothedFrame {
   /// of the body
   NavigationState nav;
-  Eigen::Matrix<double, 6, 6> pose_covariance;   ///< position in the world, attitude local
+  Eigen::Matrix<double, 6, 6> pose_covariance;  ///< position in the world, attitude local
+  /// of what the motion model adds, in the order of StateLayout: velocity in the world [m/s], then the biases
+  /// of gyro [rad/s] and accelerometer [m/s²], or the rate [rad/s]; empty with odometry or without
+  /// covariances
+  Eigen::MatrixXd motion_covariance;
   RigParameters theta = RigParameters::Zero();   ///< the rig in this frame
   Eigen::Matrix<double, 6, 6> theta_covariance;  ///< zero where it is trusted
   std::size_t observed = 0, used = 0;            ///< points
