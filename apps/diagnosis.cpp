@@ -85,6 +85,8 @@ void add_state(Out out, const CalibrationState& state, const Tolerance& toleranc
              state.by_epipolar);
   add_effect(out, "moves from frame to frame", state.movement.px, tolerance.epipolar_px, 1.0, "px",
              state.by_movement);
+  add_effect(out, "and so do depths", state.depth_movement.share, tolerance.depth, 100.0, "%",
+             state.by_depth_movement);
   add_effect(out, fmt::format("depth at {:g} baselines", tolerance.baselines).c_str(), state.effect.depth,
              tolerance.depth, 100.0, "%", state.by_depth);
   add_axes(out, state, "true - assumed");

@@ -20,10 +20,6 @@ constexpr std::array<std::string_view, 6> kAxisWords = {"nod, about x",  "vergen
                                                         "roll, about z", "right, along x",
                                                         "down, along y", "forward, along z"};
 
-bool is_wrong(HealthVerdict verdict) {
-  return verdict == HealthVerdict::kDegraded || verdict == HealthVerdict::kDecalibrated;
-}
-
 Json json_of(const SizeInterval& size, const Band& band, HealthVerdict verdict, double unit) {
   return {{"size", unit * size.size}, {"low", unit * size.low},     {"high", unit * size.high},
           {"ok", unit * band.ok},     {"wrong", unit * band.wrong}, {"verdict", to_string(verdict)}};
@@ -93,6 +89,8 @@ Json json_of(const CalibrationState& state, const HealthSummary& summary, const 
   out.update(sizes_of(state, tolerance));
   out["drift"] = json_of(state.drift);
   out["movement_px"] = json_of(state.movement.px, tolerance.epipolar_px, state.by_movement, 1.0);
+  out["movement_depth_percent"] =
+      json_of(state.depth_movement.share, tolerance.depth, state.by_depth_movement, 100.0);
   return out;
 }
 
@@ -107,12 +105,17 @@ std::string sizes_in_words(const CalibrationState& state, const Tolerance& toler
                      tolerance.baselines);
 }
 
+std::string movement_in_words(const CalibrationState& state, const Tolerance& tolerance) {
+  return fmt::format("{} and {} of the depth at {:g} baselines", range(state.movement.px, 1.0, "px"),
+                     range(state.depth_movement.share, 100.0, "%"), tolerance.baselines);
+}
+
 /// On average there is nothing wrong.
 bool only_moves(const CalibrationState& state) {
   return state.moves() && !is_wrong(state.by_epipolar) && !is_wrong(state.by_depth);
 }
 
-std::string why_not(const CalibrationState& state) {
+std::string why_not(const CalibrationState& state, const Tolerance& tolerance) {
   const bool epipolar = state.by_epipolar == HealthVerdict::kCannotTell,
              depth = state.by_depth == HealthVerdict::kCannotTell;
   if (state.deep == 0) {
@@ -128,7 +131,7 @@ std::string why_not(const CalibrationState& state) {
     return depth ? "the depth is not known well enough" : "the epipolar lines are not known well enough";
   }
   return fmt::format("on average within the tolerance, but it may move from frame to frame by {}",
-                     range(state.movement.px, 1.0, "px"));
+                     movement_in_words(state, tolerance));
 }
 
 }  // namespace
@@ -182,8 +185,7 @@ std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
   if (only_moves(state)) {
     return fmt::format(
         "the cameras move against each other, mostly in {}: {} from frame to frame; on average {}",
-        axis_in_words(static_cast<std::size_t>(state.movement.axis)), range(state.movement.px, 1.0, "px"),
-        sizes);
+        axis_in_words(state.moving_axis()), movement_in_words(state, tolerance), sizes);
   }
   if (summary.comes_and_goes()) {
     return "it is within the tolerance now, but was not all the time: it comes and goes; now " + sizes;
@@ -202,7 +204,7 @@ std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
     case HealthVerdict::kCannotTell:
       break;
   }
-  return why_not(state) + ": " + sizes;
+  return why_not(state, tolerance) + ": " + sizes;
 }
 
 std::string advice_on(HealthVerdict verdict, bool moves) {

@@ -45,6 +45,9 @@ void merge(const RigEvidence& other, RigEvidence& into) {
   for (std::size_t k = 0; k < into.blocks.size() && k < other.blocks.size(); ++k) {
     into.blocks[k] += other.blocks[k];
   }
+  for (std::size_t k = 0; k < into.depth_blocks.size() && k < other.depth_blocks.size(); ++k) {
+    into.depth_blocks[k] += other.depth_blocks[k];
+  }
 }
 
 void halve(std::vector<RigEvidence>& windows) {
@@ -84,20 +87,25 @@ double t_survival(double t, double dof) {
   return chi_square_survival(factor * factor * z2, 1.0);
 }
 
-void judge_movement(const std::vector<RigEvidence>& windows, const Tolerance& tolerance,
-                    CalibrationState& out) {
+void judge_movement(const std::vector<RigEvidence>& windows, const RigParameters& theta,
+                    const Tolerance& tolerance, CalibrationState& out) {
   std::vector<FrameHalves> blocks;
+  std::vector<DepthHalves> depth_blocks;
   for (const RigEvidence& window : windows) {
     blocks.insert(blocks.end(), window.blocks.begin(), window.blocks.end());
+    depth_blocks.insert(depth_blocks.end(), window.depth_blocks.begin(), window.depth_blocks.end());
   }
   out.movement = movement_of(blocks, out.whole.epipolar);
+  out.depth_movement = depth_movement_of(depth_blocks, theta, tolerance.baselines);
   out.by_movement = judge(out.movement.px, tolerance.epipolar_px);
+  out.by_depth_movement = out.deep_tracks < kFewestTracks ? HealthVerdict::kCannotTell
+                                                          : judge(out.depth_movement.share, tolerance.depth);
   if (out.tracks < kFewestTracks) {
     return;
   }
-  out.verdict = worst(out.verdict, out.by_movement);
+  out.verdict = worst(out.verdict, worst(out.by_movement, out.by_depth_movement));
   if (!out.named && out.moves()) {
-    out.named = static_cast<std::size_t>(out.movement.axis);
+    out.named = out.moving_axis();
   }
 }
 
@@ -164,8 +172,11 @@ BetaEstimate estimate_at_end(const std::vector<RigEvidence>& windows, const RigP
 
 }  // namespace
 
-bool CalibrationState::moves() const {
-  return by_movement == HealthVerdict::kDegraded || by_movement == HealthVerdict::kDecalibrated;
+bool CalibrationState::moves() const { return is_wrong(by_movement) || is_wrong(by_depth_movement); }
+
+std::size_t CalibrationState::moving_axis() const {
+  const Eigen::Index axis = is_wrong(by_movement) ? movement.axis : depth_movement.axis;
+  return static_cast<std::size_t>(axis);
 }
 
 CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
@@ -187,7 +198,7 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
   if (out.drift) {
     out.drift->named = static_cast<std::size_t>(most_likely_axis(out.drift->change, out.bands));
   }
-  judge_movement(windows, options.tolerance, out);
+  judge_movement(windows, theta, options.tolerance, out);
   return out;
 }
 
@@ -213,7 +224,7 @@ void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bo
   for (std::size_t k = 0; k < 6; ++k) {
     out.verdict = tolerance.axes[k] ? worst(out.verdict, out.axes[k]) : out.verdict;
   }
-  if (out.verdict == HealthVerdict::kDegraded || out.verdict == HealthVerdict::kDecalibrated) {
+  if (is_wrong(out.verdict)) {
     out.named = static_cast<std::size_t>(most_likely_axis(out.estimate, out.bands));
   }
 }

@@ -43,6 +43,28 @@ FrameHalves& FrameHalves::operator+=(const FrameHalves& other) {
   return *this;
 }
 
+void DepthHalves::add_stretch(const std::vector<Pair>& first, const std::vector<Pair>& second) {
+  if (first.size() < 2) {
+    return;
+  }
+  Pair sum_first = Pair::Zero(), sum_second = Pair::Zero();
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    sum_first += first[k];
+    sum_second += second[k];
+    products += first[k] * second[k];
+  }
+  products -= sum_first * sum_second / static_cast<double>(first.size());
+  degrees += static_cast<double>(first.size()) - 1.0;
+}
+
+DepthHalves& DepthHalves::operator+=(const DepthHalves& other) {
+  degrees += other.degrees;
+  products += other.products;
+  px_squared += other.px_squared;
+  points += other.points;
+  return *this;
+}
+
 RigMovement movement_of(const std::vector<FrameHalves>& blocks, const Matrix& epipolar) {
   FrameHalves all;
   double count = 0.0;
@@ -70,6 +92,54 @@ RigMovement movement_of(const std::vector<FrameHalves>& blocks, const Matrix& ep
   RigMovement out{{root(mean), root(mean - reach), root(std::max(mean, 0.0) + reach)}};
   px.diagonal().cwiseProduct(covariance.diagonal()).maxCoeff(&out.axis);
   out.axis = out.axis == NormalEquations::kLens ? NormalEquations::kVergence : out.axis;
+  return out;
+}
+
+std::array<RigParameters, 2> depth_ways(const RigParameters& theta) {
+  const RigParameters slope =
+      depth_slope(theta, Tolerance{}.baselines).cwiseProduct(plausible_error(theta.tail<3>().norm()));
+  std::array<RigParameters, 2> out{RigParameters::Zero(), RigParameters::Zero()};
+  out[0].head<3>() = slope.head<3>().normalized();
+  out[1].tail<3>() = slope.tail<3>().normalized();
+  return out;
+}
+
+DepthMovement depth_movement_of(const std::vector<DepthHalves>& blocks, const RigParameters& theta,
+                                double baselines) {
+  using Pair = DepthHalves::Pair;
+  DepthHalves all;
+  double count = 0.0;
+  for (const DepthHalves& block : blocks) {
+    all += block;
+    count += block.degrees > 0.0 ? 1.0 : 0.0;
+  }
+  if (count < kFewestBlocks) {
+    return {{0.0, 0.0, std::numeric_limits<double>::infinity()}};
+  }
+  const Pair mean = all.products / all.degrees;
+  const Pair explained = mean * all.px_squared / all.points;
+  const Eigen::Index best = explained(0) >= explained(1) ? 0 : 1, other = 1 - best;
+  // The better one and the other, and by how much it explains more, each with what blocks scatter by.
+  Pair squares = Pair::Zero();
+  double of_more = 0.0;
+  for (const DepthHalves& block : blocks) {
+    const Pair off = block.products - block.degrees * mean;
+    const Pair off_px = off * all.px_squared / all.points;
+    squares += off.square();
+    of_more += (off_px(best) - off_px(other)) * (off_px(best) - off_px(other));
+  }
+  const double scale = t_95(count - 1.0) * std::sqrt(count / (count - 1.0)) / all.degrees;
+  const Pair reach = scale * squares.sqrt();
+  const bool certain = explained(best) - explained(other) > scale * std::sqrt(of_more);
+  const std::array<RigParameters, 2> ways = depth_ways(theta);
+  const RigParameters slope =
+      depth_slope(theta, baselines).cwiseProduct(plausible_error(theta.tail<3>().norm()));
+  const Pair share(std::abs(slope.dot(ways[0])), std::abs(slope.dot(ways[1])));
+  const Pair size = share * mean.max(0.0).sqrt(), low = share * (mean - reach).max(0.0).sqrt(),
+             high = share * (mean.max(0.0) + reach).sqrt();
+  DepthMovement out{
+      {size(best), certain ? low(best) : low.minCoeff(), certain ? high(best) : high.maxCoeff()}};
+  ways[static_cast<std::size_t>(best)].cwiseAbs().maxCoeff(&out.axis);
   return out;
 }
 

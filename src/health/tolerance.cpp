@@ -45,6 +45,10 @@ std::string to_string(HealthVerdict verdict) {
   return "cannot tell";
 }
 
+bool is_wrong(HealthVerdict verdict) {
+  return verdict == HealthVerdict::kDegraded || verdict == HealthVerdict::kDecalibrated;
+}
+
 void Tolerance::check() const {
   check_band(epipolar_px, "the epipolar error");
   check_band(depth, "the depth");

@@ -10,6 +10,7 @@
 
 #include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
+#include "limber/health/rig_movement.hpp"
 #include "limber/measure/epipolar.hpp"
 
 namespace limber {
@@ -27,8 +28,8 @@ constexpr double kMostDepthNoise = 2;  // px that the depth from motion adds, fo
 constexpr double kHuberLimit = 1.345, kTukeyLimit = 4.685;
 constexpr double kLeastNoise_px = 0.02;
 constexpr Eigen::Index kVergence = NormalEquations::kVergence, kLens = NormalEquations::kLens;
-constexpr std::size_t kBlocks = 5;  // of a window
-constexpr int kFewestOfAHalf = 8;   // rows
+constexpr std::size_t kBlocks = 5;                           // of a window
+constexpr int kFewestOfAHalf = 8, kFewestDepthsOfAHalf = 4;  // rows
 constexpr int kHuberSteps = 6, kTukeySteps = 4;
 constexpr int kStepsPerSlice = 4;
 constexpr int kMostLinearisations = 4;
@@ -96,6 +97,7 @@ void WindowFit::advance() {
       break;
     case Stage::kMovement:
       evidence_->blocks = frame_halves();
+      evidence_->depth_blocks = depth_halves();
       stage_ = Stage::kDone;
       break;
     case Stage::kDone:
@@ -267,6 +269,44 @@ std::vector<FrameHalves> WindowFit::frame_halves() const {
     if (std::min(a.rows, b.rows) >= kFewestOfAHalf) {
       out[n * kBlocks / halves.size()].add(solve(a.normal), solve(b.normal));
     }
+  }
+  return out;
+}
+
+std::vector<DepthHalves> WindowFit::depth_halves() const {
+  using Pair = DepthHalves::Pair;
+  struct Half {
+    Pair information = Pair::Zero(), vector = Pair::Zero();
+    int rows = 0;
+  };
+  const auto ways = depth_ways(window_.calibration.theta);
+  const std::size_t frames = window_.frames.size();
+  std::vector<std::array<Half, 2>> halves(frames);
+  std::vector<DepthHalves> out(kBlocks);
+  for (const Row& row : rows_) {
+    if (row.along && row.weight > 0.0) {
+      const Pair J(row.J.head<6>().dot(ways[0]), row.J.head<6>().dot(ways[1]));
+      const double weight = 1.0 / (row.noise * row.noise);
+      Half& half = halves[row.frame][static_cast<std::size_t>(row.track & 1)];
+      half.information += weight * J.square();
+      half.vector += weight * (row.y - row.J.dot(beta_)) * J;
+      ++half.rows;
+      DepthHalves& block = out[row.frame * kBlocks / frames];
+      block.px_squared += J.square();
+      block.points += 1.0;
+    }
+  }
+  std::array<std::array<std::vector<Pair>, 2>, kBlocks> said;
+  for (std::size_t n = 0; n < frames; ++n) {
+    const auto& [a, b] = halves[n];
+    if (std::min(a.rows, b.rows) >= kFewestDepthsOfAHalf) {
+      auto& [first, second] = said[n * kBlocks / frames];
+      first.emplace_back(a.vector / a.information);
+      second.emplace_back(b.vector / b.information);
+    }
+  }
+  for (std::size_t k = 0; k < kBlocks; ++k) {
+    out[k].add_stretch(said[k][0], said[k][1]);
   }
   return out;
 }

@@ -56,6 +56,9 @@ ReportTable tolerance_table(const Json& state) {
   if (state.contains("movement_px")) {
     add("moves from frame to frame", state.at("movement_px"), "px");
   }
+  if (state.contains("movement_depth_percent")) {
+    add("and so do depths", state.at("movement_depth_percent"), "%");
+  }
   add(fmt::format("depth at {} baselines", number(state.at("depth_percent"), "baselines", "{:g}")),
       state.at("depth_percent"), "%");
   return table;

@@ -75,18 +75,35 @@ Eigen::MatrixXd widened(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return root * root.transpose();
 }
 
-/// Variance of Student's t for so many cells as count, over that of a normal distribution. Cells with few
-/// points count less (Carter, Schnepel and Steigerwald 2017: the effective number of clusters).
+/// Degrees of freedom of so many cells as count. Cells with few points count less (Carter, Schnepel and
+/// Steigerwald 2017: the effective number of clusters).
 /// @param shares  of the information, by cell
-double few_cells(const std::vector<double>& shares) {
-  constexpr double kFewest = 3.0;  // degrees of freedom
+double degrees_of(const std::vector<double>& shares) {
+  constexpr double kFewest = 3.0;
   double sum = 0.0, squares = 0.0;
   for (const double share : shares) {
     sum += share;
     squares += share * share;
   }
-  const double dof = std::max(squares > 0.0 ? sum * sum / squares - 1.0 : 0.0, kFewest);
-  return dof / (dof - 2.0);
+  return std::max(squares > 0.0 ? sum * sum / squares - 1.0 : 0.0, kFewest);
+}
+
+/// A covariance that few samples gave, which makes its small directions too small and its large ones too
+/// large, drawn towards the shape of `target`: the oracle approximating shrinkage [Chen2010].
+/// @param dof  of the samples
+Eigen::MatrixXd shrunk(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& target, double dof) {
+  const Eigen::MatrixXd L = Cholesky(target).L();
+  const Eigen::MatrixXd half = L.triangularView<Eigen::Lower>().solve(covariance);
+  const Eigen::MatrixXd white = L.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(half.transpose()));
+  const auto p = static_cast<double>(white.rows());
+  const double trace = white.trace(), square = white.squaredNorm();
+  const double unequal = square - trace * trace / p;
+  if (p < 2.0 || !(unequal > 0.0)) {
+    return covariance;
+  }
+  const double share =
+      std::min(1.0, ((1.0 - 2.0 / p) * square + trace * trace) / ((dof + 1.0 - 2.0 / p) * unequal));
+  return (1.0 - share) * covariance + share * trace / p * target;
 }
 
 /// The covariance of theta if the points of one image cell err together in all windows and those of different
@@ -118,7 +135,8 @@ Eigen::MatrixXd by_cells(std::span<const RigPart> windows, const std::vector<Ind
         solve_symmetric(Eigen::MatrixXd(all - score.information(free, free)), Eigen::VectorXd(all * step));
     sum += (count - 1.0) / count * without * without.transpose();
   }
-  return few_cells(shares) * sum;
+  const double dof = degrees_of(shares);
+  return dof / (dof - 2.0) * shrunk(sum, inverse, dof);  // the variance of Student's t
 }
 
 /// The seen axis whose standard deviation is furthest above its bound; nothing if none is.

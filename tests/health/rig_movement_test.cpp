@@ -38,14 +38,38 @@ WorldOptions realistic(unsigned seed) {
   return options;
 }
 
-/// Roll that swings at 3.3 Hz, by so many degrees.
-WorldOptions vibrating(unsigned seed, double degrees) {
+/// An axis that swings at 3.3 Hz, by so much [rad, m].
+WorldOptions swinging(unsigned seed, Eigen::Index axis, double amplitude) {
   WorldOptions options = realistic(seed);
   options.error = [=](double t) {
-    return RigParameters(degrees * kHalfTurn / 180.0 * std::sin(2.0 * kHalfTurn * 3.3 * t) *
-                         RigParameters::Unit(2));
+    return RigParameters(amplitude * std::sin(2.0 * kHalfTurn * 3.3 * t) * RigParameters::Unit(axis));
   };
   return options;
+}
+
+/// Roll, in degrees.
+WorldOptions vibrating(unsigned seed, double degrees) {
+  return swinging(seed, 2, degrees * kHalfTurn / 180.0);
+}
+
+/// Depths swing by an amplitude of 20 %; seen is the root mean square.
+void expect_depths_that_swing(Eigen::Index axis) {
+  constexpr int kRuns = 20;
+  const RigParameters slope = depth_slope(testing::world_calibration().theta, Tolerance{}.baselines);
+  const double truth = 0.2 / std::sqrt(2.0);
+  int held = 0;
+  for (unsigned seed = 1; seed <= kRuns; ++seed) {
+    const CalibrationState state = state_of_world(swinging(seed, axis, 0.2 / std::abs(slope(axis))));
+    const SizeInterval& share = state.depth_movement.share;
+    // About the mean of half a second; that of 1.65 periods is not quite zero.
+    held += share.low <= 1.05 * truth && truth <= 1.05 * share.high ? 1 : 0;
+    EXPECT_NEAR(share.size, truth, 0.1 * truth);
+    EXPECT_EQ(state.depth_movement.axis, axis);
+    EXPECT_TRUE(is_wrong(state.by_depth_movement)) << share.low;
+    EXPECT_TRUE(is_wrong(state.verdict));
+    EXPECT_EQ(state.named, static_cast<std::size_t>(axis));
+  }
+  EXPECT_GE(held, 16);  // 95 % of 20 runs, less three standard deviations
 }
 
 TEST(RigMovement, OfVibrationIsHeldByItsInterval) {
@@ -71,6 +95,57 @@ TEST(RigMovement, OfASoundRigIsNoneWhateverItsTracksAndLensesDo) {
     EXPECT_LT(state.movement.px.low, 0.1);
     EXPECT_EQ(state.by_movement, HealthVerdict::kOk) << state.movement.px.high;
   }
+}
+
+TEST(RigMovement, OfVergenceShowsInDepths) { expect_depths_that_swing(1); }
+
+TEST(RigMovement, OfTheBaselinesLengthShowsInDepths) { expect_depths_that_swing(3); }
+
+TEST(RigMovement, OfDepthsOfASoundRigIsNoneWhateverItsTracksAndLensesDo) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const CalibrationState state = state_of_world(realistic(seed));
+    EXPECT_LT(state.depth_movement.share.low, 0.015);
+    EXPECT_EQ(state.by_depth_movement, HealthVerdict::kOk) << state.depth_movement.share.high;
+  }
+}
+
+TEST(RigMovement, OfDepthsIsUnknownOfTooFewFrames) {
+  const DepthMovement none =
+      depth_movement_of(std::vector<DepthHalves>(5), testing::world_calibration().theta, 90.0);
+  EXPECT_EQ(none.share.high, std::numeric_limits<double>::infinity());
+}
+
+/// Blocks of frames that say `turn` and `length` by turns with either sign, about a mean that drifts.
+std::vector<DepthHalves> alternating(double turn, double length, const DepthHalves::Pair& px) {
+  std::vector<DepthHalves> blocks(4);
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    std::vector<DepthHalves::Pair> said;
+    for (int n = 0; n < 10; ++n) {
+      said.emplace_back(DepthHalves::Pair(turn, length) * (n % 2 == 0 ? 1.0 : -1.0) +
+                        5.0 * static_cast<double>(k));
+    }
+    blocks[k].add_stretch(said, said);
+    blocks[k].px_squared = 10.0 * px;
+    blocks[k].points = 10.0;
+  }
+  return blocks;
+}
+
+TEST(RigMovement, OfDepthsIsThatOfTheAxisThatExplainsMoreOfThePixels) {
+  const RigParameters theta = testing::world_calibration().theta;
+  const RigParameters slope = depth_slope(theta, 90.0).cwiseProduct(plausible_error(theta.tail<3>().norm()));
+  const double rms = std::sqrt(10.0 / 9.0);  // ± 1 in ten frames, one of which the mean takes
+  const DepthMovement turns = depth_movement_of(alternating(2.0, 1.0, {1.0, 1.0}), theta, 90.0);
+  EXPECT_EQ(turns.axis, 1);
+  EXPECT_NEAR(turns.share.size, 2.0 * rms * slope.head<3>().norm(), 1e-6);
+  EXPECT_NEAR(turns.share.high, turns.share.low, 1e-6);
+  const DepthMovement stretches = depth_movement_of(alternating(2.0, 1.0, {1.0, 9.0}), theta, 90.0);
+  EXPECT_EQ(stretches.axis, 3);
+  EXPECT_NEAR(stretches.share.size, rms * slope.tail<3>().norm(), 1e-4);
+  // What explains as much: either.
+  const DepthMovement either = depth_movement_of(alternating(2.0, 1.0, {1.0, 4.0}), theta, 90.0);
+  EXPECT_NEAR(either.share.low, rms * slope.tail<3>().norm(), 1e-4);
+  EXPECT_NEAR(either.share.high, 2.0 * rms * slope.head<3>().norm(), 1e-4);
 }
 
 TEST(RigMovement, IsUnknownOfTooFewFrames) {

@@ -57,29 +57,28 @@ TEST(FitRig, ItsCovarianceIsThatOfItsErrors) {
 /// Windows that see the same cells: noise of unit size in each row, and an error of twice that which all rows
 /// of a cell have in all windows. The length tx may be known beside them.
 std::vector<RigPart> windows_of_cells(const RigParameters& truth, std::size_t count, std::mt19937& random,
-                                      double sigma_of_length = 1.0) {
-  constexpr int kCells = 25;
+                                      double sigma_of_length = 1.0, std::size_t cells = 25) {
   using Rows = Eigen::Matrix<double, 10, 6>;
   std::normal_distribution<double> draw;
-  std::vector<Rows> slopes(kCells);
-  std::vector<double> kept(kCells);
-  for (int cell = 0; cell < kCells; ++cell) {
-    for (double& number : slopes[static_cast<std::size_t>(cell)].reshaped()) number = 300.0 * draw(random);
-    kept[static_cast<std::size_t>(cell)] = 2.0 * draw(random);
+  std::vector<Rows> slopes(cells);
+  std::vector<double> kept(cells);
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    for (double& number : slopes[cell].reshaped()) number = 300.0 * draw(random);
+    kept[cell] = 2.0 * draw(random);
   }
   std::vector<RigPart> out(count);
   for (RigPart& window : out) {
-    std::vector<Eigen::Matrix<double, 10, 1>> errors(kCells);
+    std::vector<Eigen::Matrix<double, 10, 1>> errors(cells);
     RigParameters pull = RigParameters::Zero();
     window.information(3, 3) = 1.0 / (sigma_of_length * sigma_of_length);
-    for (std::size_t cell = 0; cell < kCells; ++cell) {
+    for (std::size_t cell = 0; cell < cells; ++cell) {
       for (double& error : errors[cell]) error = draw(random) + kept[cell];
       window.information += slopes[cell].transpose() * slopes[cell];
       pull += slopes[cell].transpose() * errors[cell];
     }
     const RigParameters step = window.information.ldlt().solve(pull);
     window.theta = truth + step;
-    for (std::size_t cell = 0; cell < kCells; ++cell) {
+    for (std::size_t cell = 0; cell < cells; ++cell) {
       window.scores[static_cast<int>(cell)] = {
           slopes[cell].transpose() * (errors[cell] - slopes[cell] * step),
           slopes[cell].transpose() * slopes[cell]};
@@ -106,6 +105,20 @@ TEST(FitRig, WhatACellDoesInAllWindowsIsInItsCovariance) {
   EXPECT_GT(without, 10.0);
   EXPECT_GT(with, 0.6);
   EXPECT_LT(with, 1.4);
+}
+
+/// Six directions out of a dozen cells: as they come, the small ones are far too small (a NEES of 1.6).
+TEST(FitRig, FewCellsDoNotMakeADirectionTooSure) {
+  std::mt19937 random(11);
+  constexpr int kRuns = 300;
+  double nees = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    const RigFit fit = fit_rig(windows_of_cells(kGiven, 6, random, 1.0, 12), kGiven, kBounds);
+    const RigParameters error = fit.theta - kGiven;
+    nees += error.dot(fit.covariance.ldlt().solve(error)) / (6.0 * kRuns);
+  }
+  EXPECT_GT(nees, 0.6);
+  EXPECT_LT(nees, 1.2);
 }
 
 TEST(FitRig, ALengthThatIsTrustedStaysSo) {

@@ -48,14 +48,17 @@ struct CalibrationState {
   CalibrationEffect effect;
   /// The error grew from the first window on, beyond doubt; `estimate` is that of the last one.
   std::optional<RigDrift> drift;
-  RigMovement movement;  ///< about the mean, from frame to frame
-  /// from the movement alone
-  HealthVerdict by_movement = HealthVerdict::kCannotTell;
+  RigMovement movement;          ///< about the mean, from frame to frame
+  DepthMovement depth_movement;  ///< the same, by what it does to depths
+  /// from either movement alone
+  HealthVerdict by_movement = HealthVerdict::kCannotTell, by_depth_movement = HealthVerdict::kCannotTell;
   /// what the estimate rests on; deep: points whose depth is known from motion, and their tracks
   std::size_t windows = 0, tracks = 0, points = 0, deep = 0, deep_tracks = 0;
 
   /// From frame to frame, by more than what is ok.
   [[nodiscard]] bool moves() const;
+  /// The axis that does so most.
+  [[nodiscard]] std::size_t moving_axis() const;
 };
 
 /// @brief The state at the end of a stretch of windows. With five or more the error is a line over time: of

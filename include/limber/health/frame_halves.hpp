@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "limber/health/normal_equations.hpp"
@@ -23,6 +24,28 @@ struct FrameHalves {
   void add(const NormalEquations::Vector& of_first, const NormalEquations::Vector& of_second);
   /// The frames of both.
   FrameHalves& operator+=(const FrameHalves& other);
+};
+
+/// @brief The same of depths, about the mean of each stretch: by how much frames differ in the disparities
+/// that they show, as if the cameras turned against each other, and as if the baseline's length changed.
+///
+/// Errors of the trajectory, and of depths from motion, are common to both halves. They go slowly, so that
+/// what is left about the mean of half a second is the rig's.
+struct DepthHalves {
+  /// of what may have moved: the cameras' angle, the baseline's length (`depth_ways`)
+  using Pair = Eigen::Array2d;
+
+  double degrees = 0.0;          ///< of freedom: frames, less one for each stretch
+  Pair products = Pair::Zero();  ///< sum over frames of first times second, each less its mean
+  Pair px_squared =
+      Pair::Zero();     ///< sum over points of what one plausible error moves them by, squared [px^2]
+  double points = 0.0;  ///< that `px_squared` is the sum of
+
+  /// One stretch.
+  /// @param first, second  what the halves of each frame say [plausible errors]; alike in number
+  void add_stretch(const std::vector<Pair>& first, const std::vector<Pair>& second);
+  /// The stretches of both.
+  DepthHalves& operator+=(const DepthHalves& other);
 };
 
 }  // namespace limber

@@ -25,10 +25,11 @@ struct RigEvidence {
   Matrix epipolar = Matrix::Zero();      ///< sum of J Jᵀ, J the px that a point leaves its epipolar line by
   /// stereo points, one a frame and track; tracks
   std::size_t points = 0, track_count = 0;
-  std::size_t deep = 0;             ///< points whose depth is known from motion
-  std::size_t deep_tracks = 0;      ///< tracks that have such points
-  double scale_sigma = 0.0;         ///< relative standard deviation of the trajectory's scale
-  std::vector<FrameHalves> blocks;  ///< fifths of it
+  std::size_t deep = 0;                   ///< points whose depth is known from motion
+  std::size_t deep_tracks = 0;            ///< tracks that have such points
+  double scale_sigma = 0.0;               ///< relative standard deviation of the trajectory's scale
+  std::vector<FrameHalves> blocks;        ///< fifths of it
+  std::vector<DepthHalves> depth_blocks;  ///< the same fifths
 };
 
 }  // namespace limber

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "limber/health/frame_halves.hpp"
@@ -21,5 +22,24 @@ struct RigMovement {
 /// @return a size of zero with an infinite upper end where there are less than three blocks
 [[nodiscard]] RigMovement movement_of(const std::vector<FrameHalves>& blocks,
                                       const NormalEquations::Matrix& epipolar);
+
+/// How far that changes depths.
+struct DepthMovement {
+  SizeInterval share;     ///< of a depth straight ahead (root mean square)
+  Eigen::Index axis = 1;  ///< ax ... tz: what alone explains most of it
+};
+
+/// The directions of theta, in plausible errors, that change a depth straight ahead: of its angles
+/// (vergence), and of its baseline (the length). Unit vectors.
+[[nodiscard]] std::array<RigParameters, 2> depth_ways(const RigParameters& theta);
+
+/// @brief From the disparities of frames: as if the cameras turned, or as if the baseline's length changed,
+/// whichever explains more; where neither certainly does (95 %), the interval holds both.
+/// @param blocks     half a second each; they count as independent
+/// @param theta      the assumed rig
+/// @param baselines  depth at which the share is meant
+/// @return a size of zero with an infinite upper end where there are less than three blocks
+[[nodiscard]] DepthMovement depth_movement_of(const std::vector<DepthHalves>& blocks,
+                                              const RigParameters& theta, double baselines);
 
 }  // namespace limber

@@ -25,6 +25,9 @@ enum class HealthVerdict : std::uint8_t {
 /// "ok", "suspect", "degraded", "decalibrated", "cannot tell".
 [[nodiscard]] std::string to_string(HealthVerdict verdict);
 
+/// Degraded or decalibrated.
+[[nodiscard]] bool is_wrong(HealthVerdict verdict);
+
 /// How wrong a calibration may be: up to `ok`, and from `wrong` on it is not to be used.
 struct Band {
   /// in the unit of what is judged; ok <= wrong

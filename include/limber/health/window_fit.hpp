@@ -97,6 +97,7 @@ class WindowFit {
   void sum_up();
   /// What the frames alone say, without the outliers of the whole window.
   [[nodiscard]] std::vector<FrameHalves> frame_halves() const;
+  [[nodiscard]] std::vector<DepthHalves> depth_halves() const;
 
   detail::WatchedFrames window_;
   RigParameters scale_;  // one plausible error

@@ -34,8 +34,9 @@ struct RigFit {
   RigParameters theta = RigParameters::Zero();
   /// By the noise of the sensors and `spread`, and no less in any direction than by leaving out one image
   /// cell after the other (the jackknife of clusters, [MacKinnon2023]: what a cell's points
-  /// have in common in all windows, as errors of a lens model, does not average out), times the variance of
-  /// Student's t with so few cells. Zero for axes that were not seen.
+  /// have in common in all windows, as errors of a lens model, does not average out), drawn towards the shape
+  /// of the noise as far as so few cells leave its own in doubt [Chen2010], times the variance of Student's
+  /// t. Zero for axes that were not seen.
   RigMatrix covariance = RigMatrix::Zero();
   RigAxes seen;  ///< the others keep what was given
   /// How much larger the differences between windows are than the noise of the sensors says (variance, >= 1).

@@ -63,6 +63,7 @@ export function showCalibration(root, run, health) {
     effect('off the line', '', 'epipolar_px', 'px'),
     effect('depth', state ? `at ${state.depth_percent.baselines} baselines` : '', 'depth_percent', '%'),
     effect('moves', 'from frame to frame', 'movement_px', 'px'),
+    effect('depth moves', 'from frame to frame', 'movement_depth_percent', '%'),
     ...run.axes.map(({ name, words }) => {
       const axis = state?.axes?.[name] ?? {};
       const half = 1.96 * axis.sigma;

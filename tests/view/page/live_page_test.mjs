@@ -107,7 +107,7 @@ test('pictures show images with points on them, and space shows path and map', a
 
 test('verdict, calibration, state and times are there', async () => {
   assert.match(await page.textContent('#verdict strong'), /^(ok|degraded|decalibrated|cannot tell)$/);
-  assert.equal(await page.locator('.gauge').count(), 9);
+  assert.equal(await page.locator('.gauge').count(), 10);
   assert.match(await page.textContent('#state'), /updated, inputs sound/);
   assert.deepEqual(await page.locator('.bars > span:first-child, .bars > span:nth-child(3n+1)').allTextContents(),
     ['read images', 'track points', 'filter', await page.textContent('.bars .sum')]);
