@@ -14,6 +14,7 @@
 #include "evaluation_report.hpp"
 #include "frame_source.hpp"
 #include "health_since.hpp"
+#include "limber/diagnose/misled_since.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "limber/run/run_recording.hpp"
@@ -120,6 +121,7 @@ Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, 
   }
   RunRecord record = run_recording(*recording, options, app::frame_source(*recording), callbacks);
   RunSummary summary = summarize(*recording, options, record);
+  add_misled(options, record, summary);
   return {recording, options, std::move(record), std::move(summary)};
 }
 

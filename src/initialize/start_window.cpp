@@ -167,11 +167,14 @@ std::optional<WindowState> StartWindow::continued(const Frames& now) const {
 /// Solved again where the window has grown enough, and at the end of its time.
 bool StartWindow::is_due(double waited_s) const {
   const auto ends = [&](double longest_s) { return waited_s >= longest_s && solved_s < longest_s; };
-  return ends(options.longest_s) || ends(options.longest_moving_s) ||
+  return ends(options.longest_s) || ends(options.longest_moving_s) || ends(options.longest_fine_s) ||
          (waited_s >= options.shortest_s && waited_s >= kGrowth * solved_s);
 }
 
 void StartWindow::solve() {
+  if (clock_step) {
+    read_inputs_anew();  // samples that are stamped late came after their frames
+  }
   std::vector<WindowState> starts;
   const Frames now = kept();
   if (std::optional<WindowState> on = continued(now)) {
