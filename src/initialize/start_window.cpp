@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "start_window.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -112,7 +113,9 @@ InputReport StartWindow::report_inputs(std::int64_t t_ns) {
   if (model.options.motion == MotionModel::kConstantVelocity) {
     return {};
   }
-  return report_on(inputs, checks.take_counts(), raw.empty() ? t_ns : raw.back().t_ns, t_ns);
+  const std::int64_t late_ns = clock_step ? std::max<std::int64_t>(clock_step->offset_ns, 0) : 0;
+  return report_on(inputs, checks.take_counts(), (raw.empty() ? t_ns : raw.back().t_ns) - late_ns,
+                   t_ns - late_ns);
 }
 
 /// At most kMostFrames of the window, evenly spaced, the first and the last among them.

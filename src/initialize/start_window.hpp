@@ -78,7 +78,7 @@ struct StartWindow {
   StartReport solve_and_judge();
   bool explain_by_step();
   bool explain_by_clock();
-  double solve_with(const StampJump& step, WindowState& state, WindowNormal& there);
+  WindowState solved_with(const StampJump& step, WindowState state, WindowNormal& there);
   void read_inputs_anew();
   void add_by_clock(InputSample sample);
   [[nodiscard]] bool disagrees();

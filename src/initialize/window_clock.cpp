@@ -100,14 +100,21 @@ void StartWindow::add_by_clock(InputSample sample) {
   }
 }
 
-/// The window solved with a clock that stepped so, from where images and inputs agreed.
-double StartWindow::solve_with(const StampJump& step, WindowState& state, WindowNormal& there) {
+/// The window solved with a clock that stepped so, from where images alone put its frames.
+WindowState StartWindow::solved_with(const StampJump& step, WindowState state, WindowNormal& there) {
   clock_step = step;
   read_inputs_anew();
-  solution = agreed->solution;
-  state = *continued(kept());
+  const Frames now = kept();
+  for (std::size_t k = 0; k < state.frames.size(); ++k) {
+    WindowFrame frame = now.frames[k];
+    frame.theta = state.frames[k].theta;
+    frame.nav = state.frames[k].nav;
+    frame.nav.bias_gyro = state.frames.front().nav.bias_gyro;
+    frame.nav.bias_accel = state.frames.front().nav.bias_accel;
+    state.frames[k] = frame;
+  }
   there = solve_window(model, state, kClockIterations);
-  return there.cost;
+  return state;
 }
 
 /// Once in a window the clock of the inputs may step.
@@ -115,33 +122,38 @@ bool StartWindow::explain_by_clock() {
   if (model.options.motion != MotionModel::kImu || clock_step || !agreed || !solution) {
     return false;
   }
-  WindowState open = *solution;
+  // For a moment a step of the biases explains one of the clock, too.
+  const std::optional<std::int64_t> bias_step_ns = std::exchange(stepped_before_ns, std::nullopt);
   const std::int64_t agreed_ns = agreed->solution.frames.back().nav.t_ns;
+  const std::int64_t open_ns = std::min(agreed_ns, bias_step_ns.value_or(agreed_ns) - 1);
+  WindowState open = *solution;
   for (WindowFrame& frame : open.frames) {
-    if (frame.nav.t_ns > agreed_ns) {
+    if (frame.nav.t_ns > open_ns) {
       open_biases(frame);
     }
   }
   (void)solve_window(model, open, kClockIterations);
-  const ClockFit best = best_clock(inputs, turns_of(open, agreed->solution.frames.back().nav.bias_gyro));
+  const ClockFit best = best_clock(inputs, turns_of(open, agreed->solution.frames.front().nav.bias_gyro));
   if (best.sum == kUnknown || std::abs(best.offset_ns) < kSmallestOffset) {
+    stepped_before_ns = bias_step_ns;
     return false;
   }
-  const WindowState solution_before = *solution;
   StampJump found;
-  WindowState state, next;
-  WindowNormal there, at_next;
+  WindowState state;
+  WindowNormal there;
   double cost = kUnknown;
   const auto attempt = [&](std::size_t frame, std::int64_t offset_ns) {
     const StampJump step{open.frames[frame - 1].nav.t_ns, open.frames[frame].nav.t_ns, offset_ns};
-    const double now = solve_with(step, next, at_next);
-    if (now < cost) {
-      cost = now;
+    WindowNormal now;
+    WindowState solved = solved_with(step, open, now);
+    const double cost_now = now.cost;
+    if (cost_now < cost) {
+      cost = cost_now;
       found = step;
-      state = std::move(next);
-      there = std::move(at_next);
+      state = std::move(solved);
+      there = std::move(now);
     }
-    return now;
+    return cost_now;
   };
   std::size_t frame = best.frame;
   for (std::size_t k = best.frame - 1; k <= std::min(best.frame + 1, open.frames.size() - 1); ++k) {
@@ -159,7 +171,7 @@ bool StartWindow::explain_by_clock() {
   if (of_step.size() == 0 || cost / expected_cost(model, state) > kExplains * least_misfit) {
     clock_step.reset();
     read_inputs_anew();
-    solution = solution_before;
+    stepped_before_ns = bias_step_ns;
     return false;
   }
   clock_step = found;
