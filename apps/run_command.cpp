@@ -15,6 +15,7 @@
 #include "frame_source.hpp"
 #include "interrupt.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/diagnose/misled_since.hpp"
 #include "limber/run_files/run_output.hpp"
 #include "live_view.hpp"
 #include "messages.hpp"
@@ -131,6 +132,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
     throw std::runtime_error("stopped before the first frame: nothing is written");
   }
   RunSummary summary = summarize(recording, options, record);
+  add_misled(options, record, summary);
   add_readout(readout.estimate(), recording.calibration, record, summary);
   {
     const Uninterrupted until_written;

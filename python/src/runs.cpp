@@ -12,6 +12,7 @@
 #include "docs.hpp"
 #include "frame_source.hpp"
 #include "health_since.hpp"
+#include "limber/diagnose/misled_since.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "limber/run/run_recording.hpp"
@@ -117,6 +118,7 @@ Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, 
   }
   RunRecord record = run_recording(*recording, options, app::frame_source(*recording), callbacks);
   RunSummary summary = summarize(*recording, options, record);
+  add_misled(options, record, summary);
   return {recording, options, std::move(record), std::move(summary)};
 }
 

@@ -39,6 +39,19 @@ std::int64_t time_of(const Input& input) {
   return std::visit([](const auto& sample) { return sample.t_ns; }, input);
 }
 
+/// Inputs with the times at which they were taken.
+template <typename Inputs>
+Inputs by_clock(const Inputs& inputs, const StampJump& clock) {
+  Inputs out;
+  for (auto input : inputs) {
+    if (const auto taken_ns = clock.corrected(time_of(input))) {
+      std::visit([&](auto& sample) { sample.t_ns = *taken_ns; }, input);
+      out.push_back(input);
+    }
+  }
+  return out;
+}
+
 InputSample input_of(const ImuSample& sample) { return {sample.t_ns, sample.omega_imu, sample.accel_imu}; }
 InputSample input_of(const OdometrySample& sample) { return {sample.t_ns, sample.omega_body, sample.v_body}; }
 
@@ -67,8 +80,14 @@ void OnlineNavigator::check(const Input& input) const {
 }
 
 template <typename Sample>
-void OnlineNavigator::add(const Sample& sample) {
+void OnlineNavigator::add(const Sample& given) {
+  Sample sample = given;
   if (navigator_) {
+    const auto taken_ns = clock_step_ ? clock_step_->corrected(given.t_ns) : given.t_ns;
+    if (!taken_ns) {
+      return;
+    }
+    sample.t_ns = *taken_ns;
     give(*navigator_, sample);
   } else {
     check(sample);
@@ -133,7 +152,8 @@ OnlineReport OnlineNavigator::process(const StereoFrame& frame) {
       return out;
     }
     const SensorStartResult found = start_->result();
-    hand_over(found.initial, inputs_);
+    clock_step_ = found.clock_step;
+    hand_over(found.initial, clock_step_ ? by_clock(inputs_, *clock_step_) : inputs_);
     for (const StereoFrame& unused : found.unused) {  // this one is the last
       out.frame = navigator_->process(unused);
     }
@@ -150,6 +170,7 @@ void OnlineNavigator::reset() {
   last_frame_ns_.reset();
   start_.reset();
   navigator_.reset();
+  clock_step_.reset();
 }
 
 void OnlineNavigator::reset(const InitialState& initial) {

@@ -71,7 +71,9 @@ SensorStart& SensorStart::operator=(SensorStart&&) noexcept = default;
 SensorStart::~SensorStart() = default;
 
 void SensorStart::add_imu(const ImuSample& sample) {
-  window_->checks.add({sample.t_ns, sample.omega_imu, sample.accel_imu}, window_->inputs);
+  const InputSample input{sample.t_ns, sample.omega_imu, sample.accel_imu};
+  window_->add_by_clock(input);
+  window_->samples.push_back(input);
 }
 
 void SensorStart::add_odometry(const OdometrySample& sample) {
@@ -131,6 +133,7 @@ SensorStartResult SensorStart::result() {
     w.report = out.report;  // the start is over
   }
   out.bias_step_ns = w.stepped_before_ns;
+  out.clock_step = w.clock_step;
   out.unused = w.unused;
   return out;
 }

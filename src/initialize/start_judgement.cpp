@@ -21,6 +21,8 @@ namespace {
 constexpr double kSeenParallax = 0.02;  // [rad], of the usual point
 /// Misfit over the least of all solutions: of one that can be gone back to, of one that contradicts it.
 constexpr double kAgrees = 1.4, kDisagrees = 3.0;
+constexpr double kRefines = 0.9;  // of the scale's sigma, from one solution to the next
+constexpr double kTrend = 1.2;    // of the window's length
 
 }  // namespace
 
@@ -70,7 +72,15 @@ StartReport StartWindow::judged() const {
   return out;
 }
 
+/// A start that may be used is worth more a little later. A window that has hardly grown tells no trend.
+bool StartWindow::still_refines(const StartReport& now, double scale_before, double solved_before_s) const {
+  const bool improves = now.scale_sigma < kRefines * scale_before || now.waited_s < kTrend * solved_before_s;
+  return now.status == StartStatus::kReady && leaves_scale_open() && has_scale(model.options.motion) &&
+         now.waited_s < options.longest_fine_s && now.scale_sigma > options.fine_scale_sigma && improves;
+}
+
 StartReport StartWindow::solve_and_judge() {
+  const double scale_before = report.scale_sigma, solved_before_s = solved_s;
   solve();
   StartReport out = judged();
   bool failed = disagrees();
@@ -81,12 +91,19 @@ StartReport StartWindow::solve_and_judge() {
   // One solution alone may be stuck; the next one, with more frames, mostly is not.
   const bool again = std::exchange(failed_before, failed);
   failed = failed && (again || out.status != StartStatus::kWaiting);
+  if (failed && explain_by_clock()) {
+    out = judged();
+    failed = disagrees();
+  }
   if (failed) {
     go_back();
     out = judged();
     out.status = StartStatus::kTimedOut;
     out.missing +=
         std::string(out.missing.empty() ? "" : "; ") + "what happened then: images and inputs agree no more";
+  } else if (still_refines(out, scale_before, solved_before_s)) {
+    out.status = StartStatus::kWaiting;
+    out.missing = "a finer scale: it still gets better";
   }
   return out;
 }

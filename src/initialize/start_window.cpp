@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "start_window.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -112,7 +113,9 @@ InputReport StartWindow::report_inputs(std::int64_t t_ns) {
   if (model.options.motion == MotionModel::kConstantVelocity) {
     return {};
   }
-  return report_on(inputs, checks.take_counts(), raw.empty() ? t_ns : raw.back().t_ns, t_ns);
+  const std::int64_t late_ns = clock_step ? std::max<std::int64_t>(clock_step->offset_ns, 0) : 0;
+  return report_on(inputs, checks.take_counts(), (raw.empty() ? t_ns : raw.back().t_ns) - late_ns,
+                   t_ns - late_ns);
 }
 
 /// At most kMostFrames of the window, evenly spaced, the first and the last among them.
@@ -167,11 +170,14 @@ std::optional<WindowState> StartWindow::continued(const Frames& now) const {
 /// Solved again where the window has grown enough, and at the end of its time.
 bool StartWindow::is_due(double waited_s) const {
   const auto ends = [&](double longest_s) { return waited_s >= longest_s && solved_s < longest_s; };
-  return ends(options.longest_s) || ends(options.longest_moving_s) ||
+  return ends(options.longest_s) || ends(options.longest_moving_s) || ends(options.longest_fine_s) ||
          (waited_s >= options.shortest_s && waited_s >= kGrowth * solved_s);
 }
 
 void StartWindow::solve() {
+  if (clock_step) {
+    read_inputs_anew();  // samples that are stamped late came after their frames
+  }
   std::vector<WindowState> starts;
   const Frames now = kept();
   if (std::optional<WindowState> on = continued(now)) {

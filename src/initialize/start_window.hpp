@@ -35,6 +35,8 @@ struct StartWindow {
   StartOptions options;
   InputBuffer inputs;
   InputChecks checks;
+  std::vector<InputSample> samples;  // all of them, as they came
+  std::optional<StampJump> clock_step;
   std::vector<StereoFrame> raw;
   std::vector<WindowFrame> frames;  // with inputs, without states
   std::optional<WindowState> solution;
@@ -72,8 +74,13 @@ struct StartWindow {
            !(model.directions.bottomRows<3>().transpose() * model.calibration.theta.tail<3>()).isZero();
   }
   [[nodiscard]] StartReport judged() const;
+  [[nodiscard]] bool still_refines(const StartReport& now, double scale_before, double solved_before_s) const;
   StartReport solve_and_judge();
   bool explain_by_step();
+  bool explain_by_clock();
+  WindowState solved_with(const StampJump& step, WindowState state, WindowNormal& there);
+  void read_inputs_anew();
+  void add_by_clock(InputSample sample);
   [[nodiscard]] bool disagrees();
   void go_back();
   [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);

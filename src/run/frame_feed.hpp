@@ -4,9 +4,11 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <utility>
-#include <vector>
 
+#include "limber/initialize/sensor_start.hpp"
 #include "limber/run/run_recording.hpp"
 
 /// A recording's inputs and frames in the order of time.
@@ -21,17 +23,28 @@ inline double milliseconds(Clock::time_point begin, Clock::time_point end) {
 /// Feeds inputs in time.
 class InputFeed {
  public:
-  explicit InputFeed(const SensorData& sensors) : sensors_(sensors) {}
+  /// @param clock_step  of the IMU: its samples come with the times at which they were taken
+  explicit InputFeed(const SensorData& sensors, const std::optional<StampJump>& clock_step = std::nullopt)
+      : sensors_(sensors), clock_step_(clock_step) {}
 
   /// All samples up to the first one at or after t, to a navigator or a start.
   template <typename Receiver>
   void feed(Receiver& receiver, MotionModel motion, std::int64_t t_ns) {
     switch (motion) {
       case MotionModel::kImu:
-        advance(sensors_.imu, t_ns, [&](const ImuSample& s) { receiver.add_imu(s); });
+        while (next_ < sensors_.imu.size() && newest_ns_ < t_ns) {
+          ImuSample sample = sensors_.imu[next_++];
+          if (const auto taken_ns = clock_step_ ? clock_step_->corrected(sample.t_ns) : sample.t_ns) {
+            sample.t_ns = newest_ns_ = *taken_ns;
+            receiver.add_imu(sample);
+          }
+        }
         break;
       case MotionModel::kOdometry:
-        advance(sensors_.odometry, t_ns, [&](const OdometrySample& s) { receiver.add_odometry(s); });
+        while (next_ < sensors_.odometry.size() && newest_ns_ < t_ns) {
+          newest_ns_ = sensors_.odometry[next_].t_ns;
+          receiver.add_odometry(sensors_.odometry[next_++]);
+        }
         break;
       case MotionModel::kConstantVelocity:
         break;
@@ -39,15 +52,10 @@ class InputFeed {
   }
 
  private:
-  template <typename Sample, typename Add>
-  void advance(const std::vector<Sample>& samples, std::int64_t t_ns, Add add) {
-    while (next_ < samples.size() && (next_ == 0 || samples[next_ - 1].t_ns < t_ns)) {
-      add(samples[next_++]);
-    }
-  }
-
   const SensorData& sensors_;
+  std::optional<StampJump> clock_step_;
   std::size_t next_ = 0;
+  std::int64_t newest_ns_ = std::numeric_limits<std::int64_t>::min();
 };
 
 /// A frame that was read, and how long that took.

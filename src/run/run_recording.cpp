@@ -159,6 +159,13 @@ void keep_window(const SensorWindow& window, const Navigator& navigator, RunReco
       report.scale_sigma < 1.0 ? fmt::format("scale to {:.2g} %", 100.0 * report.scale_sigma)
                                : "scale not at all",
       report.missing.empty() ? "" : "; not known: " + report.missing));
+  if (const auto& clock = window.result.clock_step) {
+    record.notes.push_back(fmt::format(
+        "the IMU's clock stepped between {:.3f} s and {:.3f} s: its samples since then were taken {:.4f} s "
+        "{} than they are stamped, and are used so",
+        1e-9 * static_cast<double>(clock->after_ns), 1e-9 * static_cast<double>(clock->before_ns),
+        1e-9 * static_cast<double>(std::abs(clock->offset_ns)), clock->offset_ns > 0 ? "earlier" : "later"));
+  }
 }
 
 }  // namespace
@@ -240,7 +247,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     done(row, nullptr);
   }
   detail::PointCount points = window.points;
-  InputFeed feed(recording);
+  InputFeed feed(recording, window.result.clock_step);
   for (std::size_t n = first + record.frames.size(); n < frame_count(recording); ++n) {
     if (record.stopped || (callbacks.stop && callbacks.stop())) {
       record.stopped = true;

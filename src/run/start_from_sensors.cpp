@@ -46,13 +46,13 @@ void keep_used(std::size_t used, std::vector<ReadFrame> seen, SensorWindow& wind
   }
 }
 
-void note_bias_step(SensorWindow& window) {
-  const auto at = std::find_if(window.frames.begin(), window.frames.end(), [&](const FrameReport& frame) {
-    return frame.t_ns == window.result.bias_step_ns;
-  });
-  if (at != window.frames.end()) {
-    at->inputs.status = InputStatus::kContradicted;
-    at->inputs.contradiction = InputContradiction{};
+void note_steps(SensorWindow& window) {
+  const auto& clock_step = window.result.clock_step;
+  for (FrameReport& frame : window.frames) {
+    if (frame.t_ns == window.result.bias_step_ns || (clock_step && frame.t_ns == clock_step->before_ns)) {
+      frame.inputs.status = InputStatus::kContradicted;
+      frame.inputs.contradiction = InputContradiction{};
+    }
   }
 }
 
@@ -68,6 +68,7 @@ SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup
   options.longest_moving_s = std::min(
       options.longest_moving_s,
       std::max(options.longest_s, std::min(kLongestMovingShare * duration_s, duration_s - kLeastFiltered)));
+  options.longest_fine_s = std::min(options.longest_fine_s, kLongestShare * duration_s);
   SensorStart start(setup.navigator, setup.calibration, options);
   InputFeed feed(sensors);
   SensorWindow out;
@@ -96,7 +97,7 @@ SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup
   out.result = start.result();
   if (out.report.status == StartStatus::kWaiting) out.report = out.result.report;
   keep_used(motion == MotionModel::kOdometry ? 0 : out.result.trajectory.size(), std::move(seen), out);
-  note_bias_step(out);
+  note_steps(out);
   if (motion != MotionModel::kOdometry && !out.stopped && out.ahead.empty()) {
     smooth(sensors, source, n, motion, feed, start, out);
   }

@@ -70,6 +70,26 @@ TEST(SensorStart, OfABodyThatMovesWaitsForTheScaleLongerThanOfOneAtRest) {
   EXPECT_LT(patient.result.report.scale_sigma, 0.5 * hasty.report.scale_sigma);
 }
 
+/// What the window learns it smooths over all of its frames; where the rig is trusted nothing is to be won.
+TEST(SensorStart, WaitsOnWhileTheScaleThatItsMethodLeavesOpenGetsBetter) {
+  const Scene scene = make_scene(of_seed(1));
+  StartOptions how;
+  how.open_scale_sigma = 0.1;
+  const auto started = [&](Method method, double longest_fine_s, double fine) {
+    how.longest_fine_s = longest_fine_s;
+    how.fine_scale_sigma = fine;
+    return start(scene, options_of(scene, method), how);
+  };
+  const Started at_once = started(Method::kLcekf, 0.0, 1e-6);
+  ASSERT_EQ(at_once.report.status, StartStatus::kReady);
+  const Started later = started(Method::kLcekf, 12.0, 0.5 * at_once.report.scale_sigma);
+  EXPECT_EQ(later.report.status, StartStatus::kReady);
+  EXPECT_GT(later.report.waited_s, at_once.report.waited_s);
+  EXPECT_LT(later.report.scale_sigma, at_once.report.scale_sigma);
+  EXPECT_EQ(started(Method::kEkf, 12.0, 1e-6).report.waited_s,
+            started(Method::kEkf, 0.0, 1e-6).report.waited_s);
+}
+
 TEST(SensorStart, SaysInEveryFrameWhatTheLastSolutionDoesNotKnow) {
   const Scene scene = make_scene(of_seed(1));
   const NavigatorOptions options = options_of(scene, Method::kLcekf);

@@ -106,6 +106,7 @@ class OnlineNavigator {
   std::optional<std::int64_t> last_frame_ns_;  // of the start
   std::optional<SensorStart> start_;           // from the first frame that inputs reach to the hand-over
   std::optional<Navigator> navigator_;         // since
+  std::optional<StampJump> clock_step_;        // of the IMU during the start; inputs_ are corrected since
 };
 
 }  // namespace limber

@@ -31,6 +31,12 @@ struct StartOptions {
   /// The same where the method distrusts the length of the baseline: its filter, which linearises each frame
   /// once, learns the rest of the scale badly, the window well.
   double open_scale_sigma = 0.02;
+  /// A start that could be used waits on for this where the scale is open: what the window learns it smooths
+  /// over all of its frames, what the filter learns says nothing of those before.
+  double fine_scale_sigma = 0.005;
+  /// No longer than that since the first frame, and no longer than the scale gets better by a tenth from one
+  /// solution to the next. At most shortest_s: it never waits on.
+  double longest_fine_s = 12.0;
 };
 
 /// Whether a start may be used.
@@ -61,6 +67,22 @@ struct SmoothedState {
   Eigen::MatrixXd motion_covariance;  ///< velocity and biases [m/s, rad/s, m/s^2]; may be empty
 };
 
+/// The stamps of an IMU that jumped while a start waited.
+struct StampJump {
+  /// the frames between which they jumped [ns]
+  std::int64_t after_ns = 0, before_ns = 0;
+  std::int64_t offset_ns = 0;  ///< how much later than taken the samples since then are stamped [ns]
+
+  /// When a sample with that stamp was taken [ns]; nothing for those around the jump, of which nobody knows.
+  [[nodiscard]] std::optional<std::int64_t> corrected(std::int64_t stamp_ns) const {
+    if (stamp_ns <= after_ns) {
+      return stamp_ns;
+    }
+    const std::int64_t taken_ns = stamp_ns - offset_ns;
+    return stamp_ns > before_ns && taken_ns > before_ns ? std::optional(taken_ns) : std::nullopt;
+  }
+};
+
 /// Where the filter goes on, and where the body was until then.
 struct SensorStartResult {
   StartReport report;                     ///< what is known by the last frame
@@ -70,6 +92,8 @@ struct SensorStartResult {
   /// before that. These came after it: the navigator's next frames.
   std::vector<StereoFrame> unused;
   std::optional<std::int64_t> bias_step_ns;  ///< the IMU's biases stepped just before that frame
+  /// The IMU's clock stepped: later samples, too, have to be given to the navigator by corrected().
+  std::optional<StampJump> clock_step;
   bool solved = true;  ///< false: images and inputs agree upon no motion, and nothing of them was used
 };
 
@@ -77,7 +101,8 @@ struct SensorStartResult {
 /// least-squares problem, in which the rig is as free as the method takes it to be.
 ///
 /// Inputs may fail meanwhile: samples that cannot be right are left out, gaps are noise, biases may step
-/// once. What else makes the misfit grow ends the start where images and inputs agreed last.
+/// once, and so may the clock of an IMU (by 0.3 s at most). What else makes the misfit grow ends the start
+/// where images and inputs agreed last.
 ///
 /// Feed inputs up to (or beyond) a frame's time, then the frame, until the status is no longer kWaiting. Then
 /// a navigator that starts from the result goes on with `unused` and the next frame; those before are spent.

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "limber/diagnose/health_summary.hpp"
+#include "limber/diagnose/run_summary.hpp"
+#include "limber/navigate/frame_report.hpp"
+#include "limber/run/run_options.hpp"
+#include "limber/run/run_recording.hpp"
+
+namespace limber {
+
+/// @brief Since when something else than the rig has led a filter astray that trusts the rig [ns]: from one
+/// second to the next its innovations grow to six times their usual size in squares, points are refused, it
+/// stays so for three seconds and for most of the time that follows, and the rig, by its stereo points alone,
+/// neither is wrong nor changed.
+/// @return nothing where the innovations do not grow, the rig explains it or nobody judged the rig
+/// @note docs/faults.md
+[[nodiscard]] std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
+                                                       const std::optional<HealthSummary>& rig);
+
+/// @brief Calls a run of `ekf` with an IMU lost since it was misled: in lost_since_ns, an event "misled" and
+/// a note. Does nothing where it is lost already.
+void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summary);
+
+}  // namespace limber

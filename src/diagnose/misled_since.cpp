@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "limber/diagnose/misled_since.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "limber/core/median.hpp"
+#include "limber/core/time.hpp"
+
+namespace limber {
+namespace {
+
+constexpr double kBlock = 1.0;            // [s]
+constexpr std::size_t kBefore = 3;        // blocks that tell what is usual
+constexpr std::size_t kLasting = 3;       // blocks in a row
+constexpr std::size_t kFewestFrames = 3;  // of a block
+constexpr double kGrown = 6.0;            // NIS per degree of freedom, over the usual one
+constexpr double kRefused = 0.05;         // share of the points
+
+/// A second of the run.
+struct Block {
+  std::int64_t begin_ns = 0;
+  double misfit = 0.0;   // median of NIS per degree of freedom
+  double refused = 0.0;  // share of the points; all of them where the gate was overruled
+};
+
+std::optional<Block> block_of(std::span<const FrameReport> frames) {
+  std::vector<double> misfits;
+  double refused = 0.0, points = 0.0;
+  for (const FrameReport& frame : frames) {
+    if (frame.dof > 0) {
+      const auto out = static_cast<double>(frame.refused.size()), all = out + static_cast<double>(frame.used);
+      misfits.push_back(frame.nis / static_cast<double>(frame.dof));
+      refused += frame.gate_overruled ? all : out;
+      points += all;
+    }
+  }
+  if (misfits.size() < kFewestFrames) {
+    return std::nullopt;
+  }
+  return Block{frames.front().t_ns, upper_median(std::move(misfits)), refused / std::max(points, 1.0)};
+}
+
+std::vector<Block> blocks_of(std::span<const FrameReport> frames) {
+  std::vector<Block> out;
+  while (!frames.empty()) {
+    const auto end = std::ranges::find_if(frames, [&](const FrameReport& frame) {
+      return seconds_between(frames.front().t_ns, frame.t_ns) >= kBlock;
+    });
+    const auto size = static_cast<std::size_t>(end - frames.begin());
+    if (const auto block = block_of(frames.first(size))) {
+      out.push_back(*block);
+    }
+    frames = frames.subspan(size);
+  }
+  return out;
+}
+
+double usual_misfit(std::span<const Block> blocks) {
+  std::vector<double> misfits;
+  for (const Block& block : blocks) {
+    misfits.push_back(block.misfit);
+  }
+  return upper_median(std::move(misfits));
+}
+
+bool explains(HealthVerdict verdict) {
+  return verdict == HealthVerdict::kDegraded || verdict == HealthVerdict::kDecalibrated;
+}
+
+}  // namespace
+
+std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
+                                         const std::optional<HealthSummary>& rig) {
+  if (!rig || explains(rig->verdict) || !rig->past.empty()) {
+    return std::nullopt;
+  }
+  const std::vector<Block> blocks = blocks_of(frames);
+  for (std::size_t k = kBefore; k + kLasting <= blocks.size(); ++k) {
+    const double limit = kGrown * usual_misfit(std::span(blocks).first(k));
+    const auto since = std::span(blocks).subspan(k);
+    const bool lasts = std::ranges::all_of(since.first(kLasting), [&](const Block& block) {
+      return block.misfit > limit && block.refused > kRefused;
+    });
+    if (lasts && usual_misfit(since) > limit) {
+      return blocks[k].begin_ns;
+    }
+  }
+  return std::nullopt;
+}
+
+void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summary) {
+  if (options.method != Method::kEkf || record.motion != MotionModel::kImu || summary.inputs.lost_since_ns) {
+    return;
+  }
+  const std::optional<std::int64_t> since = misled_since(record.frames, summary.health);
+  if (!since) {
+    return;
+  }
+  RunEvent event{"misled", *since, record.frames.back().t_ns};
+  event.frames = static_cast<std::size_t>(
+      std::ranges::count_if(record.frames, [&](const FrameReport& frame) { return frame.t_ns >= *since; }));
+  summary.inputs.events.push_back(event);
+  std::ranges::stable_sort(summary.inputs.events, {}, &RunEvent::from_ns);
+  summary.inputs.lost_since_ns = since;
+  record.notes.push_back(fmt::format(
+      "the run is lost since {:.3f} s: points contradict the prediction since then, and the rig did not "
+      "change: an input failed (a bias or a clock that stepped). --method lcekf would notice and go on",
+      1e-9 * static_cast<double>(*since)));
+}
+
+}  // namespace limber

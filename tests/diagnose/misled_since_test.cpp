@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "limber/diagnose/misled_since.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "limber/simulate/scenario_file.hpp"
+#include "source_folder.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::Contains;
+
+constexpr std::int64_t kFrame = 100'000'000;  // [ns]
+
+/// Ten seconds in which from `since` on (a frame) NIS is `grown` times as large and a tenth of the points
+/// goes.
+std::vector<FrameReport> frames_that_grow(std::size_t since, std::size_t until, double grown) {
+  std::vector<FrameReport> out(100);
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const bool bad = since <= k && k < until;
+    out[k].t_ns = static_cast<std::int64_t>(k + 1) * kFrame;
+    out[k].dof = 200;
+    out[k].nis = 200.0 * (bad ? grown : 1.0) * (1.0 + 0.2 * std::sin(static_cast<double>(k)));
+    out[k].used = bad ? 45 : 50;
+    out[k].refused.resize(bad ? 5 : 0);
+  }
+  return out;
+}
+
+std::optional<HealthSummary> rig(HealthVerdict verdict) {
+  HealthSummary out;
+  out.verdict = verdict;
+  return out;
+}
+
+TEST(MisledSince, IsWhereTheMisfitBeganToGrowAndStayed) {
+  const std::vector<FrameReport> frames = frames_that_grow(50, 100, 10.0);
+  EXPECT_EQ(misled_since(frames, rig(HealthVerdict::kOk)), 51 * kFrame);
+  EXPECT_EQ(misled_since(frames, rig(HealthVerdict::kCannotTell)), 51 * kFrame);
+}
+
+TEST(MisledSince, IsNeverWhereARigThatIsWrongOrChangedExplainsIt) {
+  const std::vector<FrameReport> frames = frames_that_grow(50, 100, 10.0);
+  EXPECT_FALSE(misled_since(frames, rig(HealthVerdict::kDecalibrated)));
+  EXPECT_FALSE(misled_since(frames, rig(HealthVerdict::kDegraded)));
+  std::optional<HealthSummary> changed = rig(HealthVerdict::kOk);
+  changed->past.resize(1);
+  EXPECT_FALSE(misled_since(frames, changed));
+  EXPECT_FALSE(misled_since(frames, std::nullopt));
+}
+
+TEST(MisledSince, IsNeverWhereTheMisfitIsAsUsualOrOverSoonOrThereFromTheBegin) {
+  const auto rig_ok = rig(HealthVerdict::kOk);
+  EXPECT_FALSE(misled_since(frames_that_grow(50, 100, 3.0), rig_ok));
+  EXPECT_FALSE(misled_since(frames_that_grow(50, 70, 10.0), rig_ok));
+  EXPECT_FALSE(misled_since(frames_that_grow(0, 100, 10.0), rig_ok));
+  EXPECT_FALSE(misled_since({}, rig_ok));
+}
+
+/// A drone whose IMU's stamps jump by 0.1 s, or a gyro by 0.05 rad/s, eight seconds before the end.
+TEST(MisledSince, SaysSinceWhenEkfIsLostAfterAnInputFailedAndNothingOfASoundRun) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 16.0;
+  Recording recording = simulate(scenario, 131);
+  RunOptions options;
+  options.method = Method::kEkf;
+  const auto judged = [&](const Recording& log) {
+    RunRecord record = run_recording(log, options, matched_frames(log));
+    RunSummary summary = summarize(log, options, record);
+    add_misled(options, record, summary);
+    EXPECT_EQ(summary.inputs.lost_since_ns.has_value(),
+              !record.notes.empty() && record.notes.back().find("the run is lost since") == 0);
+    return summary.inputs;
+  };
+  EXPECT_FALSE(judged(recording).lost_since_ns);
+  const std::int64_t at_ns = recording.frames.front().t_ns + 8'000'000'000;
+  Recording stepped = recording;
+  for (ImuSample& sample : stepped.imu) {
+    sample.t_ns += sample.t_ns >= at_ns ? kFrame : 0;
+  }
+  const InputSummary late = judged(stepped);
+  ASSERT_TRUE(late.lost_since_ns);
+  EXPECT_NEAR(1e-9 * static_cast<double>(*late.lost_since_ns - at_ns), 0.0, 2.0);
+  EXPECT_THAT(late.events, Contains(::testing::Field(&RunEvent::what, "misled")));
+  Recording turned = recording;
+  for (ImuSample& sample : turned.imu) {
+    sample.omega_imu.x() += sample.t_ns >= at_ns ? 0.05 : 0.0;
+  }
+  EXPECT_TRUE(judged(turned).lost_since_ns);
+}
+
+}  // namespace
+}  // namespace limber

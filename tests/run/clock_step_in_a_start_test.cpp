@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// An IMU whose stamps jump while the start still waits.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "limber/diagnose/run_summary.hpp"
+#include "limber/initialize/online_navigator.hpp"
+#include "limber/run/run_recording.hpp"
+#include "limber/simulate/scenario_file.hpp"
+#include "limber/simulate/scenario_presets.hpp"
+#include "source_folder.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+Recording drone(std::int64_t offset_ns) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  set_pixels(scenario, PixelPreset::kRealistic);
+  scenario.duration = 16.0;
+  Recording recording = simulate(scenario, 45);
+  const std::int64_t at_ns = recording.frames.front().t_ns + 2'000'000'000;
+  std::vector<ImuSample> imu;
+  for (ImuSample sample : recording.imu) {
+    sample.t_ns += sample.t_ns >= at_ns ? offset_ns : 0;
+    if (imu.empty() || sample.t_ns > imu.back().t_ns) {  // samples that would run backwards are lost
+      imu.push_back(sample);
+    }
+  }
+  recording.imu = imu;
+  return recording;
+}
+
+TEST(ClockStepInAStart, IsFoundAndSaidAndTheRunIsWhatItClaims) {
+  for (const std::int64_t offset_ns : {100'000'000, -100'000'000}) {
+    const Recording recording = drone(offset_ns);
+    RunOptions options;
+    options.method = Method::kLcekf;
+    const RunRecord record = run_recording(recording, options, matched_frames(recording));
+    EXPECT_THAT(record.notes, Contains(HasSubstr("clock stepped between"))) << offset_ns;
+    const RunSummary summary = summarize(recording, options, record);
+    EXPECT_LE(summary.anees.value(), 2.5) << offset_ns;
+    EXPECT_LE(summary.ate_se3_m.value(), 0.1) << offset_ns;
+  }
+}
+
+TEST(ClockStepInAStart, IsNotFoundWhereThereIsNone) {
+  const Recording recording = drone(0);
+  const RunRecord record = run_recording(recording, RunOptions{}, matched_frames(recording));
+  EXPECT_THAT(record.notes, Not(Contains(HasSubstr("clock stepped"))));
+}
+
+/// The samples that come later are corrected, too.
+TEST(ClockStepInAStart, IsKnownToTheOnlineNavigator) {
+  const Recording recording = drone(-100'000'000);
+  RunOptions options;
+  options.method = Method::kLcekf;
+  const RunSetup setup = set_up_run(recording, options);
+  OnlineNavigator navigator(setup.navigator, setup.calibration);
+  std::size_t next = 0;
+  for (const StereoFrame& frame : recording.frames) {
+    for (; next < recording.imu.size() && (next == 0 || recording.imu[next - 1].t_ns < frame.t_ns); ++next) {
+      navigator.add_imu(recording.imu[next]);
+    }
+    const OnlineReport report = navigator.process(frame);
+    if (report.frame) {
+      EXPECT_FALSE(report.frame->inputs.contradiction) << frame.t_ns;
+    }
+  }
+  EXPECT_TRUE(navigator.started());
+}
+
+TEST(StampJump, TellsWhenASampleWasTaken) {
+  const StampJump late{1000, 1100, 50};
+  EXPECT_EQ(late.corrected(1000), 1000);
+  EXPECT_FALSE(late.corrected(1050));
+  EXPECT_FALSE(late.corrected(1150));
+  EXPECT_EQ(late.corrected(1160), 1110);
+  const StampJump early{1000, 1100, -50};
+  EXPECT_FALSE(early.corrected(1100));
+  EXPECT_EQ(early.corrected(1101), 1151);
+}
+
+}  // namespace
+}  // namespace limber
