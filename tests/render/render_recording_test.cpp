@@ -136,14 +136,14 @@ TEST_P(PictureLens, SeesTheSamePaintOfAPlaceFromEverywhere) {
   EXPECT_LT(differences[differences.size() / 2], 3.0);  // of 16 to 240: interpolation of an image with edges
 }
 
-INSTANTIATE_TEST_SUITE_P(Lenses, PictureLens,
-                         ::testing::Values(Distortion(RadialTangential{-0.28, 0.07, 2e-4, 1e-4}),
-                                           Distortion(Equidistant{-0.01, 0.002, 0.0, 0.0}),
-                                           Distortion(Rational{-0.25, 0.08, 2e-3, 1e-3, -0.01, 0.0, 0.0, 0.0}),
-                                           Distortion(Rational{0.46, -2.6, 1e-3, -2e-4, 1.5, 0.34, -2.4,
-                                                               1.4}),
-                                           Distortion(Omni{1.2, -0.3, 0.1, 6e-4, 5e-4})),
-                         [](const auto& test) { return "Lens" + std::to_string(test.index); });
+INSTANTIATE_TEST_SUITE_P(
+    Lenses, PictureLens,
+    ::testing::Values(Distortion(RadialTangential{-0.28, 0.07, 2e-4, 1e-4}),
+                      Distortion(Equidistant{-0.01, 0.002, 0.0, 0.0}),
+                      Distortion(Rational{-0.25, 0.08, 2e-3, 1e-3, -0.01, 0.0, 0.0, 0.0}),
+                      Distortion(Rational{0.46, -2.6, 1e-3, -2e-4, 1.5, 0.34, -2.4, 1.4}),
+                      Distortion(Omni{1.2, -0.3, 0.1, 6e-4, 5e-4})),
+    [](const auto& test) { return "Lens" + std::to_string(test.index); });
 
 std::string bytes_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
