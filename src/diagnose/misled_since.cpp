@@ -18,7 +18,8 @@ constexpr std::size_t kBefore = 3;        // blocks that tell what is usual
 constexpr std::size_t kLasting = 3;       // blocks in a row
 constexpr std::size_t kFewestFrames = 3;  // of a block
 constexpr double kGrown = 6.0;            // NIS per degree of freedom, over the usual one
-constexpr double kRefused = 0.05;         // share of the points
+constexpr double kManyRefused = 0.1;
+constexpr double kRefused = 0.05;  // share of the points
 
 /// A second of the run.
 struct Block {
@@ -59,13 +60,29 @@ std::vector<Block> blocks_of(std::span<const FrameReport> frames) {
   return out;
 }
 
-double usual_misfit(std::span<const Block> blocks) {
-  std::vector<double> misfits;
+double usual(std::span<const Block> blocks, double Block::*what) {
+  std::vector<double> values;
   for (const Block& block : blocks) {
-    misfits.push_back(block.misfit);
+    values.push_back(block.*what);
   }
-  return upper_median(std::move(misfits));
+  return upper_median(std::move(values));
 }
+
+/// What a block may show before it is out of the ordinary of those before.
+struct Limits {
+  double misfit, refused;
+
+  explicit Limits(std::span<const Block> before)
+      : misfit(kGrown * usual(before, &Block::misfit)),
+        refused(std::max(kManyRefused, kGrown * usual(before, &Block::refused))) {}
+  [[nodiscard]] bool is_passed_by(const Block& block) const {
+    return block.refused > kRefused && (block.misfit > misfit || block.refused > refused);
+  }
+  /// A rig that drifts away gets there by and by.
+  [[nodiscard]] bool is_far_from(const Block& block) const {
+    return block.misfit < 0.5 * misfit && block.refused < 0.5 * refused;
+  }
+};
 
 bool explains(HealthVerdict verdict) {
   return verdict == HealthVerdict::kDegraded || verdict == HealthVerdict::kDecalibrated;
@@ -80,12 +97,11 @@ std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
   }
   const std::vector<Block> blocks = blocks_of(frames);
   for (std::size_t k = kBefore; k + kLasting <= blocks.size(); ++k) {
-    const double limit = kGrown * usual_misfit(std::span(blocks).first(k));
+    const Limits limits(std::span(blocks).first(k));
+    const auto passes = [&](const Block& block) { return limits.is_passed_by(block); };
     const auto since = std::span(blocks).subspan(k);
-    const bool lasts = std::ranges::all_of(since.first(kLasting), [&](const Block& block) {
-      return block.misfit > limit && block.refused > kRefused;
-    });
-    if (lasts && usual_misfit(since) > limit) {
+    if (limits.is_far_from(blocks[k - 1]) && std::ranges::all_of(since.first(kLasting), passes) &&
+        2 * static_cast<std::size_t>(std::ranges::count_if(since, passes)) > since.size()) {
       return blocks[k].begin_ns;
     }
   }
