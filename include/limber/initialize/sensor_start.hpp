@@ -36,7 +36,7 @@ struct StartOptions {
   double fine_scale_sigma = 0.005;
   /// No longer than that since the first frame, and no longer than the scale gets better by a tenth from one
   /// solution to the next. At most shortest_s: it never waits on.
-  double longest_fine_s = 12.0;
+  double longest_fine_s = 16.0;
 };
 
 /// Whether a start may be used.
