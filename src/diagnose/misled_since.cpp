@@ -84,15 +84,11 @@ struct Limits {
   }
 };
 
-bool explains(HealthVerdict verdict) {
-  return verdict == HealthVerdict::kDegraded || verdict == HealthVerdict::kDecalibrated;
-}
-
 }  // namespace
 
 std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
                                          const std::optional<HealthSummary>& rig) {
-  if (!rig || explains(rig->verdict) || !rig->past.empty()) {
+  if (!rig || is_wrong(rig->verdict) || !rig->past.empty()) {
     return std::nullopt;
   }
   const std::vector<Block> blocks = blocks_of(frames);

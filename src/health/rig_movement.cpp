@@ -26,6 +26,11 @@ Matrix about(const FrameHalves& halves, const Vector& first, const Vector& secon
          halves.frames * first * second.transpose();
 }
 
+/// What one plausible error of each parameter changes a depth straight ahead by, as a share of it.
+RigParameters slope_per_error(const RigParameters& theta, double baselines) {
+  return depth_slope(theta, baselines).cwiseProduct(plausible_error(theta.tail<3>().norm()));
+}
+
 }  // namespace
 
 void FrameHalves::add(const Vector& of_first, const Vector& of_second) {
@@ -96,8 +101,7 @@ RigMovement movement_of(const std::vector<FrameHalves>& blocks, const Matrix& ep
 }
 
 std::array<RigParameters, 2> depth_ways(const RigParameters& theta) {
-  const RigParameters slope =
-      depth_slope(theta, Tolerance{}.baselines).cwiseProduct(plausible_error(theta.tail<3>().norm()));
+  const RigParameters slope = slope_per_error(theta, Tolerance{}.baselines);
   std::array<RigParameters, 2> out{RigParameters::Zero(), RigParameters::Zero()};
   out[0].head<3>() = slope.head<3>().normalized();
   out[1].tail<3>() = slope.tail<3>().normalized();
@@ -132,8 +136,7 @@ DepthMovement depth_movement_of(const std::vector<DepthHalves>& blocks, const Ri
   const Pair reach = scale * squares.sqrt();
   const bool certain = explained(best) - explained(other) > scale * std::sqrt(of_more);
   const std::array<RigParameters, 2> ways = depth_ways(theta);
-  const RigParameters slope =
-      depth_slope(theta, baselines).cwiseProduct(plausible_error(theta.tail<3>().norm()));
+  const RigParameters slope = slope_per_error(theta, baselines);
   const Pair share(std::abs(slope.dot(ways[0])), std::abs(slope.dot(ways[1])));
   const Pair size = share * mean.max(0.0).sqrt(), low = share * (mean - reach).max(0.0).sqrt(),
              high = share * (mean.max(0.0) + reach).sqrt();

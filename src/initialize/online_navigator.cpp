@@ -83,7 +83,7 @@ template <typename Sample>
 void OnlineNavigator::add(const Sample& given) {
   Sample sample = given;
   if (navigator_) {
-    const auto taken_ns = clock_step_ ? clock_step_->corrected(given.t_ns) : given.t_ns;
+    const auto taken_ns = taken_at(given.t_ns, clock_step_);
     if (!taken_ns) {
       return;
     }

@@ -93,8 +93,7 @@ void StartWindow::read_inputs_anew() {
 }
 
 void StartWindow::add_by_clock(InputSample sample) {
-  const std::optional<std::int64_t> t_ns = clock_step ? clock_step->corrected(sample.t_ns) : sample.t_ns;
-  if (t_ns) {
+  if (const auto t_ns = taken_at(sample.t_ns, clock_step)) {
     sample.t_ns = *t_ns;
     checks.add(sample, inputs);
   }

@@ -44,12 +44,6 @@ std::int64_t StereoFilter::started_at(std::int64_t t_ns) const {
   return is_untouched && seconds_between(0, t_ns) > kNeverGivenATime ? t_ns : state_ns;
 }
 
-void StereoFilter::set_time(std::int64_t t_ns) {
-  NavigationState nav = estimate_.nav();
-  nav.t_ns = t_ns;
-  estimate_.set_nav(nav);
-}
-
 void StereoFilter::add(const InputSample& sample) {
   const std::int64_t state_ns = started_at(sample.t_ns);
   if (seconds_between(state_ns, sample.t_ns) > kLongestJump) {
@@ -58,7 +52,7 @@ void StereoFilter::add(const InputSample& sample) {
                                 " ns: is that another clock?");
   }
   checks_.add(sample, inputs_);
-  set_time(state_ns);
+  estimate_.set_time(state_ns);
   late_ += sample.t_ns < state_ns && has_processed_ ? 1 : 0;
 }
 

@@ -254,7 +254,7 @@ void StereoFilter::record(const StackedFrame& stacked, const std::vector<bool>& 
 FrameReport StereoFilter::process(const StereoFrame& raw) {
   const std::int64_t state_ns = started_at(raw.t_ns);
   check_frame(raw, state_ns, last_frame_ns_);
-  set_time(state_ns);
+  estimate_.set_time(state_ns);
   const StereoFrame frame = visible(raw, options_.method);
   const double dt = seconds_between(estimate_.nav().t_ns, frame.t_ns);
   FrameReport report;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "limber/initialize/sensor_start.hpp"
 #include "limber/run/run_recording.hpp"
@@ -32,19 +33,10 @@ class InputFeed {
   void feed(Receiver& receiver, MotionModel motion, std::int64_t t_ns) {
     switch (motion) {
       case MotionModel::kImu:
-        while (next_ < sensors_.imu.size() && newest_ns_ < t_ns) {
-          ImuSample sample = sensors_.imu[next_++];
-          if (const auto taken_ns = clock_step_ ? clock_step_->corrected(sample.t_ns) : sample.t_ns) {
-            sample.t_ns = newest_ns_ = *taken_ns;
-            receiver.add_imu(sample);
-          }
-        }
+        advance(sensors_.imu, t_ns, clock_step_, [&](const ImuSample& s) { receiver.add_imu(s); });
         break;
       case MotionModel::kOdometry:
-        while (next_ < sensors_.odometry.size() && newest_ns_ < t_ns) {
-          newest_ns_ = sensors_.odometry[next_].t_ns;
-          receiver.add_odometry(sensors_.odometry[next_++]);
-        }
+        advance(sensors_.odometry, t_ns, {}, [&](const OdometrySample& s) { receiver.add_odometry(s); });
         break;
       case MotionModel::kConstantVelocity:
         break;
@@ -52,6 +44,18 @@ class InputFeed {
   }
 
  private:
+  template <typename Sample, typename Add>
+  void advance(const std::vector<Sample>& samples, std::int64_t t_ns, const std::optional<StampJump>& jump,
+               Add add) {
+    while (next_ < samples.size() && newest_ns_ < t_ns) {
+      Sample sample = samples[next_++];
+      if (const auto taken_ns = taken_at(sample.t_ns, jump)) {
+        sample.t_ns = newest_ns_ = *taken_ns;
+        add(sample);
+      }
+    }
+  }
+
   const SensorData& sensors_;
   std::optional<StampJump> clock_step_;
   std::size_t next_ = 0;

@@ -83,6 +83,12 @@ struct StampJump {
   }
 };
 
+/// When a sample with that stamp was taken, by a clock that may have jumped: StampJump::corrected.
+[[nodiscard]] inline std::optional<std::int64_t> taken_at(std::int64_t stamp_ns,
+                                                          const std::optional<StampJump>& jump) {
+  return jump ? jump->corrected(stamp_ns) : stamp_ns;
+}
+
 /// Where the filter goes on, and where the body was until then.
 struct SensorStartResult {
   StartReport report;                     ///< what is known by the last frame

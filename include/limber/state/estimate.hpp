@@ -45,6 +45,8 @@ class Estimate {
 
   /// Another mean of the body, with the same covariance.
   void set_nav(const NavigationState& nav) { nav_ = nav; }
+  /// Another time of the body; nothing else changes.
+  void set_time(std::int64_t t_ns) { nav_.t_ns = t_ns; }
   /// Another rig is taken for true. For layouts that do not have theta in the state.
   void assume_theta(const RigParameters& theta) { theta_ = theta; }
 
