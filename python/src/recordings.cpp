@@ -281,21 +281,21 @@ void bind_tracker(py::module_& module) {
   py::class_<Tracker>(module, "StereoTracker", DOC(StereoTracker))
       .def(py::init([](const StereoCalibration& calibration, int max_tracks, double min_distance_px,
                        double min_corner_strength, double min_ncc, double nearest_baselines,
-                       double search_margin) {
+                       double search_margin_degrees) {
              TrackerOptions options;
              options.max_tracks = max_tracks;
              options.min_distance_px = min_distance_px;
              options.min_corner_strength = min_corner_strength;
              options.min_ncc = min_ncc;
              options.nearest_baselines = nearest_baselines;
-             options.search_margin = search_margin;
+             options.search_margin_degrees = search_margin_degrees;
              return std::make_unique<Tracker>(calibration, options);
            }),
            py::arg("calibration"), py::kw_only(), py::arg("max_tracks") = defaults.max_tracks,
            py::arg("min_distance_px") = defaults.min_distance_px,
            py::arg("min_corner_strength") = defaults.min_corner_strength,
            py::arg("min_ncc") = defaults.min_ncc, py::arg("nearest_baselines") = defaults.nearest_baselines,
-           py::arg("search_margin") = defaults.search_margin)
+           py::arg("search_margin_degrees") = defaults.search_margin_degrees)
       .def(
           "process",
           [](Tracker& self, std::int64_t t_ns, const py::array_t<std::uint8_t>& image0,

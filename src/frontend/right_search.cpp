@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "frontend/right_search.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +9,8 @@
 
 #include "frontend/correlation.hpp"
 #include "frontend/patch.hpp"
+#include "limber/core/angle.hpp"
+#include "limber/core/so3.hpp"
 
 namespace limber::frontend {
 namespace {
@@ -107,7 +110,13 @@ std::vector<cv::Point> best_peaks(cv::Mat& map) {
 }  // namespace
 
 RightSearch::RightSearch(const StereoCalibration& assumed, const TrackerOptions& options)
-    : assumed_(assumed), options_(options) {}
+    : assumed_(assumed), options_(options) {
+  const double margin = options.search_margin_degrees / kToDegrees;
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitX().eval(), Eigen::Vector3d::UnitY().eval()}) {
+    turns_.push_back(so3_exp(margin * axis));
+    turns_.push_back(so3_exp(-margin * axis));
+  }
+}
 
 /// Where in the right image uv0 may be, if the assumed calibration is roughly right.
 std::optional<cv::Rect2d> RightSearch::window(const Eigen::Vector2d& uv0) const {
@@ -115,13 +124,17 @@ std::optional<cv::Rect2d> RightSearch::window(const Eigen::Vector2d& uv0) const 
   if (!bearing) return std::nullopt;
   const Pose T_cam1_cam0 = pose_from_rig(assumed_.theta);
   const double nearest = options_.nearest_baselines * assumed_.baseline();
-  const auto far = project(assumed_.cam1, T_cam1_cam0.R * *bearing);
-  const auto near = project(assumed_.cam1, T_cam1_cam0 * (nearest * *bearing));
-  if (!far || !near) return std::nullopt;
-  const double margin = options_.search_margin * assumed_.cam1.height;
-  const Eigen::Vector2d low = far->uv.cwiseMin(near->uv).array() - margin;
-  const Eigen::Vector2d size = (far->uv - near->uv).cwiseAbs().array() + 2.0 * margin;
-  return cv::Rect2d(low.x(), low.y(), size.x(), size.y());
+  const Eigen::Vector3d far = T_cam1_cam0.R * *bearing, near = T_cam1_cam0 * (nearest * *bearing);
+  const auto at_far = project(assumed_.cam1, far), at_near = project(assumed_.cam1, near);
+  if (!at_far || !at_near) return std::nullopt;
+  Eigen::AlignedBox2d box(at_far->uv);
+  box.extend(at_near->uv);
+  for (const Eigen::Matrix3d& turn : turns_) {
+    for (const Eigen::Vector3d& point : {far, near}) {
+      if (const auto turned = project(assumed_.cam1, turn * point)) box.extend(turned->uv);
+    }
+  }
+  return cv::Rect2d(box.min().x(), box.min().y(), box.sizes().x(), box.sizes().y());
 }
 
 /// The places of the window that look most like uv0 when coarse.

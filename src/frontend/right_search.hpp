@@ -39,6 +39,7 @@ class RightSearch {
 
   StereoCalibration assumed_;
   TrackerOptions options_;
+  std::vector<Eigen::Matrix3d> turns_;  // by the search margin, up, down and to the sides
 };
 
 }  // namespace limber::frontend

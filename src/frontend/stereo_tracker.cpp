@@ -50,7 +50,8 @@ void require_sensible(const TrackerOptions& options) {
   require(options.max_forward_backward_px > 0.0, "max_forward_backward_px > 0");
   require(options.max_epipolar_px > 0.0, "max_epipolar_px > 0");
   require(options.nearest_baselines > 0.0, "nearest_baselines > 0");
-  require(options.search_margin >= 0.0, "search_margin >= 0");
+  require(options.search_margin_degrees >= 0.0 && options.search_margin_degrees < 90.0,
+          "0 <= search_margin_degrees < 90");
 }
 
 }  // namespace

@@ -25,6 +25,14 @@ constexpr double kOldestCheckpoint = 5.0;
 /// Frames that are replayed while one comes in: a call costs about twice an ordinary one, and five seconds
 /// are caught up in two and a half.
 constexpr int kReplayedFrames = 3;
+/// Where a length of the baseline cannot be learned, the filter that trusts the rig is left where its
+/// innovations are that many times as large as those of the parallel one: small errors of a rig, up to three
+/// times, cost it less than a scale that the parallel one knows badly.
+constexpr double kFarWorse = 6.0;
+constexpr double kNoFit = 2.0;       // and that many times as large as expected
+constexpr double kForgetsFit = 0.9;  // per frame
+constexpr double kEnoughFit = 100;   // degrees of freedom
+
 /// Frames in a row in which most points contradict the filter but not the parallel one.
 constexpr int kMostOverruled = 5;
 
@@ -225,6 +233,9 @@ FrameReport Navigator::process(const StereoFrame& frame) {
     replay();
     return parallel;
   }
+  if (s.gave_up) {
+    return parallel;
+  }
   if (ends_epoch(s.parallel)) {
     filter_.postpone_epoch();
   }
@@ -232,16 +243,33 @@ FrameReport Navigator::process(const StereoFrame& frame) {
   if (!s.resigned) {
     supervise(report, parallel);
   }
+  if (s.resigned || !knows_scale(report.t_ns)) {
+    compare_fits(report, parallel);
+  }
   if (parallel.inputs.contradiction) {  // which a filter that trusts the rig may not see
     report.inputs.status = std::max(report.inputs.status, parallel.inputs.status);
     report.inputs.contradiction = parallel.inputs.contradiction;
   }
-  if (s.replay) {
+  if (s.replay || s.gave_up) {
     return parallel;
   }
   report.health = health_;
   report.calibration = parallel.calibration;
   return report;
+}
+
+void Navigator::RecentFit::add(const FrameReport& report) {
+  nis = kForgetsFit * nis + report.nis;
+  dof = kForgetsFit * dof + static_cast<double>(report.dof);
+}
+
+void Navigator::compare_fits(const FrameReport& report, const FrameReport& parallel) {
+  Supervision& s = *supervision_;
+  s.own_fit.add(report);
+  s.parallel_fit.add(parallel);
+  s.gave_up = std::min(s.own_fit.dof, s.parallel_fit.dof) > kEnoughFit &&
+              s.own_fit.nis > kNoFit * s.own_fit.dof &&
+              s.own_fit.nis * s.parallel_fit.dof > kFarWorse * s.parallel_fit.nis * s.own_fit.dof;
 }
 
 void Navigator::supervise(const FrameReport& report, const FrameReport& parallel) {

@@ -34,6 +34,16 @@ NavigatorOptions completed(NavigatorOptions options) {
 
 constexpr double kLongFrame = 0.2;        // [s] without an image: the state was blind meanwhile
 constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degrees of freedom
+constexpr int kTriangulations = 8;
+constexpr double kSettled = 0.03;            // plausible errors
+constexpr std::ptrdiff_t kEnoughKnown = 10;  // landmarks: they tell at which rig a frame is linearised best
+
+/// Known landmarks that both cameras see.
+std::ptrdiff_t known_in_both(const Estimate& estimate, const StereoFrame& frame) {
+  return std::count_if(frame.observations.begin(), frame.observations.end(), [&](const StereoObservation& o) {
+    return o.in_cam0 && o.in_cam1 && estimate.find(o.track_id) != nullptr;
+  });
+}
 
 /// The frame as a method sees it: mono-left does not look through the right camera.
 StereoFrame visible(const StereoFrame& frame, Method method) {
@@ -113,40 +123,57 @@ bool StereoFilter::initializes_before_update() const {
 StereoFilter::LinearizationPoint StereoFilter::choose_linearization_point(const StereoFrame& frame) const {
   LinearizationPoint out{mounted(calibration_)};
   if (initializes_before_update()) {
-    const Eigen::VectorXd off =
-        linearization_point(estimate_, frame, out.rig[1], sigma_px(), linearization_prior());
-    out.shift.head(off.size()) = off;
-    out.rig = mounted(corrected(calibration_, out.shift));
+    const auto mounted_off = [&](const Eigen::VectorXd& off) {
+      out.shift.head(off.size()) = off;
+      return mounted(corrected(calibration_, out.shift));
+    };
+    const auto cam1_off = [&](const Eigen::VectorXd& off) { return mounted_off(off)[1]; };
+    const Eigen::MatrixXd F = linearization_prior();
+    if (known_in_both(estimate_, frame) >= kEnoughKnown) {
+      out.rig = mounted_off(linearization_point(estimate_, frame, cam1_off, sigma_px(), F));
+      return out;
+    }
+    // Most points are new, as in the first frame: of those the epipolar lines tell a wrong rotation, and how
+    // far away they are on their lines depends on it.
+    for (int round = 0; round < kTriangulations; ++round) {
+      const RigParameters before = out.shift.head<6>();
+      Estimate with_new = estimate_;
+      (void)initialize_landmarks(with_new, frame, out.rig);
+      out.rig = mounted_off(linearization_point(with_new, frame, cam1_off, sigma_px(), F));
+      if ((out.shift.head<6>() - before).cwiseQuotient(scale_).norm() < kSettled) {
+        break;
+      }
+    }
   }
   return out;
 }
 
-StereoFilter::NewLandmarks StereoFilter::initialize_landmarks(const StereoFrame& frame,
-                                                              const MountedRig& rig) {
+StereoFilter::NewLandmarks StereoFilter::initialize_landmarks(Estimate& estimate, const StereoFrame& frame,
+                                                              const MountedRig& rig) const {
   LandmarkInitOptions how = options_.landmark_init;
   how.mode = initializes_before_update() ? LandmarkInitMode::kDiffuse : LandmarkInitMode::kClassical;
   NewLandmarks fresh;
   int anchor = -1;
   for (const StereoObservation& observation : frame.observations) {
-    if (!observation.in_cam0 || estimate_.find(observation.track_id) != nullptr) {
+    if (!observation.in_cam0 || estimate.find(observation.track_id) != nullptr) {
       continue;
     }
     if (anchor < 0 && options_.landmarks == LandmarkKind::kInverseDepth) {
       // Where the place of the camera on the body, or its time, is estimated, the camera itself is the
       // anchor.
-      const std::array<bool, 3>& has_more = estimate_.layout().has_more;
-      anchor = has_more.front() || has_more.back()
-                   ? estimate_.add_camera_anchor(
-                         cam0_pose(rig[0], estimate_.nav().T_world_body, estimate_.layout()))
-                   : estimate_.add_anchor(rig[0].T_cam_body.inverse());
+      const std::array<bool, 3>& has_more = estimate.layout().has_more;
+      anchor =
+          has_more.front() || has_more.back()
+              ? estimate.add_camera_anchor(cam0_pose(rig[0], estimate.nav().T_world_body, estimate.layout()))
+              : estimate.add_anchor(rig[0].T_cam_body.inverse());
     }
     const std::optional<RemainingRows> remaining =
-        initialize_landmark(estimate_, observation, rig, sigma_px(), frame.t_ns, anchor, how);
+        initialize_landmark(estimate, observation, rig, sigma_px(), frame.t_ns, anchor, how);
     if (remaining) {
       fresh[observation.track_id] = *remaining;
     }
   }
-  estimate_.drop_unused_anchor(anchor);
+  estimate.drop_unused_anchor(anchor);
   return fresh;
 }
 
@@ -280,7 +307,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   }
   NewLandmarks fresh;
   if (initializes_before_update()) {
-    fresh = initialize_landmarks(frame, at.rig);  // Eqs. (29)-(32)
+    fresh = initialize_landmarks(estimate_, frame, at.rig);  // Eqs. (29)-(32)
   }
   const ParameterErrorModel model = error_model();
   const StackedFrame stacked = images_alone ? stack_where_seen(frame, at, fresh, model, report)
@@ -289,7 +316,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   constrained_update(stacked, accepted, model, dt, report);  // Eqs. (16)-(19)
   record(stacked, accepted, fresh, report);
   if (!initializes_before_update()) {
-    fresh = initialize_landmarks(frame, mounted(calibration_));
+    fresh = initialize_landmarks(estimate_, frame, mounted(calibration_));
   }
   report.initialized = fresh.size();
   report.removed += manage_map(estimate_, frame.t_ns, options_.map);

@@ -2,8 +2,10 @@
 #include "limber/stack/linearization_point.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "limber/core/factors.hpp"
@@ -21,6 +23,8 @@ namespace {
 
 constexpr double kHuber = 2.5;  // standard deviations
 constexpr int kReweightings = 3;
+constexpr int kRounds = 4;
+constexpr double kLinearPx = 3.0;  // a right pixel that moves by less does so linearly, to about 0.02 px
 
 /// Right pixel of a known landmark: residual, D F, and the inverse of the residual's covariance.
 struct Clue {
@@ -77,29 +81,59 @@ std::vector<Clue> collect(const Estimate& estimate, const StereoFrame& frame, co
   return clues;
 }
 
-}  // namespace
-
-VectorXd linearization_point(const Estimate& estimate, const StereoFrame& frame, const MountedCamera& cam1,
-                             const PixelNoise& sigma_px, const Eigen::Ref<const MatrixXd>& F) {
-  VectorXd beta = VectorXd::Zero(F.cols());  // dtheta = F beta, beta ~ N(0, I)
-  if (F.isZero(0.0)) {
-    return VectorXd::Zero(F.rows());
+/// The same as rows of all of beta, wherever they are linear.
+void refer_to_assumed(std::vector<Clue>& clues, const VectorXd& beta) {
+  for (Clue& clue : clues) {
+    clue.r += clue.DF * beta;
   }
-  const std::vector<Clue> clues = collect(estimate, frame, cam1, sigma_px, F);
+}
+
+/// What the clues say from `beta` on, which outliers are judged by first.
+VectorXd fitted(const std::vector<Clue>& clues, VectorXd beta, bool beta_is_known) {
   for (int i = 0; i < kReweightings; ++i) {
-    MatrixXd A = MatrixXd::Identity(F.cols(), F.cols());
-    VectorXd b = VectorXd::Zero(F.cols());
+    MatrixXd A = MatrixXd::Identity(beta.size(), beta.size());
+    VectorXd b = VectorXd::Zero(beta.size());
     for (const Clue& clue : clues) {
       const Vector2d e = clue.r - clue.DF * beta;
       const double distance = std::sqrt(e.dot(clue.information * e));
       // The first pass has no idea of theta and takes everything.
-      const double weight = i == 0 || distance <= kHuber ? 1.0 : kHuber / distance;
+      const double weight = (i == 0 && !beta_is_known) || distance <= kHuber ? 1.0 : kHuber / distance;
       A += weight * clue.DF.transpose() * clue.information * clue.DF;
       b += weight * clue.DF.transpose() * (clue.information * clue.r);
     }
     beta = solve_symmetric(A, b);
   }
-  return F * beta;
+  return beta;
+}
+
+/// [px], of a right pixel.
+double largest_move(const std::vector<Clue>& clues, const VectorXd& dbeta) {
+  double out = 0.0;
+  for (const Clue& clue : clues) {
+    out = std::max(out, (clue.DF * dbeta).norm());
+  }
+  return out;
+}
+
+}  // namespace
+
+VectorXd linearization_point(const Estimate& estimate, const StereoFrame& frame, const CameraOff& cam1,
+                             const PixelNoise& sigma_px, const Eigen::Ref<const MatrixXd>& F) {
+  VectorXd beta = VectorXd::Zero(F.cols());  // dtheta = F beta, beta ~ N(0, I)
+  VectorXd off = VectorXd::Zero(F.rows());
+  if (F.isZero(0.0)) {
+    return off;
+  }
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<Clue> clues = collect(estimate, frame, cam1(off), sigma_px, F);
+    refer_to_assumed(clues, beta);
+    const VectorXd before = std::exchange(beta, fitted(clues, beta, round > 0));
+    off = F * beta;
+    if (largest_move(clues, beta - before) < kLinearPx) {
+      break;
+    }
+  }
+  return off;
 }
 
 }  // namespace limber

@@ -286,7 +286,7 @@ TEST(StereoTracker, RefusesOptionsAndCalibrationsThatMakeNoSense) {
         with([](Options& o) { o.max_forward_backward_px = std::nan(""); }),
         with([](Options& o) { o.max_epipolar_px = 0.0; }),
         with([](Options& o) { o.nearest_baselines = 0.0; }),
-        with([](Options& o) { o.search_margin = -0.1; })}) {
+        with([](Options& o) { o.search_margin_degrees = -1.0; })}) {
     EXPECT_THROW(StereoTracker(small_rig(), options), std::invalid_argument);
   }
   StereoCalibration no_size = small_rig();

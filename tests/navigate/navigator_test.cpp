@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <functional>
 
+#include "limber/core/angle.hpp"
 #include "limber/navigate/method.hpp"
 #include "scene.hpp"
 
@@ -113,6 +114,29 @@ TEST(Navigator, AnErrorFromTheStartIsFoundByTheParallelFilter) {
   EXPECT_LT(adaptive.rmse, ekf.rmse);
   EXPECT_LT((adaptive.positions.back() - scene.truth.back().T_world_body.p).norm(),
             3.0 * (lcekf.positions.back() - scene.truth.back().T_world_body.p).norm() + 0.01);
+}
+
+/// Linearised where the assumed rig is, or one step away, it takes scale out of nothing and loses its map.
+TEST(Navigator, TheConstrainedFilterIsAsGoodWhereTheRigIsFiveDegreesOff) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SceneOptions options = ten_seconds();
+    options.seed = seed;
+    const Flight sound = fly(make_scene(options), Method::kLcekf);
+    options.theta_error = [](double) { return RigParameters(RigParameters::Unit(1) * 5.0 / kToDegrees); };
+    const Flight bent = fly(make_scene(options), Method::kLcekf);
+    EXPECT_LT(bent.rmse, 1.3 * sound.rmse) << seed;
+  }
+}
+
+/// What nothing can learn must still not be believed against all evidence.
+TEST(Navigator, WhereNothingFixesTheScaleAGrossErrorIsLeftToTheParallelFilter) {
+  SceneOptions options = ten_seconds(MotionModel::kConstantVelocity);
+  options.theta_error = [](double) { return RigParameters(RigParameters::Unit(1) * 5.0 / kToDegrees); };
+  const Scene scene = make_scene(options);
+  const Flight ekf = fly(scene, Method::kEkf), lcekf = fly(scene, Method::kLcekf),
+               adaptive = fly(scene, Method::kAdaptive);
+  EXPECT_GT(ekf.rmse, 3.0 * lcekf.rmse);
+  EXPECT_LT(adaptive.rmse, 1.2 * lcekf.rmse);
 }
 
 TEST(Navigator, WhereNothingFixesTheScaleAWrongStartIsNavigatedAsByTheEkfAndReported) {

@@ -23,9 +23,9 @@ struct TrackerOptions {
   double max_epipolar_px = 1.0;          ///< Sampson distance to what most points of the frame agree on
 
   // Where a point may lie in the right image, before anything is known about it: between infinity and the
-  // nearest distance as the assumed calibration has it, widened on all sides by the margin.
-  double nearest_baselines = 4.0;  ///< nearest distance, in baselines
-  double search_margin = 0.1;      ///< in image heights: 0.1 forgives about 5 degrees at f = height
+  // nearest distance as the assumed calibration has it, widened as a rig that is turned by the margin would.
+  double nearest_baselines = 4.0;      ///< nearest distance, in baselines
+  double search_margin_degrees = 6.0;  ///< that much the rig may be turned, and some room
 };
 
 /// @brief Images in, stereo tracks out: corners, followed in the left camera, matched into the right one.

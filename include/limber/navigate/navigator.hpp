@@ -87,6 +87,11 @@ class Navigator {
     std::int64_t t_ns;
     std::vector<Event> events;  // since
   };
+  /// Normalised innovations squared of the last second or so, as sums that fade.
+  struct RecentFit {
+    double nis = 0.0, dof = 0.0;
+    void add(const FrameReport& report);
+  };
   struct Supervision {
     StereoFilter parallel;  // constrained
     HealthMonitor own_alarm, parallel_alarm;
@@ -96,7 +101,10 @@ class Navigator {
     int doubts = 0;               // in a row
     int overruled = 0;            // frames in a row in which the filter's own gate was, and not that beside
     bool trusts = true;
-    bool resigned = false;  // nobody can know how long a metre is: what is assumed stays as good as any
+    bool resigned = false;  // nobody can know how long a metre is: what is assumed stays as good as any ...
+    RecentFit own_fit, parallel_fit;
+    bool gave_up =
+        false;  // as good as any, but where the parallel filter fits far better: it answers for good
     std::optional<std::deque<Event>> replay{};  // what filter_, come back from a checkpoint, has not seen yet
   };
 
@@ -107,11 +115,12 @@ class Navigator {
   void take_over_from_parallel(std::int64_t t_ns);
   /// The filter whose state counts.
   [[nodiscard]] const StereoFilter& answering() const {
-    return supervision_ && supervision_->replay ? supervision_->parallel : filter_;
+    return supervision_ && (supervision_->replay || supervision_->gave_up) ? supervision_->parallel : filter_;
   }
   [[nodiscard]] CalibrationPrior prior_after(const HealthReport& why) const;
   [[nodiscard]] bool knows_scale(std::int64_t t_ns) const;
   void supervise(const FrameReport& report, const FrameReport& parallel);
+  void compare_fits(const FrameReport& report, const FrameReport& parallel);
 
   [[nodiscard]] std::shared_ptr<const CalibrationReport> known_calibration() const;
   void watch(const StereoFrame& frame, const StereoFilter& filter, const FrameReport& report);

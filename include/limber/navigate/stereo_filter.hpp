@@ -150,7 +150,8 @@ class StereoFilter {
   [[nodiscard]] std::size_t forget_after_blindness(const StereoFrame& frame);
   [[nodiscard]] bool initializes_before_update() const;
   [[nodiscard]] LinearizationPoint choose_linearization_point(const StereoFrame& frame) const;
-  [[nodiscard]] NewLandmarks initialize_landmarks(const StereoFrame& frame, const MountedRig& rig);
+  [[nodiscard]] NewLandmarks initialize_landmarks(Estimate& estimate, const StereoFrame& frame,
+                                                  const MountedRig& rig) const;
   [[nodiscard]] StackedFrame stack(const StereoFrame& frame, const LinearizationPoint& at,
                                    const NewLandmarks& fresh, FrameReport& report) const;
   [[nodiscard]] StackedFrame stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
