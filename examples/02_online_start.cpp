@@ -17,7 +17,9 @@ int main() {
   limber::NavigatorOptions options;
   options.imu_noise = *robot.imu_noise;
   options.sigma_px = *robot.pixel_noise;
-  limber::OnlineNavigator navigator(options, robot.calibration);
+  limber::StartOptions start;
+  start.longest_fine_s = 4.0;  // a finer scale is worth that wait to this robot; default: up to 16 s
+  limber::OnlineNavigator navigator(options, robot.calibration, start);
 
   std::string missing;
   auto imu = robot.imu.begin();

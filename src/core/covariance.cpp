@@ -93,7 +93,11 @@ void Covariance::swap_triplets(Index a, Index b) {
 }
 
 void Covariance::subtract_outer(const Eigen::Ref<const MatrixXd>& W) {
-  add_outer(data_.topLeftCorner(size_, size_), -1.0, W);
+  limber::add_outer(data_.topLeftCorner(size_, size_), -1.0, W);
+}
+
+void Covariance::add_outer(const Eigen::Ref<const MatrixXd>& W) {
+  limber::add_outer(data_.topLeftCorner(size_, size_), 1.0, W);
 }
 
 void Covariance::add_symmetric_product(const Eigen::Ref<const MatrixXd>& U,
@@ -103,13 +107,6 @@ void Covariance::add_symmetric_product(const Eigen::Ref<const MatrixXd>& U,
   left << U, V;
   right << V, U;
   add_lower_product(data_.topLeftCorner(size_, size_), left, transposed(right));
-}
-
-void Covariance::add_congruence(const Eigen::Ref<const MatrixXd>& G, const Eigen::Ref<const MatrixXd>& U) {
-  if (size_ == 0) {
-    return;
-  }
-  add_lower_product(data_.topLeftCorner(size_, size_), multiply(G, U), transposed(G));
 }
 
 void Covariance::transform_triplet(Index start, const Eigen::Matrix3d& M) {
@@ -140,7 +137,9 @@ Index Covariance::append(Index count) {
   if (size_ + count > data_.rows()) {
     const Index capacity = std::max(size_ + count, data_.rows() + data_.rows() / 2 + 64);
     MatrixXd grown(capacity, capacity);
-    grown.topLeftCorner(size_, size_) = data_.topLeftCorner(size_, size_);
+    for (Index j = 0; j < size_; ++j) {
+      grown.col(j).segment(j, size_ - j) = data_.col(j).segment(j, size_ - j);
+    }
     data_.swap(grown);
   }
   size_ += count;

@@ -39,6 +39,13 @@ MatrixXd Cholesky::inverse() const { return solved(MatrixXd::Identity(factor_.ro
 
 VectorXd solve_symmetric(const MatrixRef& A, const VectorXd& b) { return Eigen::LDLT<MatrixXd>(A).solve(b); }
 
+MatrixXd semidefinite_root(const MatrixRef& A) {
+  const Eigen::LDLT<MatrixXd> ldlt(A);
+  const MatrixXd L = ldlt.matrixL();
+  return ldlt.transpositionsP().transpose() *
+         (L * ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal()).eval();
+}
+
 SymmetricEigen symmetric_eigen(const MatrixRef& A) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(A);
   return {eigen.eigenvalues(), eigen.eigenvectors()};

@@ -138,6 +138,7 @@ std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::
 
 void update_active_set(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
                        const MapManagementOptions& options, bool may_end) {
+  estimate.settle();
   std::vector<std::int64_t> recalled;
   std::unordered_set<std::int64_t> seen;
   for (const StereoObservation& observation : frame.observations) {
@@ -147,7 +148,10 @@ void update_active_set(Estimate& estimate, const StereoFrame& frame, std::int64_
     }
     seen.insert(observation.track_id);
   }
-  if (may_end && seconds_between(estimate.epoch_began_ns(), frame.t_ns) >= options.epoch_s) {
+  const double age = seconds_between(estimate.epoch_began_ns(), frame.t_ns);
+  const bool full =
+      estimate.has_frozen() && age > options.rest_after_s && estimate.grown_in_epoch() >= options.most_growth;
+  if (may_end && (full || age >= options.epoch_s)) {
     std::vector<std::int64_t> retired;
     for (const Landmark& landmark : estimate.landmarks()) {
       if (!landmark.passive && !seen.contains(landmark.track_id) &&

@@ -148,13 +148,17 @@ void Navigator::go_back(const HealthReport& why) {
 }
 
 /// Some of what the filter has not seen yet; once that is all, it answers again. Where an epoch of the map
-/// ends, here or in the filter beside, one frame is enough for a call.
+/// ends, here or in the filter beside, one frame is enough for a call, and one epoch.
 void Navigator::replay() {
   Supervision& s = *supervision_;
   int left = ends_epoch(s.parallel) ? 1 : kReplayedFrames;
-  for (; left > 0 && !s.replay->empty(); s.replay->pop_front()) {
+  for (bool may_end = !ends_epoch(s.parallel); left > 0 && !s.replay->empty(); s.replay->pop_front()) {
     const Event& event = s.replay->front();
     if (const auto* frame = std::get_if<StereoFrame>(&event)) {
+      if (!may_end) {
+        filter_.postpone_epoch();
+      }
+      may_end = false;
       (void)filter_.process(*frame);
       left = ends_epoch(filter_) ? 0 : left - 1;
     } else if (const auto* imu = std::get_if<ImuSample>(&event)) {

@@ -82,6 +82,7 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
   moved_ = drift_;
   grown_ = {};
   refresh_map_scale();
+  size_as_epoch_began_ = P_.size();
   epoch_began_ns_ = nav_.t_ns;
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "limber/core/factors.hpp"
 
@@ -15,6 +16,7 @@ using Eigen::VectorXd;
 
 namespace {
 
+constexpr Index kShares = 8;         // frames in which an epoch's work on E is done
 constexpr double kSingular = 1e-13;  // eigenvalue of a correlation matrix that rounding may have made
 
 std::vector<Index> scalars(std::span<const Index> starts) {
@@ -98,6 +100,7 @@ bool PassiveBlock::change_epoch(Covariance& P, Index body_size, const EpochChang
   U = symmetric_part(U);
 
   const Index old_size = size(), added = static_cast<Index>(retired.size());
+  const Index left_size = static_cast<Index>(left.size());
   const MatrixXd Gt_left = rows_of(left, body_size);
   MatrixXd Gt(At.rows(), old_size + added);
   Gt.leftCols(old_size) = rows_of(z, body_size);
@@ -105,11 +108,14 @@ bool PassiveBlock::change_epoch(Covariance& P, Index body_size, const EpochChang
   Gt.rightCols(added) = At.leftCols(added);
   Gt_ = std::move(Gt);
 
-  E_.add_congruence(Gt_left.transpose(), U);
-  MatrixXd columns(old_size + added, added);
-  columns.topRows(old_size) = multiply(transposed(Gt_left), U.leftCols(added));
-  columns.bottomRows(added) = U.topLeftCorner(added, added);
-  append(E_, columns);
+  // E becomes [Gᵀ; I 0] U [G, [I; 0]] beside what it was: the retired come first in u.
+  const MatrixXd Vt = semidefinite_root(U).transpose();
+  MatrixXd Wt(left_size, old_size + added);
+  Wt.leftCols(old_size) = multiply(Vt, Gt_left);
+  Wt.rightCols(added) = Vt.leftCols(added);
+  E_.settle_all();
+  E_.append(added);
+  E_.add_in_shares(std::move(Wt), kShares);
 
   const std::vector<Index> active = body + z;  // the clone is the body once more
   P.assign(dense(active, active));

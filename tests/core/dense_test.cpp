@@ -140,6 +140,16 @@ TEST(Factors, CholeskyFactorsSolvesAndRefuses) {
   }
 }
 
+TEST(Factors, TheRootOfASemidefiniteMatrixRebuildsIt) {
+  testing::Generator generator(7);
+  const MatrixXd A = some_positive_definite(generator, 9);
+  const MatrixXd singular = A.leftCols(4) * A.leftCols(4).transpose();
+  for (const MatrixXd& S : {A, singular}) {
+    const MatrixXd V = semidefinite_root(S);
+    EXPECT_LE(difference(V * V.transpose(), S), 1e-11 * S.norm());
+  }
+}
+
 TEST(Factors, SymmetricEigenRebuildsTheMatrix) {
   testing::Generator generator(6);
   const MatrixXd A = some_positive_definite(generator, 8);

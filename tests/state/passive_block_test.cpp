@@ -46,6 +46,7 @@ class Pair {
 
   /// A measurement of everything active, body included, and a step of the body.
   void live() {
+    block_.settle();
     const Index rows = 4;
     MatrixXd H_active = random_matrix(generator_, rows, P_.size());
     H_active.middleCols(kBody, clones()).setZero();

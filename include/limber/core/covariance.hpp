@@ -74,12 +74,12 @@ class Covariance {
   /// P -= W Wᵀ, W: n×k.
   void subtract_outer(const Eigen::Ref<const Eigen::MatrixXd>& W);
 
+  /// P += W Wᵀ, W: n×k.
+  void add_outer(const Eigen::Ref<const Eigen::MatrixXd>& W);
+
   /// P += U Vᵀ + V Uᵀ, U and V: n×k.
   void add_symmetric_product(const Eigen::Ref<const Eigen::MatrixXd>& U,
                              const Eigen::Ref<const Eigen::MatrixXd>& V);
-
-  /// P += G U Gᵀ, G: n×k, U: k×k symmetric, both triangles given.
-  void add_congruence(const Eigen::Ref<const Eigen::MatrixXd>& G, const Eigen::Ref<const Eigen::MatrixXd>& U);
 
   /// Applies x' = M x to the triplet at `start`, M: 3×3.
   void transform_triplet(Eigen::Index start, const Eigen::Matrix3d& M);

@@ -47,6 +47,10 @@ class Cholesky {
 /// A⁻¹ b, A: n×n symmetric and semidefinite, n > 0, by A = L D Lᵀ with pivots.
 [[nodiscard]] Eigen::VectorXd solve_symmetric(const MatrixRef& A, const Eigen::VectorXd& b);
 
+/// V with V Vᵀ = A, A: n×n symmetric and semidefinite, n > 0; eigenvalues that rounding made negative count
+/// as zero. The lower triangle is read.
+[[nodiscard]] Eigen::MatrixXd semidefinite_root(const MatrixRef& A);
+
 /// A = V diag(values) Vᵀ, values ascending.
 struct SymmetricEigen {
   Eigen::VectorXd values;   ///< n

@@ -18,6 +18,9 @@ struct MapManagementOptions {
   /// filter). Infinite: never.
   double rest_after_s = 0.1;
   double epoch_s = 0.5;  ///< length of an epoch, between two of which landmarks go to rest
+  /// An epoch in which the active state has grown by that many (landmarks that are new or came back) ends
+  /// sooner: what its end costs grows with them, and so does each frame.
+  Eigen::Index most_growth = 90;
   int max_refusals = 3;  ///< refused by the gate in this many frames in a row: gone
   /// Inverse-depth landmarks become Cartesian when the linearity index of [Civera2008], Eq. (30) falls below.
   double linearity_index = 0.1;

@@ -104,11 +104,15 @@ class Estimate {
   /// that only they stand on.
   void change_epoch(const std::vector<std::int64_t>& retired);
 
+  /// Once a frame: some of the work that the end of an epoch puts off. Changes nothing but by rounding.
+  void settle() { passive_.settle(); }
   /// The passive landmarks `recalled` and their anchors come back, frozen for the rest of the epoch.
   void recall(const std::vector<std::int64_t>& recalled);
 
   /// Something is or was passive in this epoch.
   [[nodiscard]] bool has_frozen() const { return frozen_end_ > layout_.map_begin(); }
+  /// By how many states P has grown since the epoch began: landmarks that are new or came back.
+  [[nodiscard]] Eigen::Index grown_in_epoch() const { return P_.size() - size_as_epoch_began_; }
   /// Time of the last change of epoch.
   [[nodiscard]] std::int64_t epoch_began_ns() const { return epoch_began_ns_; }
   /// A frozen landmark must not be redefined (convert_to_cartesian) now; it may be right after change_epoch.
@@ -228,6 +232,7 @@ class Estimate {
   Eigen::VectorXd drift_;        // sum of the corrections of the frozen part since the epoch began
   Eigen::VectorXd moved_;        // what it was moved by: beside corrections, factors to second order
   Growth grown_;                 // of all lengths since then
+  Eigen::Index size_as_epoch_began_ = 0;
   std::int64_t epoch_began_ns_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "limber/core/covariance.hpp"
+#include "limber/core/settling_covariance.hpp"
 
 namespace limber {
 
@@ -54,6 +55,9 @@ class PassiveBlock {
   /// Forgets the triplet at `row`; the last one takes its place. @return where that one came from
   Eigen::Index remove(Eigen::Index row);
 
+  /// Once a frame: some of the work that the last change_epoch() has put off.
+  void settle() { E_.settle(); }
+
   /// Correction of the passive means that a correction dz of z implies.
   [[nodiscard]] Eigen::VectorXd correction(const Eigen::Ref<const Eigen::VectorXd>& dz) const;
   /// The same for one triplet.
@@ -82,8 +86,8 @@ class PassiveBlock {
   [[nodiscard]] Eigen::MatrixXd rows_of(const std::vector<Eigen::Index>& states,
                                         Eigen::Index body_size) const;
 
-  Eigen::MatrixXd Gt_;  // Gᵀ: z_size × size
-  Covariance E_;        // size × size
+  Eigen::MatrixXd Gt_;    // Gᵀ: z_size × size
+  SettlingCovariance E_;  // size × size
 };
 
 }  // namespace limber
