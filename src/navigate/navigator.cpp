@@ -25,6 +25,9 @@ constexpr double kOldestCheckpoint = 5.0;
 /// Frames that are replayed while one comes in: a call costs about twice an ordinary one, and five seconds
 /// are caught up in two and a half.
 constexpr int kReplayedFrames = 3;
+/// No further frame where those replayed took that many times as long as the parallel filter's one. A frame
+/// takes about as long as the square of its states.
+constexpr double kMostReplayed = 4.0;
 /// Where a length of the baseline cannot be learned, the filter that trusts the rig is left where its
 /// innovations are that many times as large as those of the parallel one: small errors of a rig, up to three
 /// times, cost it less than a scale that the parallel one knows badly.
@@ -56,6 +59,11 @@ HealthOptions handover_alarm() {
 /// Whether an epoch of the map ended in the filter's last frame.
 bool ends_epoch(const StereoFilter& filter) {
   return filter.estimate().epoch_began_ns() == filter.estimate().nav().t_ns;
+}
+
+double squared_size(const StereoFilter& filter) {
+  const auto n = static_cast<double>(filter.estimate().size());
+  return n * n;
 }
 
 }  // namespace
@@ -152,6 +160,7 @@ void Navigator::go_back(const HealthReport& why) {
 void Navigator::replay() {
   Supervision& s = *supervision_;
   int left = ends_epoch(s.parallel) ? 1 : kReplayedFrames;
+  double work = kMostReplayed * squared_size(s.parallel);
   for (bool may_end = !ends_epoch(s.parallel); left > 0 && !s.replay->empty(); s.replay->pop_front()) {
     const Event& event = s.replay->front();
     if (const auto* frame = std::get_if<StereoFrame>(&event)) {
@@ -160,7 +169,8 @@ void Navigator::replay() {
       }
       may_end = false;
       (void)filter_.process(*frame);
-      left = ends_epoch(filter_) ? 0 : left - 1;
+      work -= squared_size(filter_);
+      left = ends_epoch(filter_) || work < 0.0 ? 0 : left - 1;
     } else if (const auto* imu = std::get_if<ImuSample>(&event)) {
       filter_.add_imu(*imu);
     } else {

@@ -109,13 +109,12 @@ bool PassiveBlock::change_epoch(Covariance& P, Index body_size, const EpochChang
   Gt_ = std::move(Gt);
 
   // E becomes [Gᵀ; I 0] U [G, [I; 0]] beside what it was: the retired come first in u.
-  const MatrixXd Vt = semidefinite_root(U).transpose();
-  MatrixXd Wt(left_size, old_size + added);
-  Wt.leftCols(old_size) = multiply(Vt, Gt_left);
-  Wt.rightCols(added) = Vt.leftCols(added);
+  MatrixXd G_u(left_size, old_size + added);
+  G_u.leftCols(old_size) = Gt_left;
+  G_u.rightCols(added).setIdentity();
   E_.settle_all();
   E_.append(added);
-  E_.add_in_shares(std::move(Wt), kShares);
+  E_.add_in_shares(semidefinite_root(U).transpose(), std::move(G_u), kShares);
 
   const std::vector<Index> active = body + z;  // the clone is the body once more
   P.assign(dense(active, active));

@@ -35,10 +35,11 @@ std::string random_step(Generator& generator, SettlingCovariance& P, Covariance&
       return "append";
     }
     case 1: {
-      const MatrixXd W = random_matrix(generator, n, random_index(generator, 1, 20));
+      const Index k = random_index(generator, 1, 20), m = random_index(generator, 1, 9);
+      const MatrixXd R = random_matrix(generator, k, m), G = 0.3 * random_matrix(generator, m, n);
       P.settle_all();
-      P.add_in_shares(W.transpose(), random_index(generator, 1, 8));
-      at_once.add_outer(W);
+      P.add_in_shares(R, G, random_index(generator, 1, 8));
+      at_once.add_outer((R * G).transpose());
       return "add in shares";
     }
     case 2: {
@@ -90,15 +91,15 @@ TEST(SettlingCovariance, HasAddedEverythingAfterItsShares) {
   Generator generator(3);
   SettlingCovariance P;
   P.append(30);
-  const MatrixXd Wt = random_matrix(generator, 11, 30);
-  P.add_in_shares(Wt, 4);
+  const MatrixXd R = random_matrix(generator, 11, 7), G = random_matrix(generator, 7, 30);
+  P.add_in_shares(R, G, 4);
   for (int k = 0; k < 4; ++k) {
     P.settle();
   }
   SettlingCovariance settled = P;
   settled.settle_all();
   EXPECT_EQ(P.dense(), settled.dense());  // to the bit: nothing waits
-  EXPECT_LE((P.dense() - Wt.transpose() * Wt).norm(), 1e-12);
+  EXPECT_LE((P.dense() - (R * G).transpose() * (R * G)).norm(), 1e-11);
 }
 
 }  // namespace

@@ -10,9 +10,9 @@ namespace limber {
 
 /// @brief A Covariance to which large changes are added in shares, so that no single call pays for one.
 ///
-/// It is S + W Wᵀ: S has been added up, W waits. Every accessor gives the sum, and every change of the state
-/// (a triplet that leaves, is transformed, ...) is done to both, so that how much waits shows in no value but
-/// by rounding.
+/// It is S + Gᵀ Rᵀ R G: S has been added up, the product waits. Every accessor gives the sum, and every
+/// change of the state (a triplet that leaves, is transformed, ...) is done to both, so that how much waits
+/// shows in no value but by rounding.
 class SettlingCovariance {
  public:
   /// Rows and columns, n.
@@ -25,12 +25,12 @@ class SettlingCovariance {
   /// As Covariance::gather.
   void gather(std::span<const Eigen::Index> starts, Eigen::MatrixXd& columns) const;
 
-  /// P += W Wᵀ, Wt = Wᵀ: k×n; in `shares` calls of settle(). Nothing may wait.
-  void add_in_shares(Eigen::MatrixXd Wt, Eigen::Index shares);
+  /// P += Gᵀ Rᵀ R G, R: k×m, G: m×n; in `shares` calls of settle(). Nothing may wait.
+  void add_in_shares(Eigen::MatrixXd R, Eigen::MatrixXd G, Eigen::Index shares);
   /// Adds one share of what waits.
   void settle();
   /// Adds all of it.
-  void settle_all() { settle(waiting_.rows()); }
+  void settle_all() { settle(R_.rows()); }
 
   /// As Covariance::subtract_outer.
   void subtract_outer(const Eigen::Ref<const Eigen::MatrixXd>& W) { settled_.subtract_outer(W); }
@@ -43,10 +43,11 @@ class SettlingCovariance {
 
  private:
   void settle(Eigen::Index rows);
+  [[nodiscard]] bool waits() const { return R_.rows() > 0; }
 
   Covariance settled_;
-  Eigen::MatrixXd waiting_;  // Wᵀ: k×n
-  Eigen::Index share_ = 0;   // rows of waiting_
+  Eigen::MatrixXd R_, G_;   // what waits; G_ follows every change of the state
+  Eigen::Index share_ = 0;  // rows of R_
 };
 
 }  // namespace limber
