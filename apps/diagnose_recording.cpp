@@ -56,7 +56,7 @@ std::vector<StereoFrame> at_stamps(std::vector<StereoFrame> frames, const Stereo
 
 }  // namespace
 
-Diagnosis diagnose_recording(const Recording& recording, const RunOptions& options, const FrameSource& frames,
+Diagnosis diagnose_recording(const Recording& recording, const RunOptions& options, const ImageFrames& frames,
                              const std::function<void(std::size_t)>& progress,
                              const std::function<void(const RunRecord&, const RunSummary&)>& done,
                              const std::function<bool()>& stop) {
@@ -69,7 +69,7 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
   std::size_t first = 0;
   const FrameSource remembered = [&](std::size_t n) {
     first = seen.empty() ? n : first;
-    seen.push_back(frames(n));
+    seen.push_back(frames.frames(n));
     readout.add(seen.back());
     return seen.back();
   };
@@ -87,6 +87,7 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     if (record.frames.empty()) {
       throw std::runtime_error("stopped before the first frame: nothing can be said");
     }
+    add_damaged(frames, record);
     RunSummary summary = summarize(recording, options, record);
     out.readout = readout.estimate();
     add_readout(out.readout, assumed, record, summary);

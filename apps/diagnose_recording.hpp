@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "diagnosis.hpp"
+#include "frame_source.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
 
@@ -20,7 +21,7 @@ namespace limber::app {
 /// @throws as run_recording, unless a mistake explains it; std::runtime_error if it was stopped before the
 /// first frame
 [[nodiscard]] Diagnosis diagnose_recording(
-    const Recording& recording, const RunOptions& options, const FrameSource& frames,
+    const Recording& recording, const RunOptions& options, const ImageFrames& frames,
     const std::function<void(std::size_t)>& progress = {},
     const std::function<void(const RunRecord&, const RunSummary&)>& done = {},
     const std::function<bool()>& stop = {});

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "frame_source.hpp"
 
+#include <fmt/format.h>
+
+#include <array>
 #include <chrono>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "interrupt.hpp"
 #ifdef LIMBER_WITH_FRONTEND
+#include "limber/core/errors.hpp"
 #include "limber/frontend/stereo_tracker.hpp"
 #include "pair_reader.hpp"
 #include "read_ahead.hpp"
@@ -25,29 +31,55 @@ double ms_since(std::chrono::steady_clock::time_point begin) {
 struct TrackedFrame {
   StereoFrame frame;
   double decode_ms = 0.0, track_ms = 0.0;
+  std::string unreadable;  ///< why it has no points; empty: its images were read
 };
 
 /// Reads and tracks the images of a recording, one pair after the other.
 class ImageTracking {
  public:
-  ImageTracking(const Recording& recording, const TrackerOptions& options)
-      : recording_(recording), reader_(recording), tracker_(recording.calibration, options) {}
+  ImageTracking(const Recording& recording, const TrackerOptions& options, bool keep_on)
+      : recording_(recording),
+        reader_(recording),
+        tracker_(recording.calibration, options),
+        keep_on_(keep_on) {}
 
+  /// Of a pair that cannot be read no points; they are tracked from the pair before into the next one.
   TrackedFrame operator()(std::size_t n) {
     TrackedFrame result;
+    result.frame.t_ns = recording_.images[n].t_ns;
     const auto begin = std::chrono::steady_clock::now();
-    const auto [left, right] = reader_.read(n);
+    const auto pair = read(n, result.unreadable);
     result.decode_ms = ms_since(begin);
-    const auto decoded = std::chrono::steady_clock::now();
-    result.frame = tracker_.process(recording_.images[n].t_ns, left.view(), right.view());
-    result.track_ms = ms_since(decoded);
+    if (pair) {
+      const auto decoded = std::chrono::steady_clock::now();
+      result.frame = tracker_.process(result.frame.t_ns, (*pair)[0].view(), (*pair)[1].view());
+      result.track_ms = ms_since(decoded);
+    }
     return result;
   }
 
  private:
+  /// Nothing of a damaged pair. @throws DataError where the first pairs are all so: it is not damage then
+  std::optional<std::array<GreyPixels, 2>> read(std::size_t n, std::string& why) {
+    constexpr std::size_t kFirst = 10;
+    try {
+      auto pair = reader_.read(n);
+      any_read_ = true;
+      return pair;
+    } catch (const DataError& error) {
+      if (!keep_on_ || (!any_read_ && (++unread_ == kFirst || n + 1 == recording_.images.size()))) {
+        throw;
+      }
+      why = error.what();
+      return std::nullopt;
+    }
+  }
+
   const Recording& recording_;
   PairReader reader_;
   StereoTracker tracker_;
+  bool keep_on_, any_read_ = false;
+  std::size_t unread_ = 0;
 };
 
 using TrackedFrames = std::function<TrackedFrame(std::size_t)>;
@@ -55,7 +87,7 @@ using TrackedFrames = std::function<TrackedFrame(std::size_t)>;
 TrackedFrames tracked_frames(const Recording& recording, const FrontendArguments& arguments) {
   TrackerOptions options;
   options.max_tracks = arguments.max_tracks;
-  auto tracking = std::make_shared<ImageTracking>(recording, options);
+  auto tracking = std::make_shared<ImageTracking>(recording, options, arguments.keep_on);
   TrackedFrames take = [tracking](std::size_t n) { return (*tracking)(n); };
   if (arguments.threads > 1) {
     auto ahead = std::make_shared<ReadAhead<TrackedFrame>>(take, recording.images.size());
@@ -91,12 +123,17 @@ class KeptFrames {
 template <typename Take>
 ImageFrames recorded(Take take) {
   auto record = std::make_shared<FrontendRecord>();
-  return {[take, record](std::size_t n) {
+  auto damaged = std::make_shared<DamagedPairs>();
+  return {[take, record, damaged](std::size_t n) {
             TrackedFrame tracked = take(n, *record);
             record->add(tracked.frame, tracked.decode_ms, tracked.track_ms);
+            ++damaged->frames;
+            if (!tracked.unreadable.empty() && damaged->damaged++ == 0) {
+              damaged->first = fmt::format("at {} ns: {}", tracked.frame.t_ns, tracked.unreadable);
+            }
             return std::move(tracked.frame);
           },
-          record};
+          record, damaged};
 }
 
 }  // namespace
@@ -104,7 +141,7 @@ ImageFrames recorded(Take take) {
 
 RepeatedFrames repeated_frames(const Recording& recording, const FrontendArguments& arguments) {
   if (recording.images.empty()) {
-    return [&recording] { return ImageFrames{matched_frames(recording), nullptr}; };
+    return [&recording] { return ImageFrames{matched_frames(recording)}; };
   }
 #ifdef LIMBER_WITH_FRONTEND
   auto kept = std::make_shared<KeptFrames>(tracked_frames(recording, arguments));
@@ -118,7 +155,7 @@ RepeatedFrames repeated_frames(const Recording& recording, const FrontendArgumen
 
 ImageFrames image_frames(const Recording& recording, const FrontendArguments& arguments) {
   if (recording.images.empty()) {
-    return {matched_frames(recording), nullptr};
+    return {matched_frames(recording)};
   }
 #ifdef LIMBER_WITH_FRONTEND
   return recorded(
@@ -137,7 +174,21 @@ FrameSource stoppable(FrameSource frames) {
 }
 
 FrameSource frame_source(const Recording& recording) {
-  return image_frames(recording, {.threads = 1}).frames;
+  return image_frames(recording, {.threads = 1, .keep_on = false}).frames;
+}
+
+bool note_damaged(const ImageFrames& source, std::vector<std::string>& notes) {
+  if (!source.damaged || source.damaged->damaged == 0) {
+    return false;
+  }
+  notes.push_back(
+      fmt::format("the images of {} of {} frames cannot be read: these have no points; the first, {}",
+                  source.damaged->damaged, source.damaged->frames, source.damaged->first));
+  return true;
+}
+
+void add_damaged(const ImageFrames& source, RunRecord& record) {
+  record.recording_partial |= note_damaged(source, record.notes);
 }
 
 }  // namespace limber::app

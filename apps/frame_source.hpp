@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "limber/run/run_recording.hpp"
 
@@ -11,14 +14,30 @@ namespace limber::app {
 struct FrontendArguments {
   int max_tracks = 120;  ///< points followed at a time
   int threads = 2;       ///< 1: images are read and tracked when the filter asks for them
+  bool keep_on = true;   ///< behind pairs that cannot be read
+};
+
+/// Pairs of images that could not be read. Each is a frame without points.
+struct DamagedPairs {
+  std::size_t frames = 0, damaged = 0;  ///< that were taken; of these
+  std::string first;                    ///< when, where and why of the first
 };
 
 /// Frames of a recording: its matched points, or its images through the front end.
 struct ImageFrames {
   FrameSource frames;
-  std::shared_ptr<FrontendRecord> record;  ///< of the frames taken so far; nothing for matched points
+  std::shared_ptr<FrontendRecord> record{};  ///< of the frames taken so far; nothing for matched points
+  std::shared_ptr<DamagedPairs> damaged{};   ///< the same
 };
 
+/// Adds to notes what could not be read; nothing where all could. @return whether there was any
+bool note_damaged(const ImageFrames& source, std::vector<std::string>& notes);
+
+/// The same of a run, which is partial then.
+void add_damaged(const ImageFrames& source, RunRecord& record);
+
+/// @brief A pair that cannot be read is a frame without points, unless the first ten are all so: then the
+/// first reason is thrown (DataError).
 /// @param recording  must outlive the source
 /// @throws std::runtime_error for images if this program was built without the front end
 [[nodiscard]] ImageFrames image_frames(const Recording& recording, const FrontendArguments& arguments);
@@ -35,7 +54,8 @@ using RepeatedFrames = std::function<ImageFrames()>;
 /// The same frames, until the user asks to stop. @throws Stopped then, in the place of a frame
 [[nodiscard]] FrameSource stoppable(FrameSource frames);
 
-/// The frames alone, made on the thread that asks for them.
+/// The frames alone, made on the thread that asks for them. @throws DataError, then, for a pair that cannot
+/// be read
 [[nodiscard]] FrameSource frame_source(const Recording& recording);
 
 }  // namespace limber::app

@@ -71,7 +71,7 @@ Diagnosis navigate(const HealthArguments& arguments, const Recording& recording,
   std::optional<Progress> progress;
   progress.emplace("health", frame_count(recording));
   return diagnose_recording(
-      recording, options, image_frames(recording, arguments.frontend).frames,
+      recording, options, image_frames(recording, arguments.frontend),
       [&](std::size_t n) { progress->done(n); },
       [&](const RunRecord& record, const RunSummary& summary) {
         progress.reset();

@@ -39,7 +39,11 @@ void recalibrate_dataset(const RecalibrateArguments& arguments) {
   const Recording recording = open_recording(arguments);
   RecalibrateOptions options;
   options.run = to_run_options(arguments, recording);
-  const FramesOf frames = [](const Recording& of) { return stoppable(frame_source(of)); };
+  const FramesOf frames = [&](const Recording& of) {
+    ImageFrames images = image_frames(of, arguments.frontend);
+    images.frames = stoppable(std::move(images.frames));
+    return images;
+  };
   RecalibrationOutcome outcome;
   {
     Progress progress("recalibrate", 100);

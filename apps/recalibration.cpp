@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "recalibration.hpp"
 
+#include <algorithm>
 #include <string_view>
 
 #include "frame_source.hpp"
@@ -31,7 +32,7 @@ std::optional<BeforeAfter> ate_of(const Recording& recording, const RunOptions& 
     Recording with = recording;
     with.calibration = *calibration;
     try {
-      const RunRecord record = run_recording(with, options, frames(with));
+      const RunRecord record = run_recording(with, options, frames(with).frames);
       const auto ate = summarize(with, options, record).ate_se3_m;
       if (!ate) {
         return std::nullopt;
@@ -46,13 +47,24 @@ std::optional<BeforeAfter> ate_of(const Recording& recording, const RunOptions& 
   return BeforeAfter{ates[0], ates[1]};
 }
 
+/// What an earlier recalibration wrote in formats that cannot say this one: it would pass for its own.
+void remove_older(const fs::path& folder, const std::vector<std::string>& written) {
+  for (const std::string& name : rig_file_names()) {
+    if (std::find(written.begin(), written.end(), name) == written.end()) {
+      fs::remove(folder / name);
+    }
+  }
+}
+
 }  // namespace
 
 RecalibrationOutcome recalibrate(const Recording& recording, const RecalibrateOptions& options,
                                  const FramesOf& frames, const std::function<void(std::size_t)>& progress) {
   RecalibrationOutcome out;
-  out.found = recalibrate_recording(recording, options, frames(recording), progress);
+  const ImageFrames images = frames(recording);
+  out.found = recalibrate_recording(recording, options, images.frames, progress);
   out.notes = out.found.notes;
+  (void)note_damaged(images, out.notes);
   out.ate = ate_of(recording, options.run, out.found, frames, out.notes);
   return out;
 }
@@ -73,6 +85,7 @@ void write_recalibration(const fs::path& folder, const RecalibrationOutcome& out
   std::vector<std::string> files;
   if (rig) {
     files = write_rig_files(folder, outcome.found.fitted, recording.imu_noise);
+    remove_older(folder, files);
   }
   write_file_atomically(folder / kRecalibrationFile,
                         to_json(outcome.found, recording.name, outcome.ate, files));

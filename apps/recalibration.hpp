@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "frame_source.hpp"
 #include "limber/run/recalibrate_recording.hpp"
 
 namespace limber::app {
@@ -20,7 +21,7 @@ struct RecalibrationOutcome {
 };
 
 /// Makes the frames of a recording; what these throw ends the work and passes through.
-using FramesOf = std::function<FrameSource(const Recording&)>;
+using FramesOf = std::function<ImageFrames(const Recording&)>;
 
 /// @brief recalibrate_recording, and what ekf makes of either calibration.
 /// @throws as recalibrate_recording
@@ -33,8 +34,9 @@ using FramesOf = std::function<FrameSource(const Recording&)>;
 void require_replaceable_recalibration(const std::filesystem::path& folder, bool force,
                                        const std::vector<std::filesystem::path>& inputs);
 
-/// Writes recalibration.json and, if `rig` is set, the corrected calibration in all formats. Makes the
-/// folder.
+/// @brief Writes recalibration.json and, if `rig` is set, the corrected calibration in all formats that can
+/// say it; files of the others' names, which require_replaceable_recalibration has let pass, are removed
+/// then. Makes the folder.
 void write_recalibration(const std::filesystem::path& folder, const RecalibrationOutcome& outcome,
                          const Recording& recording, bool rig);
 

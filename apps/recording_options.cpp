@@ -112,6 +112,7 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       .add_option("--threads", arguments.frontend.threads,
                   "Images: 2 reads and tracks them while the filter works, 1 in turn; the result is the same")
       ->check(whole_number(1, 2))
+      ->each([&arguments](const std::string&) { arguments.for_images = "--threads"; })
       ->capture_default_str();
   command
       .add_option("--false-alarms", arguments.false_alarms_per_hour,

@@ -113,6 +113,7 @@ RunRecord run_and_show(const Recording& recording, const RunOptions& options, co
   try {
     RunRecord record = run_recording(recording, options, watched, callbacks);
     if (source.record) add_frontend(*source.record, record);
+    add_damaged(source, record);
     if (view != nullptr) record.elapsed_s -= view->held_s();
     return record;
   } catch (const std::exception& error) {

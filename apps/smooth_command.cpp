@@ -57,16 +57,16 @@ void smooth(const SmoothArguments& arguments) {
   const Interrupt interrupt;
   const Recording recording = open_recording(arguments);
   const SmoothOptions options = to_options(arguments, recording);
+  const ImageFrames images = image_frames(recording, arguments.frontend);
   RunRecord record;
   {
     Progress progress("smooth", 100);
-    record =
-        smooth_recording(recording, options, stoppable(image_frames(recording, arguments.frontend).frames),
-                         [&](std::size_t percent) {
-                           Interrupt::check();
-                           progress.done(percent);
-                         });
+    record = smooth_recording(recording, options, stoppable(images.frames), [&](std::size_t percent) {
+      Interrupt::check();
+      progress.done(percent);
+    });
   }
+  add_damaged(images, record);
   RunSummary summary = summarize(recording, options.run, record);
   summary.method = "smooth-" + to_string(options.rig);
   {

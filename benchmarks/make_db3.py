@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Makes of an MCAP file without compression (limber convert ... --compression none) a ROS 2 bag in SQLite, as
-rosbag2_storage_sqlite3 lays it out, to measure how fast it is read: make_db3.py FILE.mcap FILE.db3"""
+rosbag2_storage_sqlite3 lays it out, to measure how fast it is read: make_db3.py FILE.mcap FILE.db3
+The tests' bag has the same tables (tests/bags/fixtures/make_sqlite_bag.py)."""
 import mmap
 import pathlib
 import sqlite3
@@ -60,7 +61,12 @@ def fill(database, data):
                              (number, t_ns, data[begin + 22 : end]))
 
 
-source, target = map(pathlib.Path, sys.argv[1:])
-target.unlink(missing_ok=True)
-with open(source, "rb") as file, sqlite3.connect(target) as connection:
-    fill(connection, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
+def main():
+    source, target = map(pathlib.Path, sys.argv[1:])
+    target.unlink(missing_ok=True)
+    with open(source, "rb") as file, sqlite3.connect(target) as connection:
+        fill(connection, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
+
+
+if __name__ == "__main__":
+    main()

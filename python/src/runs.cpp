@@ -104,6 +104,10 @@ void bind_run_options(py::module_& module) {
       py::arg("recording"), py::arg("options"), DOC(set_up_run));
 }
 
+app::ImageFrames on_this_thread(const Recording& recording) {
+  return app::image_frames(recording, {.threads = 1});
+}
+
 Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, const Observer& observe) {
   RunCallbacks callbacks;
   callbacks.stop = [] {
@@ -116,7 +120,9 @@ Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, 
       observe(frame.report);
     };
   }
-  RunRecord record = run_recording(*recording, options, app::frame_source(*recording), callbacks);
+  const app::ImageFrames images = on_this_thread(*recording);
+  RunRecord record = run_recording(*recording, options, images.frames, callbacks);
+  app::add_damaged(images, record);
   RunSummary summary = summarize(*recording, options, record);
   add_misled(options, record, summary);
   return {recording, options, std::move(record), std::move(summary)};
@@ -131,8 +137,10 @@ Run smooth(const std::shared_ptr<Recording>& recording, const RunOptions& run_op
   options.rig = model.rig;
   options.piece_s = model.piece_s;
   options.threads = threads;
-  RunRecord record = smooth_recording(*recording, options, app::frame_source(*recording),
-                                      [](std::size_t) { check_signals(); });
+  const app::ImageFrames images = on_this_thread(*recording);
+  RunRecord record =
+      smooth_recording(*recording, options, images.frames, [](std::size_t) { check_signals(); });
+  app::add_damaged(images, record);
   RunSummary summary = summarize(*recording, options.run, record);
   summary.method = "smooth-" + to_string(options.rig);
   return {recording, options.run, std::move(record), std::move(summary)};
@@ -171,7 +179,7 @@ void bind_recalibration(py::module_& module) {
       [](const std::shared_ptr<Recording>& recording, const RunOptions& run) {
         RecalibrateOptions options;
         options.run = run;
-        return Recalibrated{recording, app::recalibrate(*recording, options, app::frame_source,
+        return Recalibrated{recording, app::recalibrate(*recording, options, on_this_thread,
                                                         [](std::size_t) { check_signals(); })};
       },
       py::arg("recording"), py::arg("options"), py::call_guard<py::gil_scoped_release>(),
@@ -347,7 +355,7 @@ void bind_running(py::module_& module) {
           app::require_same_cameras(*earlier, corrected(recording.calibration, options.assume_error),
                                     "since");
         }
-        app::Diagnosis diagnosis = app::diagnose_recording(recording, options, app::frame_source(recording),
+        app::Diagnosis diagnosis = app::diagnose_recording(recording, options, on_this_thread(recording),
                                                            [](std::size_t) { check_signals(); });
         diagnosis.since = app::since_then(earlier, diagnosis);
         return std::tuple(to_json(diagnosis), to_text(diagnosis),

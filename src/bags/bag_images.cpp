@@ -38,7 +38,12 @@ int BagImages::find_bits() {
   const std::size_t looked = std::min(kLooked, pairs());
   unsigned brightest = 0;
   for (std::size_t k = 0; k < looked; ++k) {
-    const EncodedImage image = load(k % 2, k * pairs() / looked);
+    EncodedImage image;
+    try {
+      image = load(k % 2, k * pairs() / looked);
+    } catch (const DataError&) {  // a damaged one says nothing
+      continue;
+    }
     if (!image.encoding.ends_with("16") && image.encoding != "16UC1") {
       return 0;
     }

@@ -43,6 +43,7 @@ class BagReader {
                                         const std::string& types, bool (*fits)(MessageKind)) const;
   [[nodiscard]] std::vector<std::size_t> in_order(const BagStream& stream);
   void read_images();
+  [[nodiscard]] std::optional<detail::ImageSize> first_size(const BagStream& stream) const;
   void check_image(const BagStream& stream, Camera& camera) const;
   void judge_differences(const PairedTimes& paired, std::size_t left, std::size_t right);
   void read_imu(const BagStream& stream);
@@ -116,6 +117,23 @@ std::vector<std::size_t> BagReader::in_order(const BagStream& stream) {
   return order;
 }
 
+/// Of the first compressed image that says its own; of ten at most, since some may be damaged.
+std::optional<detail::ImageSize> BagReader::first_size(const BagStream& stream) const {
+  constexpr std::size_t kLooked = 10;
+  for (std::size_t k = 0; k < std::min(kLooked, stream.places.size()); ++k) {
+    try {
+      const auto image = decode_image(bag_->read(stream.places[k]), stream.topic.serialization, stream.kind);
+      std::istringstream content(image ? std::string(image->data.begin(), image->data.end()) : "");
+      if (const auto size = detail::image_size_of(content)) {
+        return size;
+      }
+    } catch (const DataError&) {
+      continue;
+    }
+  }
+  return std::nullopt;
+}
+
 void BagReader::check_image(const BagStream& stream, Camera& camera) const {
   int width = stream.first_image->image.width, height = stream.first_image->image.height;
   if (stream.other_images > 0) {
@@ -123,10 +141,7 @@ void BagReader::check_image(const BagStream& stream, Camera& camera) const {
          fmt::format("{} of {} that differ from the first", stream.other_images, stream.places.size()));
   }
   if (stream.kind == MessageKind::kCompressedImage) {
-    const auto image =
-        decode_image(bag_->read(stream.places.front()), stream.topic.serialization, stream.kind);
-    std::istringstream content(image ? std::string(image->data.begin(), image->data.end()) : "");
-    const auto size = detail::image_size_of(content);
+    const auto size = first_size(stream);
     if (!size) {
       fail(stream.topic.name + " with PNG or JPEG images",
            "the format " + detail::excerpt(stream.first_image->format));

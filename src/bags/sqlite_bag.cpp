@@ -12,6 +12,7 @@
 #include "limber/core/errors.hpp"
 #include "loss.hpp"
 #include "openers.hpp"
+#include "sqlite_pages.hpp"
 #include "sqlite_rows.hpp"
 
 namespace limber::detail {
@@ -34,15 +35,30 @@ class SqliteBag final : public BagFile {
   [[nodiscard]] std::string format() const override { return "ROS 2 bag (sqlite3)"; }
 
  private:
+  /// What one walk is about, and what it has met.
+  struct Walk {
+    const Visitor& visitor;
+    std::map<std::int64_t, std::size_t> indices;  ///< of topics, by id
+    std::vector<std::size_t> wanted;              ///< bytes of the messages of each topic
+    std::size_t damaged = 0, gaps = 0;
+  };
   void require_table(const std::string& name) const;
   [[nodiscard]] std::map<std::int64_t, std::size_t> read_topics();
+  void hand_out(Walk& walk, const MessageRow& row);
   /// The first `count` bytes of a message, or all of them; its size goes to `size`.
+  void read_data(const BagPlace& place, std::uint64_t count, std::vector<std::uint8_t>& out,
+                 std::uint64_t& size);
   void read_blob(std::int64_t row, std::uint64_t count, std::vector<std::uint8_t>& out, std::uint64_t& size);
   [[nodiscard]] std::optional<std::int64_t> time_of(std::optional<std::int64_t> row) const;
-  void tell_gaps(const std::vector<RowGap>& gaps);
+  [[nodiscard]] SqlitePages& pages();
+  [[nodiscard]] std::vector<MessageLeaf> all_leaves(const Walk& walk);
+  [[nodiscard]] std::string fill_gap(Walk& walk, const RowGap& gap);
+  void take_gap(Walk& walk, const RowGap& gap);
 
   SqliteFile file_;
   std::unique_ptr<sqlite3_blob, CloseBlob> blob_;  // goes before the database does
+  std::unique_ptr<SqlitePages> pages_;             // once they are needed
+  std::optional<std::vector<MessageLeaf>> leaves_;
   std::vector<BagTopic> topics_;
   std::vector<std::string> damages_;
 };
@@ -97,39 +113,57 @@ void SqliteBag::read_blob(std::int64_t row, std::uint64_t count, std::vector<std
   }
 }
 
+void SqliteBag::read_data(const BagPlace& place, std::uint64_t count, std::vector<std::uint8_t>& out,
+                          std::uint64_t& size) {
+  if (place.within != 0) {
+    pages().read(place.within, count, out, size);
+  } else {
+    read_blob(static_cast<std::int64_t>(place.at), count, out, size);
+  }
+}
+
+void SqliteBag::hand_out(Walk& walk, const MessageRow& row) {
+  try {
+    const auto topic = walk.indices.find(row.topic_id);
+    if (topic == walk.indices.end()) {
+      throw Damage(fmt::format("the message in row {} is of an unknown topic", row.row));
+    }
+    BagMessage message{topic->second, row.t_ns, {}, {}};
+    message.place.at = static_cast<std::uint64_t>(row.row);
+    message.place.within = row.cell;
+    std::vector<std::uint8_t> data;
+    if (const std::size_t wanted = walk.wanted[topic->second]; wanted > 0) {
+      read_data(message.place, wanted, data, message.place.size);
+    }
+    message.data = data;
+    walk.visitor(message);
+  } catch (const Damage& damage) {
+    if (walk.damaged++ == 0) {
+      damages_.push_back(fmt::format("{}: {}; it is left out", file_.path().string(), damage.what()));
+    }
+  }
+}
+
 void SqliteBag::walk(const Wanted& wanted, const Visitor& visitor) {
   topics_.clear();
   damages_.clear();
-  const auto indices = read_topics();
-  std::vector<std::size_t> wanted_bytes;
-  std::transform(topics_.begin(), topics_.end(), std::back_inserter(wanted_bytes), wanted);
-  std::vector<std::uint8_t> data;
-  std::size_t damaged = 0;
-  const auto visit = [&](std::int64_t row, SqliteStatement& rows) {
-    const auto topic = indices.find(rows.get<std::int64_t>());
-    try {
-      if (topic == indices.end()) {
-        throw Damage(fmt::format("the message in row {} is of an unknown topic", row));
-      }
-      BagMessage message{topic->second, rows.get<std::int64_t>(), {}, {}};
-      message.place.at = static_cast<std::uint64_t>(row);
-      data.clear();
-      if (wanted_bytes[topic->second] > 0) {
-        read_blob(row, wanted_bytes[topic->second], data, message.place.size);
-      }
-      message.data = data;
-      visitor(message);
-    } catch (const Damage& damage) {
-      if (damaged++ == 0) {
-        damages_.push_back(fmt::format("{}: {}; it is left out", file_.path().string(), damage.what()));
-      }
+  leaves_.reset();
+  Walk walk{visitor, read_topics(), {}};
+  std::transform(topics_.begin(), topics_.end(), std::back_inserter(walk.wanted), wanted);
+  visit_rows(
+      file_, "messages", "topic_id, timestamp",
+      [&](std::int64_t row, SqliteStatement& columns) {
+        const auto topic_id = columns.get<std::int64_t>();
+        hand_out(walk, {row, topic_id, columns.get<std::int64_t>()});
+      },
+      [&](const RowGap& gap) { take_gap(walk, gap); });
+  const auto more = [&](std::size_t count, std::size_t told, const char* what) {
+    if (count > told) {
+      damages_.push_back(fmt::format("{}: {} more damaged {}", file_.path().string(), count - told, what));
     }
   };
-  const auto gaps = visit_rows(file_, "messages", "topic_id, timestamp", visit);
-  tell_gaps(gaps);
-  if (damaged > 1) {
-    damages_.push_back(fmt::format("{}: {} more damaged messages", file_.path().string(), damaged - 1));
-  }
+  more(walk.gaps, kMostDamages, "pages");
+  more(walk.damaged, 1, "messages");
 }
 
 std::optional<std::int64_t> SqliteBag::time_of(std::optional<std::int64_t> row) const {
@@ -140,18 +174,69 @@ std::optional<std::int64_t> SqliteBag::time_of(std::optional<std::int64_t> row) 
   return time.put(*row).step() ? std::optional(time.get<std::int64_t>()) : std::nullopt;
 }
 
-void SqliteBag::tell_gaps(const std::vector<RowGap>& gaps) {
-  const std::string file = file_.path().string();
-  for (std::size_t k = 0; k < std::min(gaps.size(), kMostDamages); ++k) {
-    const RowGap& gap = gaps[k];
-    const std::string rows =
-        gap.after ? fmt::format("rows {} to {} are left out", gap.before.value_or(0) + 1, *gap.after - 1)
-                  : fmt::format("what follows row {} is left out", gap.before.value_or(0));
-    damages_.push_back(fmt::format("{}: a damaged page ({}); {}{}", file, gap.why, rows,
-                                   when_lost(time_of(gap.before), time_of(gap.after))));
+SqlitePages& SqliteBag::pages() {
+  if (!pages_) {
+    pages_ = std::make_unique<SqlitePages>(file_.path());
   }
-  if (gaps.size() > kMostDamages) {
-    damages_.push_back(fmt::format("{}: {} more damaged pages", file, gaps.size() - kMostDamages));
+  return *pages_;
+}
+
+/// All sound pages of messages; none where they cannot be told from old ones.
+std::vector<MessageLeaf> SqliteBag::all_leaves(const Walk& walk) {
+  SqliteStatement columns = file_.prepare("SELECT group_concat(name) FROM pragma_table_info('messages')");
+  std::error_code none;
+  const auto newer = std::filesystem::file_size(file_.path().string() + "-wal", none);
+  if (!columns.step() || columns.get_bytes() != "id,topic_id,timestamp,data" || (!none && newer > 0)) {
+    return {};
+  }
+  try {
+    return pages().leaves([&](std::int64_t topic) { return walk.indices.count(topic) != 0; });
+  } catch (const Damage&) {
+    return {};
+  }
+}
+
+/// Rows from `first` on that end before `end`, or do not; and when.
+std::string rows_lost(std::int64_t first, std::optional<std::int64_t> end, const std::string& when) {
+  return (end ? fmt::format("rows {} to {} are left out", first, *end - 1)
+              : fmt::format("what follows row {} is left out", first - 1)) +
+         when;
+}
+
+/// Hands out the rows of a gap whose own pages are sound. @return what has become of its rows, in words
+std::string SqliteBag::fill_gap(Walk& walk, const RowGap& gap) {
+  if (!leaves_) {
+    leaves_ = all_leaves(walk);
+  }
+  std::int64_t next = gap.before.value_or(0) + 1, found = 0;
+  std::optional<std::int64_t> before_ns = time_of(gap.before);
+  std::string read, lost;
+  for (const MessageLeaf& leaf : *leaves_) {
+    if (leaf.first <= gap.before.value_or(-1) || (gap.after && leaf.last >= *gap.after)) {
+      continue;
+    }
+    const auto rows = pages().rows(leaf);
+    if (!rows.empty() && leaf.first > next) {
+      lost += "; " + rows_lost(next, leaf.first, when_lost(before_ns, rows.front().t_ns));
+    }
+    for (const MessageRow& row : rows) {
+      hand_out(walk, row);
+      before_ns = row.t_ns;
+    }
+    found += static_cast<std::int64_t>(rows.size());
+    next = leaf.last + 1;
+    read = fmt::format("; {} rows up to {} are read from their own pages, to which it led", found, leaf.last);
+  }
+  if (gap.after ? next < *gap.after : found == 0) {
+    lost += "; " + rows_lost(next, gap.after, when_lost(before_ns, time_of(gap.after)));
+  }
+  return read + lost;
+}
+
+void SqliteBag::take_gap(Walk& walk, const RowGap& gap) {
+  const std::string became = fill_gap(walk, gap);
+  if (walk.gaps++ < kMostDamages) {
+    damages_.push_back(fmt::format("{}: a damaged page ({}){}", file_.path().string(), gap.why, became));
   }
 }
 
@@ -159,7 +244,7 @@ std::vector<std::uint8_t> SqliteBag::read(const BagPlace& place) {
   std::vector<std::uint8_t> out;
   std::uint64_t size = 0;
   try {
-    read_blob(static_cast<std::int64_t>(place.at), kLargestPiece, out, size);
+    read_data(place, kLargestPiece, out, size);
   } catch (const Damage& damage) {
     throw DataError(file_.path().string(), 0, "a message", damage.what());
   }

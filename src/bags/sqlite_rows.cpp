@@ -82,9 +82,9 @@ bool step(const SqliteFile& file, SqliteStatement& rows, std::string& why) {
 
 }  // namespace
 
-std::vector<RowGap> visit_rows(const SqliteFile& file, const std::string& table, const std::string& columns,
-                               const std::function<void(std::int64_t, SqliteStatement&)>& visit) {
-  std::vector<RowGap> gaps;
+void visit_rows(const SqliteFile& file, const std::string& table, const std::string& columns,
+                const std::function<void(std::int64_t, SqliteStatement&)>& visit,
+                const std::function<void(const RowGap&)>& missing) {
   std::optional<std::int64_t> from = kFirstRow, last;
   while (from) {
     SqliteStatement rows =
@@ -99,9 +99,8 @@ std::vector<RowGap> visit_rows(const SqliteFile& file, const std::string& table,
       break;
     }
     from = RowSeeker(file, table).beyond(std::max(last.value_or(kFirstRow), *from));
-    gaps.push_back({last, from, why});
+    missing({last, from, why});
   }
-  return gaps;
 }
 
 }  // namespace limber::detail

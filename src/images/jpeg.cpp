@@ -22,14 +22,19 @@ Handle opened(tjhandle made) {
   return Handle(made);
 }
 
-/// A file that ends too soon is only a warning to libjpeg; other warnings (bytes between segments) lose
+/// Pixels that are missing or made up are only warnings to libjpeg; others (bytes between segments) lose
 /// nothing.
+bool loses_pixels(const std::string& warning) {
+  return warning.find("Corrupt JPEG data") != std::string::npos &&
+         warning.find("extraneous bytes") == std::string::npos;
+}
+
 void check(int status, const Handle& jpeg) {
   if (status == 0) return;
   const std::string said = tjGetErrorStr2(jpeg.get());
   if (said.find("Premature end") != std::string::npos)
     throw std::runtime_error("a JPEG file that was cut off");
-  if (tjGetErrorCode(jpeg.get()) != TJERR_WARNING) {
+  if (tjGetErrorCode(jpeg.get()) != TJERR_WARNING || loses_pixels(said)) {
     throw std::runtime_error("a JPEG file that cannot be decoded: " + said);
   }
 }

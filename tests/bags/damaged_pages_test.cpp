@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // ROS 2 bags in SQLite with damaged pages, and messages that are packed one by one.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,7 +8,9 @@
 
 #include "datasets/files.hpp"
 #include "fixtures.hpp"
+#include "io/sqlite.hpp"
 #include "limber/bags/read_bag.hpp"
+#include "limber/core/random.hpp"
 #include "true_samples.hpp"
 
 namespace limber {
@@ -16,17 +19,22 @@ namespace {
 using namespace limber::testing;
 using ::testing::HasSubstr;
 
-/// Where the pages of a database begin that hold rows of a table.
-std::vector<std::size_t> leaf_pages(const std::string& content) {
-  constexpr std::size_t kPage = 4096;
-  constexpr char kTableLeaf = 0x0d;
+constexpr char kTableLeaf = 0x0d, kTableInterior = 0x05;
+
+/// Where the pages of a database begin that are of a type.
+std::vector<std::size_t> pages_of(const std::string& content, char type, std::size_t size) {
   std::vector<std::size_t> out;
-  for (std::size_t at = kPage; at + kPage <= content.size(); at += kPage) {
-    if (content[at] == kTableLeaf) {
+  for (std::size_t at = size; at + size <= content.size(); at += size) {
+    if (content[at] == type) {
       out.push_back(at);
     }
   }
   return out;
+}
+
+/// Those that hold rows of a table.
+std::vector<std::size_t> leaf_pages(const std::string& content) {
+  return pages_of(content, kTableLeaf, 4096);
 }
 
 std::size_t imu_samples(const BagContents& contents) { return stream_of(contents, "/imu0").imu.size(); }
@@ -87,6 +95,124 @@ TEST(DamagedPage, TwoOfThemKeepWhatStandsBetween) {
   EXPECT_LT(readable_messages(contents), whole);
   EXPECT_GT(imu_samples(contents), 0u);
   expect_true_samples(contents);
+}
+
+constexpr std::size_t kSmallPage = 512;
+
+/// The messages of ros2.db3 four times, on small pages: below the root of the tree stand others that lead to
+/// its rows. Images go over several pages.
+std::string deep_bag(const fs::path& path, const std::string& last_command = "") {
+  write_text(path, read_text(fixture("ros2.db3")));
+  detail::SqliteFile file(path, detail::SqliteFile::Mode::kCreate, "a bag");
+  for (int k = 0; k < 2; ++k) {
+    file.execute(
+        "INSERT INTO messages(topic_id, timestamp, data) SELECT topic_id, timestamp, data FROM messages");
+  }
+  file.execute(fmt::format("PRAGMA page_size = {}; VACUUM; PRAGMA secure_delete = OFF", kSmallPage));
+  if (!last_command.empty()) {
+    file.execute(last_command);
+  }
+  return read_text(path);
+}
+
+/// Topic, bag time and all bytes of every message, in order.
+std::vector<std::string> all_messages(const fs::path& path) {
+  const auto bag = open_bag(path);
+  std::vector<std::pair<std::string, BagPlace>> found;
+  bag->walk([](const BagTopic&) { return 24; },
+            [&](const BagMessage& message) {
+              found.emplace_back(fmt::format("{} {} ", bag->topics()[message.topic].name, message.t_ns),
+                                 message.place);
+            });
+  std::vector<std::string> out;
+  for (auto& [text, place] : found) {
+    const auto data = bag->read(place);
+    out.push_back(text.append(data.begin(), data.end()));
+  }
+  return out;
+}
+
+TEST(InteriorPage, ThatIsDamagedHidesNoRow) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "x.db3";
+  const std::string sound = deep_bag(path);
+  const auto whole = all_messages(path);
+  const auto interior = pages_of(sound, kTableInterior, kSmallPage);
+  ASSERT_GE(interior.size(), 3u) << "a root, and more than one page below it";
+  for (const std::size_t page : interior) {
+    std::string other = sound;
+    other.replace(page, kSmallPage, std::string(kSmallPage, '\xee'));
+    EXPECT_EQ(all_messages(write_text(path, other)), whole) << page;
+    const BagContents contents = scan_bag(*open_bag(path));
+    EXPECT_FALSE(contents.whole);
+    ASSERT_THAT(contents.damages, ::testing::SizeIs(1));
+    EXPECT_THAT(contents.damages.front(), HasSubstr("are read from their own pages, to which it led"));
+    EXPECT_THAT(contents.damages.front(), ::testing::Not(HasSubstr("left out")));
+  }
+}
+
+TEST(InteriorPage, ThatIsDamagedBesideALeafCostsTheRowsOfThat) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "x.db3";
+  std::string other = deep_bag(path);
+  const auto whole = all_messages(path);
+  const auto leaves = pages_of(other, kTableLeaf, kSmallPage);
+  for (const std::size_t page : pages_of(other, kTableInterior, kSmallPage)) {
+    other.replace(page, kSmallPage, std::string(kSmallPage, '\0'));
+  }
+  other.replace(leaves[leaves.size() / 2], kSmallPage, std::string(kSmallPage, '\0'));
+  const auto read = all_messages(write_text(path, other));
+  EXPECT_LT(read.size(), whole.size());
+  EXPECT_GE(read.size() + 3, whole.size()) << "a page of 512 bytes holds few rows";
+  EXPECT_TRUE(std::includes(whole.begin(), whole.end(), read.begin(), read.end(), [&](auto& a, auto& b) {
+    return std::find(whole.begin(), whole.end(), a) < std::find(whole.begin(), whole.end(), b);
+  }));
+  EXPECT_THAT(scan_bag(*open_bag(path)).damages,
+              ::testing::ElementsAre(HasSubstr("are left out, between the messages of ")));
+}
+
+TEST(InteriorPage, ThatIsDamagedRaisesNoDeletedRow) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "x.db3";
+  const std::string sound = deep_bag(path, "DELETE FROM messages WHERE id BETWEEN 30 AND 120");
+  const auto whole = all_messages(path);
+  EXPECT_LT(whole.size(), all_messages(fixture("ros2.db3")).size() * 4 - 80);
+  const auto interior = pages_of(sound, kTableInterior, kSmallPage);
+  const auto with_all_broken = [&](std::string other) {
+    for (const std::size_t page : interior) {
+      other.replace(page, kSmallPage, std::string(kSmallPage, '\xee'));
+    }
+    return all_messages(write_text(path, other));
+  };
+  EXPECT_EQ(with_all_broken(sound), whole) << "by the list of free pages";
+  std::string other = sound;
+  other.replace(32, 4, std::string(4, '\x7f'));
+  EXPECT_THAT(with_all_broken(other), ::testing::IsEmpty()) << "without that list nothing is taken";
+}
+
+TEST(InteriorPage, WhoseFileHasFlippedBytesGivesNoOtherSamples) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "x.db3";
+  std::string sound = deep_bag(path);
+  const std::size_t whole = all_messages(path).size();
+  for (const std::size_t page : pages_of(sound, kTableInterior, kSmallPage)) {
+    sound.replace(page, kSmallPage, std::string(kSmallPage, '\xee'));
+  }
+  const RandomStream random(1, 0, "pages");
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    std::string other = sound;
+    for (std::uint64_t k = 0; k < 1 + i % 40; ++k) {  // heads of pages and cells, where structure is
+      const auto page =
+          static_cast<std::size_t>(random.uniform(i, 3 * k) * static_cast<double>(sound.size())) / kSmallPage;
+      const auto at = page * kSmallPage + static_cast<std::size_t>(random.uniform(i, 3 * k + 1) * 12.0);
+      if (page > 0) other[at] = static_cast<char>(256.0 * random.uniform(i, 3 * k + 2));
+    }
+    try {
+      EXPECT_LE(all_messages(write_text(path, other)).size(), whole);
+    } catch (const DataError& error) {
+      EXPECT_EQ(error.file(), path.string());
+    }
+  }
 }
 
 TEST(PackedMessage, BeginsAsTheWholeOfItDoes) {

@@ -288,10 +288,13 @@ TEST_F(BagCommands, ARunThatBecameMessagesGivesItsTrajectoryAgain) {
       run_limber({"evaluate", path("run"), path("run.mcap"), "--estimate-topic", "/x"});
   EXPECT_EQ(no_bag.exit_code, 1);
   EXPECT_THAT(no_bag.err, HasSubstr("expected a bag, for the topic /x"));
-  const ProgramResult no_images =
-      run_limber({"run", path("log"), "--max-tracks", "50", "--out", path("other")});
-  EXPECT_EQ(no_images.exit_code, 2);
-  EXPECT_THAT(no_images.err, HasSubstr("holds matched points, no images"));
+  for (const char* const option : {"--max-tracks", "--threads"}) {
+    const std::string value = option == std::string("--threads") ? "1" : "50";
+    const ProgramResult no_images = run_limber({"run", path("log"), option, value, "--out", path("other")});
+    EXPECT_EQ(no_images.exit_code, 2);
+    EXPECT_THAT(no_images.err, HasSubstr(option));
+    EXPECT_THAT(no_images.err, HasSubstr("holds matched points, no images"));
+  }
   ASSERT_EQ(convert(path("run.mcap"), path("truth.tum"), {"--topics", "truth=/groundtruth"}).exit_code, 0);
   EXPECT_NE(read_text(path("truth.tum")), read_text(path("back.tum")));
   const ProgramResult no_recording = convert(path("run"), path("folder"));

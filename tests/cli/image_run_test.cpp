@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "cli/run_program.hpp"
 #include "frontend/painted_room.hpp"
@@ -129,20 +130,66 @@ TEST_F(ImageFolder, IsRefusedWhereAnImageIsMissing) {
   expect_refused(mav0() / "cam1/data.csv:4", "expected the image 100000000.png");
 }
 
-TEST_F(ImageFolder, IsRefusedWhereAnImageIsTornEvenHalfWay) {
-  const std::string whole = read_text(image("cam0", 4));
-  write_text(image("cam0", 4), whole.substr(0, whole.size() / 2));
-  expect_refused(image("cam0", 4), "found a PNG file that was cut off");
+/// `limber run` with these arguments goes on behind a damaged image, and says so.
+void expect_one_lost_frame(const std::vector<std::string>& arguments, const fs::path& out,
+                           const std::string& what) {
+  const auto result = testing::run_limber(arguments);
+  EXPECT_EQ(result.exit_code, 1) << "as of other damage";
+  EXPECT_THAT(result.err, HasSubstr("the images of 1 of 6 frames cannot be read"));
+  EXPECT_THAT(result.err, HasSubstr(what));
+  const auto summary = nlohmann::json::parse(read_text(out / "summary.json"));
+  EXPECT_EQ(summary["frames"], kFrames);
+  EXPECT_FALSE(summary["complete"]);
+  EXPECT_LT(summary["ate_m"]["se3"], 0.05);
 }
 
-TEST_F(ImageFolder, IsRefusedWhereAnImageIsNoneOrOfAnotherSize) {
-  write_text(image("cam1", 4), "this is no image");
-  expect_refused(image("cam1", 4), "found nothing that can be decoded as an image");
-  write_png(image("cam1", 4), 120, 100, std::vector<std::uint8_t>(12'000, 9));
-  expect_refused(image("cam1", 4), "found 120 x 100 px");
+TEST_F(ImageFolder, GoesOnWhereAnImageIsTornOrNoneOrOfAnotherSize) {
+  const std::string whole = read_text(image("cam0", 4));
   // Small as a file, 900 million pixels unpacked: refused by its header.
-  write_text(image("cam1", 4), testing::png_header(30'000, 30'000) + std::string(1000, '\0') + "IEND1234");
-  expect_refused(image("cam1", 4), "found 30000 x 30000 px");
+  const std::string huge = testing::png_header(30'000, 30'000) + std::string(1000, '\0') + "IEND1234";
+  const std::pair<std::string, const char*> damaged[] = {
+      {whole.substr(0, whole.size() / 2), "found a PNG file that was cut off"},
+      {"this is no image", "found nothing that can be decoded as an image"},
+      {huge, "found 30000 x 30000 px"}};
+  for (const auto& [content, words] : damaged) {
+    write_text(image("cam0", 4), content);
+    for (const char* const threads : {"1", "2"}) {
+      expect_one_lost_frame(
+          {"run", mav0().parent_path().string(), "--threads", threads, "--out", out().string(), "--force"},
+          out(), "at 200000000 ns: " + image("cam0", 4).string() + ": ");
+      EXPECT_THAT(read_text(out() / "summary.json"), HasSubstr(words));
+    }
+  }
+}
+
+TEST_F(ImageFolder, GoesOnWhereTheFirstImageIsDamagedBehindItsHeader) {
+  const std::string whole = read_text(image("cam1", 0));
+  write_text(image("cam1", 0), whole.substr(0, whole.size() / 2));
+  expect_one_lost_frame({"run", mav0().parent_path().string(), "--out", out().string()}, out(),
+                        "at 0 ns: " + image("cam1", 0).string());
+}
+
+TEST_F(ImageFolder, IsRefusedWhereNoImageCanBeUsed) {
+  for (std::int64_t k = 0; k < kFrames; ++k) {
+    const std::string whole = read_text(image("cam1", k));
+    write_text(image("cam1", k), whole.substr(0, whole.size() / 2));
+  }
+  expect_refused(image("cam1", kFrames - 1), "found a PNG file that was cut off");
+}
+
+TEST_F(ImageFolder, AsABagGoesOnWhereAPictureInItIsDamaged) {
+  const std::string data = mav0().parent_path().string();
+  const fs::path bag = mav0().parent_path() / "x.mcap";
+  ASSERT_EQ(testing::run_limber({"convert", data, "--out", bag.string(), "--compression", "none"}).exit_code,
+            0);
+  std::string content = read_text(bag);
+  const std::string picture = read_text(image("cam1", 3));
+  const std::size_t at = content.find(picture);
+  ASSERT_NE(at, std::string::npos) << "as it lay in the folder";
+  content.replace(at + picture.size() / 2, 64, std::string(64, '\xee'));
+  write_text(bag, content);
+  expect_one_lost_frame({"run", bag.string(), "--calib", data, "--out", out().string()}, out(),
+                        "at 150000000 ns: " + bag.string() + ", topic ");
 }
 
 }  // namespace

@@ -70,6 +70,24 @@ TEST_F(RecalibrateCommand, MendsAWrongOneInEveryFormat) {
   EXPECT_LT(report()["ate_ekf_m"]["corrected"].get<double>(), report()["ate_ekf_m"]["given"].get<double>());
 }
 
+TEST_F(RecalibrateCommand, LeavesNoOlderFileThatCannotSayTheLens) {
+  Scenario scenario = testing::short_scenario();
+  scenario.duration = 4.0;
+  scenario.decalibration.clear();
+  scenario.rig.cam0.distortion = scenario.rig.cam1.distortion = Omni{.xi = 0.5};
+  fs::remove_all(log());
+  write_track_log(simulate(scenario, 3), log());
+  for (const char* const name : {"stereo.yml", "calib_cam_to_cam.txt", "camchain.yaml", "notes.txt"}) {
+    write_text(out() / name, "of an earlier lens\n");
+  }
+  const ProgramResult result = recalibrate({"--write-anyway", "--force"});
+  EXPECT_NE(result.exit_code, 1) << result.err;
+  EXPECT_FALSE(fs::exists(out() / "stereo.yml"));
+  EXPECT_FALSE(fs::exists(out() / "calib_cam_to_cam.txt"));
+  EXPECT_THAT(read_text(out() / "camchain.yaml"), HasSubstr("omni"));
+  EXPECT_TRUE(fs::exists(out() / "notes.txt")) << "no file of ours";
+}
+
 TEST_F(RecalibrateCommand, ReplacesNothingOfOthers) {
   const auto others = write_text(out() / "camchain.yaml", "cam0: mine\n");
   expect_refused(recalibrate(), 1, "camchain.yaml");

@@ -137,6 +137,18 @@ TEST(DecodePicture, SaysWhatIsWrongWithAFile) {
             "name: expected a PNG, JPEG, TIFF, PGM or PPM image, found another format");
 }
 
+TEST(DecodePicture, RefusesAJpegWhosePixelsAreMadeUp) {
+  Bytes file = written_by_opencv(".jpg", noise(CV_8UC1));
+  for (std::size_t k = file.size() / 2; k + 4 < file.size(); k += 2) {
+    file[k] = 0xff;  // nothing but ones, which is no code of Huffman's
+    file[k + 1] = 0;
+  }
+  EXPECT_THROW((void)decode_picture(text_of(file), Colours::kToGrey, "x"), DataError);
+  file = written_by_opencv(".jpg", noise(CV_8UC1));
+  file.insert(file.end() - 2, 3, 0);  // behind the pixels
+  EXPECT_NO_THROW((void)decode_picture(text_of(file), Colours::kToGrey, "x"));
+}
+
 /// Any byte of a file may be another one: the answer is an image or a DataError.
 TEST(DecodePicture, OutlivesFlippedBytes) {
   cv::RNG random(11);

@@ -20,6 +20,7 @@
 #include "limber/simulate/scenario_file.hpp"
 #include "real_data.hpp"
 #include "simulate/recordings.hpp"
+#include "simulate/scenarios.hpp"
 #include "source_folder.hpp"
 
 namespace limber {
@@ -27,132 +28,10 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector4d;
+using testing::brief;
+using testing::observation_count;
 using testing::same;
-
-Scenario shipped(const std::string& name) {
-  return read_scenario(testing::source_folder() / "scenarios" / (name + ".yaml"));
-}
-
-/// A few seconds of the paper's case (i).
-Scenario brief(double duration = 3.0) {
-  Scenario s;
-  s.duration = duration;
-  return s;
-}
-
-std::size_t observation_count(const Recording& recording) {
-  std::size_t n = 0;
-  for (const StereoFrame& frame : recording.frames) {
-    n += frame.observations.size();
-  }
-  return n;
-}
-
-// ---- one seed, one answer
-
-TEST(Simulate, GivesTheSameBitsForTheSameSeedAndRun) {
-  for (const char* name : {"paper_iv", "drone_square", "walk"}) {
-    const Scenario s = shipped(name);
-    const Recording a = simulate(s, 3, 5), b = simulate(s, 3, 5);
-    EXPECT_TRUE(same(a.imu, b.imu)) << name;
-    EXPECT_TRUE(same(a.odometry, b.odometry)) << name;
-    EXPECT_TRUE(same(a.frames, b.frames)) << name;
-    EXPECT_TRUE(same(a.truth.motion.states, b.truth.motion.states)) << name;
-    EXPECT_TRUE(same(a.truth.rig, b.truth.rig)) << name;
-    EXPECT_EQ(a.truth.landmarks, b.truth.landmarks) << name;
-  }
-}
-
-TEST(Simulate, GivesOtherDrawsForAnotherSeedOrRun) {
-  const Recording a = simulate(brief(), 1, 0);
-  for (const Recording& b : {simulate(brief(), 2, 0), simulate(brief(), 1, 1)}) {
-    EXPECT_NE(a.imu[7].omega_imu, b.imu[7].omega_imu);
-    EXPECT_NE(a.truth.motion.states[7].p_world_body, b.truth.motion.states[7].p_world_body);
-    EXPECT_NE(a.truth.motion.states[7].bias_gyro, b.truth.motion.states[7].bias_gyro);
-    EXPECT_NE(a.truth.landmarks, b.truth.landmarks);
-  }
-}
-
-TEST(Simulate, KeepsTrajectoryAndWorldInAllRunsWhenAskedTo) {
-  Scenario s = brief();
-  s.same_world_in_all_runs = true;
-  const Recording a = simulate(s, 1, 0), b = simulate(s, 1, 1);
-  EXPECT_EQ(a.truth.motion.states.back().p_world_body, b.truth.motion.states.back().p_world_body);
-  EXPECT_EQ(a.truth.landmarks.begin()->second, b.truth.landmarks.begin()->second);
-  EXPECT_NE(a.imu[7].omega_imu, b.imu[7].omega_imu);
-  EXPECT_NE(a.frames[0].observations[0].uv_cam0, b.frames[0].observations[0].uv_cam0);
-}
-
-// ---- switching one thing off leaves the rest as it is
-
-/// Pixel noise by (frame, track).
-std::map<std::pair<std::int64_t, std::int64_t>, Vector4d> pixel_noise(const Recording& recording) {
-  std::map<std::pair<std::int64_t, std::int64_t>, Vector4d> noise;
-  testing::visit_residuals(recording,
-                           [&](const StereoFrame& frame, const StereoObservation& o, const Vector4d& r) {
-                             noise[{frame.t_ns, o.track_id}] = r;
-                           });
-  return noise;
-}
-
-TEST(RandomStreams, AreNotMovedByADecalibration) {
-  const Recording exact = simulate(shipped("paper_i"), 1), bent = simulate(shipped("paper_v_strong"), 1);
-  EXPECT_TRUE(same(exact.truth.motion.states, bent.truth.motion.states));
-  EXPECT_TRUE(same(exact.imu, bent.imu));
-  const auto noise_exact = pixel_noise(exact), noise_bent = pixel_noise(bent);
-  std::size_t common = 0;
-  for (const auto& [key, noise] : noise_bent) {
-    if (const auto it = noise_exact.find(key); it != noise_exact.end()) {
-      ASSERT_LT((it->second - noise).norm(), 1e-9);
-      ++common;
-    }
-  }
-  EXPECT_GT(common, noise_exact.size() * 9 / 10);
-  EXPECT_NE(observation_count(exact), observation_count(bent));  // points at the edge come and go
-}
-
-TEST(RandomStreams, AreNotMovedByLeavingOutTheImu) {
-  Scenario s = brief();
-  const Recording with = simulate(s, 1);
-  s.use_imu = false;
-  const Recording without = simulate(s, 1);
-  EXPECT_TRUE(same(with.frames, without.frames));
-  EXPECT_EQ(with.truth.motion.states.back().R_world_body, without.truth.motion.states.back().R_world_body);
-}
-
-TEST(RandomStreams, AreNotMovedByAnOdometerOrByPixelNoise) {
-  Scenario s = brief();
-  const Recording plain = simulate(s, 1);
-  s.odometry = OdometryScenario{};
-  s.noise.pixel = 2.0;
-  const Recording other = simulate(s, 1);
-  EXPECT_TRUE(same(plain.imu, other.imu));
-  EXPECT_TRUE(same(plain.truth.motion.states, other.truth.motion.states));
-  EXPECT_EQ(plain.truth.landmarks, other.truth.landmarks);
-  const auto noise_plain = pixel_noise(plain);
-  for (const auto& [key, noise] : pixel_noise(other)) {
-    ASSERT_LT((noise - 4.0 * noise_plain.at(key)).norm(), 1e-9);
-  }
-}
-
-TEST(RandomStreams, AreNotMovedByDropouts) {
-  Scenario s = brief();
-  const Recording whole = simulate(s, 1);
-  s.dropout = {.right_detections = 0.3, .frames = 0.2, .imu_samples = 0.1};
-  const Recording part = simulate(s, 1);
-  std::size_t k = 0;
-  for (const ImuSample& sample : part.imu) {
-    while (whole.imu.at(k).t_ns < sample.t_ns) {
-      ++k;
-    }
-    ASSERT_TRUE(same(whole.imu[k], sample));
-  }
-  const auto noise_whole = pixel_noise(whole);
-  for (const auto& [key, noise] : pixel_noise(part)) {
-    ASSERT_EQ(noise.head<2>(), noise_whole.at(key).head<2>());
-    ASSERT_TRUE(std::isnan(noise[2]) || noise.tail<2>() == noise_whole.at(key).tail<2>());
-  }
-}
+using testing::shipped;
 
 // ---- pixels
 
@@ -336,105 +215,7 @@ TEST(MakeWorld, PutsPointsIntoTheViewOfTheLeftCamera) {
   }
 }
 
-// ---- IMU, odometry, truth
-
-TEST(SimulatedImu, AddsBiasAndWhiteNoiseOfTheStatedSizeToTheIdealReading) {
-  Scenario s;
-  const Recording noisy = simulate(s, 1);
-  s.noise.accel = s.noise.gyro = 0.0;
-  s.initial.bias_accel = s.initial.bias_gyro = 0.0;
-  const Recording ideal = simulate(s, 1);
-  Vector3d mean_gyro = Vector3d::Zero(), mean_accel = Vector3d::Zero();
-  double square_gyro = 0.0, square_accel = 0.0;
-  const double n = static_cast<double>(noisy.imu.size());
-  for (std::size_t k = 0; k < noisy.imu.size(); ++k) {
-    const Vector3d gyro =
-        noisy.imu[k].omega_imu - ideal.imu[k].omega_imu - noisy.truth.motion.states[k].bias_gyro;
-    const Vector3d accel =
-        noisy.imu[k].accel_imu - ideal.imu[k].accel_imu - noisy.truth.motion.states[k].bias_accel;
-    mean_gyro += gyro / n;
-    mean_accel += accel / n;
-    square_gyro += gyro.squaredNorm() / (3.0 * n);
-    square_accel += accel.squaredNorm() / (3.0 * n);
-  }
-  const double gyro = 0.5 * M_PI / 180.0, accel = 0.1;  // per sample, 100 Hz
-  EXPECT_LT(mean_gyro.cwiseAbs().maxCoeff(), 5.0 * gyro / std::sqrt(n));
-  EXPECT_LT(mean_accel.cwiseAbs().maxCoeff(), 5.0 * accel / std::sqrt(n));
-  EXPECT_NEAR(std::sqrt(square_gyro), gyro, 5.0 * gyro / std::sqrt(6.0 * n));
-  EXPECT_NEAR(std::sqrt(square_accel), accel, 5.0 * accel / std::sqrt(6.0 * n));
-  ASSERT_TRUE(noisy.imu_noise.has_value());
-  EXPECT_NEAR(noisy.imu_noise->gyro_density, gyro / 10.0, 1e-15);
-  EXPECT_NEAR(noisy.imu_noise->accel_density, accel / 10.0, 1e-15);
-  EXPECT_FALSE(ideal.imu_noise.has_value());
-  EXPECT_EQ(ideal.notes.size(), 1u);
-}
-
-// The trapezoidal rule on samples of 1 kHz.
-TEST(SimulatedImu, LeadsBackToTheGroundTruthWhenItIsFreeOfNoise) {
-  Scenario s = shipped("drone_none");
-  s.imu_rate = 1000.0;
-  s.noise.accel = s.noise.gyro = 0.0;
-  s.initial.bias_accel = s.initial.bias_gyro = 0.0;
-  s.duration = 20.0;
-  const Recording recording = simulate(s, 1);
-  GroundTruthState state = recording.truth.motion.states.front();
-  for (std::size_t k = 1; k < recording.imu.size(); ++k) {
-    const ImuSample &a = recording.imu[k - 1], &b = recording.imu[k];
-    const double dt = static_cast<double>(b.t_ns - a.t_ns) * 1e-9;
-    const Eigen::Matrix3d R_next = state.R_world_body * so3_exp(0.5 * dt * (a.omega_imu + b.omega_imu));
-    const Vector3d acceleration =
-        0.5 * (state.R_world_body * a.accel_imu + R_next * b.accel_imu) - 9.81 * Vector3d::UnitZ();
-    state.p_world_body += dt * state.v_world_body + 0.5 * dt * dt * acceleration;
-    state.v_world_body += dt * acceleration;
-    state.R_world_body = R_next;
-  }
-  const GroundTruthState& truth = recording.truth.motion.states.back();
-  EXPECT_LT((state.p_world_body - truth.p_world_body).norm(), 1e-3);
-  EXPECT_LT((state.v_world_body - truth.v_world_body).norm(), 1e-4);
-  EXPECT_LT(so3_log(state.R_world_body.transpose() * truth.R_world_body).norm(), 1e-5);
-}
-
-// 200 runs: five standard deviations of an estimated variance.
-TEST(SimulatedBiases, AreDrawnFromTheInitialSigmasAndWalkAsStated) {
-  Scenario s = brief(1.0);
-  s.world.points = 0;
-  s.noise.accel_walk = 0.2;
-  s.noise.gyro_walk = 0.1;
-  double start_gyro = 0.0, start_accel = 0.0, walk_gyro = 0.0, walk_accel = 0.0;
-  constexpr int kRuns = 200, kValues = 3 * kRuns;
-  for (std::uint64_t run = 0; run < kRuns; ++run) {
-    const Recording recording = simulate(s, 1, run);
-    const GroundTruthState &first = recording.truth.motion.states.front(),
-                           &last = recording.truth.motion.states.back();
-    start_gyro += first.bias_gyro.squaredNorm() / kValues;
-    start_accel += first.bias_accel.squaredNorm() / kValues;
-    walk_gyro += (last.bias_gyro - first.bias_gyro).squaredNorm() / kValues;
-    walk_accel += (last.bias_accel - first.bias_accel).squaredNorm() / kValues;
-  }
-  const double relative = 5.0 * std::sqrt(2.0 / kValues);
-  EXPECT_NEAR(start_gyro / 1e-6, 1.0, relative);
-  EXPECT_NEAR(start_accel / 1e-4, 1.0, relative);
-  EXPECT_NEAR(walk_gyro / 0.01, 1.0, relative);
-  EXPECT_NEAR(walk_accel / 0.04, 1.0, relative);
-}
-
-TEST(SimulatedOdometry, IsVelocityAndRateOfTheBodyPlusNoise) {
-  Scenario s = shipped("drone_none");
-  s.odometry = OdometryScenario{.rate = 40.0, .velocity = 0.05, .angular_rate = 0.01};
-  const Recording recording = simulate(s, 1);
-  const SplineTrajectory trajectory = make_trajectory(s, 1);
-  ASSERT_EQ(recording.odometry.size(), 1201u);
-  double velocity = 0.0, rate = 0.0;
-  for (const OdometrySample& sample : recording.odometry) {
-    const Kinematics truth = trajectory.at(static_cast<double>(sample.t_ns) * 1e-9);
-    velocity +=
-        (sample.v_body - truth.T_world_body.R.transpose() * truth.v_world_body).squaredNorm() / 3603.0;
-    rate += (sample.omega_body - truth.omega_body).squaredNorm() / 3603.0;
-  }
-  EXPECT_NEAR(std::sqrt(velocity), 0.05, 0.05 * 5.0 / std::sqrt(2.0 * 3603.0));
-  EXPECT_NEAR(std::sqrt(rate), 0.01, 0.01 * 5.0 / std::sqrt(2.0 * 3603.0));
-  EXPECT_EQ(recording.odometry_noise.value().sigma_v, Vector3d::Constant(0.05));
-}
+// ---- truth
 
 TEST(SimulateWithoutImu, DeliversVisionAlone) {
   Scenario s = brief();

@@ -29,7 +29,8 @@ struct BagTopic {
 struct BagPlace {
   std::uint64_t at =
       0;  ///< byte in the file, of the message or of its compressed chunk; or row of a database
-  std::uint64_t within = 0;       ///< byte in the chunk once it is decompressed
+  std::uint64_t within = 0;       ///< byte in the chunk once it is decompressed; of a row that its table does
+                                  ///< not lead to, byte in the file
   std::uint64_t size = 0;         ///< [bytes]
   std::uint32_t file = 0;         ///< of a bag of several files
   bool in_chunk = false;          ///< compressed

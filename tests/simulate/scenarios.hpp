@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "limber/datasets/recording.hpp"
+#include "limber/simulate/scenario_file.hpp"
+#include "source_folder.hpp"
+
+/// Scenarios of the tests of the simulator, and what is counted in its recordings.
+namespace limber::testing {
+
+inline Scenario shipped(const std::string& name) {
+  return read_scenario(source_folder() / "scenarios" / (name + ".yaml"));
+}
+
+/// A few seconds of the paper's case (i).
+inline Scenario brief(double duration = 3.0) {
+  Scenario s;
+  s.duration = duration;
+  return s;
+}
+
+inline std::size_t observation_count(const Recording& recording) {
+  std::size_t n = 0;
+  for (const StereoFrame& frame : recording.frames) {
+    n += frame.observations.size();
+  }
+  return n;
+}
+
+}  // namespace limber::testing

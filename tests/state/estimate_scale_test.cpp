@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// What nobody can observe stays unknown when an estimate is moved: gauge and scale.
+#include "limber/core/factors.hpp"
+#include "limber/state/estimate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "check_covariance.hpp"
+#include "limber/core/so3.hpp"
+#include "message_of.hpp"
+#include "small_map.hpp"
+
+namespace limber {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using testing::add_random_landmark;
+using testing::Generator;
+using testing::random_estimate;
+using testing::random_map;
+using testing::Snapshot;
+using testing::snapshot;
+
+/// How the error state sees the world turn and move, which no sensor of ours can see (gravity aside): 6
+/// columns.
+MatrixXd gauge(const Estimate& estimate) {
+  MatrixXd N = MatrixXd::Zero(estimate.size(), 6);
+  const auto vector = [&](Index at, const Vector3d& x, bool moves) {
+    N.block<3, 3>(at, 0) = -skew(x);
+    if (moves) {
+      N.block<3, 3>(at, 3).setIdentity();
+    }
+  };
+  const auto pose = [&](Index position, Index attitude, const Pose& T) {
+    vector(position, T.p, true);
+    N.block<3, 3>(attitude, 0) = T.R.transpose();
+  };
+  pose(0, 3, estimate.nav().T_world_body);
+  if (estimate.layout().motion != MotionModel::kOdometry) {
+    vector(6, estimate.nav().v_world_body, false);
+  }
+  for (const Landmark& landmark : estimate.landmarks()) {
+    if (const Anchor* anchor = estimate.anchor_of(landmark); anchor != nullptr) {
+      pose(anchor->position_at, anchor->attitude_at, anchor->T_world_body);
+    } else {
+      vector(landmark.at, landmark.value, true);
+    }
+  }
+  return N;
+}
+
+TEST(Estimate, RetractionKeepsUnknownWhatNobodyCanObserve) {
+  Generator generator(15);
+  for (const MotionModel motion :
+       {MotionModel::kImu, MotionModel::kConstantVelocity, MotionModel::kOdometry}) {
+    for (const bool has_theta : {false, true}) {
+      Estimate estimate = random_map(generator, 8, {motion, has_theta});
+      const Index n = estimate.size();
+      const MatrixXd before = gauge(estimate);
+      estimate.mutable_P().set_diagonal_block(0,
+                                              1e-14 * MatrixXd::Identity(n, n) + before * before.transpose());
+      estimate.retract(0.2 * testing::random_normal(generator, n));
+      // All it knows is still all but place and heading of the world, as seen from the new estimate.
+      const MatrixXd after = gauge(estimate);
+      EXPECT_LE((estimate.P().dense() - after * after.transpose()).cwiseAbs().maxCoeff(), 1e-10);
+      EXPECT_GT((after - before).cwiseAbs().maxCoeff(), 0.1);
+    }
+  }
+}
+
+/// How the error state sees all lengths grow by a common factor, per unit of its logarithm.
+VectorXd growth_of_all_lengths(const Estimate& estimate) {
+  VectorXd g = VectorXd::Zero(estimate.size());
+  g.segment<3>(StateLayout::kPosition) = estimate.nav().T_world_body.p;
+  g.segment<3>(StateLayout::kVelocity) = estimate.nav().v_world_body;
+  g(estimate.layout().map_scale()) = 1.0;
+  for (const Landmark& landmark : estimate.landmarks()) {
+    if (const Anchor* anchor = estimate.anchor_of(landmark); anchor != nullptr) {
+      g.segment<3>(anchor->position_at) = anchor->T_world_body.p;
+      g(landmark.at + 2) = -landmark.value.z();
+    } else {
+      g.segment<3>(landmark.at) = landmark.value;
+    }
+  }
+  return g;
+}
+
+StateLayout with_map_scale(MotionModel motion) {
+  StateLayout layout{motion};
+  layout.has_map_scale = true;
+  return layout;
+}
+
+TEST(Estimate, RetractionKeepsUnknownAScaleThatNobodyCanSee) {
+  Generator generator(18);
+  for (const MotionModel motion : {MotionModel::kImu, MotionModel::kConstantVelocity}) {
+    Estimate estimate = random_map(generator, 8, with_map_scale(motion));
+    const Index n = estimate.size();
+    const double sigma = 0.01;
+    const VectorXd before = sigma * growth_of_all_lengths(estimate);
+    estimate.mutable_P().set_diagonal_block(0,
+                                            1e-16 * MatrixXd::Identity(n, n) + before * before.transpose());
+    VectorXd dx = 0.05 * testing::random_normal(generator, n);
+    estimate.retract(dx);
+    const VectorXd after = sigma * growth_of_all_lengths(estimate);
+    EXPECT_LE((estimate.P().dense() - after * after.transpose()).cwiseAbs().maxCoeff(), 1e-10);
+    EXPECT_GT((after - before).cwiseAbs().maxCoeff(), 1e-3 * before.norm());
+  }
+}
+
+TEST(Estimate, CorrectsTheScaleByAFactor) {
+  Generator generator(19);
+  for (const double s : {-0.7, -0.1, 0.02, 0.3, 0.49}) {
+    const Estimate before = random_map(generator, 8, with_map_scale(MotionModel::kImu));
+    Estimate after = before;
+    after.retract(s * growth_of_all_lengths(before));
+    const double factor = 1.0 / (1.0 - s);  // linear in inverse depths
+    EXPECT_LE((after.nav().T_world_body.p - factor * before.nav().T_world_body.p).norm(), 1e-12);
+    EXPECT_LE((after.nav().v_world_body - factor * before.nav().v_world_body).norm(), 1e-12);
+    for (const Landmark& landmark : before.landmarks()) {
+      const Eigen::Vector3d expected = factor * world_position(landmark, before.anchor_of(landmark));
+      if (before.anchor_of(landmark) == nullptr) {
+        EXPECT_LE((after.landmark_position(*after.find(landmark.track_id)) - expected).norm(), 1e-11);
+      } else {
+        EXPECT_NEAR(after.find(landmark.track_id)->value.z(), landmark.value.z() / factor, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(Estimate, TakesTheScaleFromThoseThatKnowTheirDepthBest) {
+  Generator generator(20);
+  Estimate estimate = random_map(generator, 8, with_map_scale(MotionModel::kImu));
+  const Index n = estimate.size(), at = estimate.layout().map_scale();
+  // All share a scale that is known to 10 %; beside it, some know their depth to 0.3 % and some to 30 %.
+  VectorXd own = VectorXd::Constant(n, 1e-8);
+  for (const Landmark& landmark : estimate.landmarks()) {
+    if (landmark.kind == LandmarkKind::kInverseDepth) {
+      const double sigma = (landmark.track_id % 2 == 0 ? 0.003 : 0.3) * landmark.value.z();
+      own(landmark.at + 2) = sigma * sigma;
+    } else {
+      own.segment<3>(landmark.at).setConstant(9.0);
+    }
+  }
+  const VectorXd g = 0.1 * growth_of_all_lengths(estimate);
+  estimate.mutable_P().set_diagonal_block(0, MatrixXd(own.asDiagonal()) + g * g.transpose());
+  estimate.refresh_map_scale();
+  EXPECT_NEAR(std::sqrt(estimate.P().dense()(at, at)), 0.1, 1e-3);
+  EXPECT_NEAR(estimate.P().dense()(at, StateLayout::kPosition) / (0.1 * g(StateLayout::kPosition)), 1.0,
+              0.01);
+}
+
+}  // namespace
+}  // namespace limber
