@@ -35,14 +35,18 @@ NavigatorOptions completed(NavigatorOptions options) {
 constexpr double kLongFrame = 0.2;        // [s] without an image: the state was blind meanwhile
 constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degrees of freedom
 constexpr int kTriangulations = 8;
-constexpr double kSettled = 0.03;            // plausible errors
-constexpr std::ptrdiff_t kEnoughKnown = 10;  // landmarks: they tell at which rig a frame is linearised best
+constexpr double kSettled = 0.03;         // plausible errors
+constexpr std::size_t kEnoughKnown = 10;  // landmarks: they tell at which rig a frame is linearised best
 
-/// Known landmarks that both cameras see.
-std::ptrdiff_t known_in_both(const Estimate& estimate, const StereoFrame& frame) {
-  return std::count_if(frame.observations.begin(), frame.observations.end(), [&](const StereoObservation& o) {
-    return o.in_cam0 && o.in_cam1 && estimate.find(o.track_id) != nullptr;
-  });
+/// Whether of the points that both cameras see hardly one is known, but enough are new.
+bool shows_mostly_new(const StereoFrame& frame, const Estimate& estimate) {
+  std::size_t known = 0, fresh = 0;
+  for (const StereoObservation& o : frame.observations) {
+    if (o.in_cam0 && o.in_cam1) {
+      ++(estimate.find(o.track_id) != nullptr ? known : fresh);
+    }
+  }
+  return known < kEnoughKnown && fresh >= kEnoughKnown;
 }
 
 /// The frame as a method sees it: mono-left does not look through the right camera.
@@ -129,12 +133,12 @@ StereoFilter::LinearizationPoint StereoFilter::choose_linearization_point(const 
     };
     const auto cam1_off = [&](const Eigen::VectorXd& off) { return mounted_off(off)[1]; };
     const Eigen::MatrixXd F = linearization_prior();
-    if (known_in_both(estimate_, frame) >= kEnoughKnown) {
+    if (!shows_mostly_new(frame, estimate_)) {
       out.rig = mounted_off(linearization_point(estimate_, frame, cam1_off, sigma_px(), F));
       return out;
     }
-    // Most points are new, as in the first frame: of those the epipolar lines tell a wrong rotation, and how
-    // far away they are on their lines depends on it.
+    // As in the first frame: the epipolar lines of new points tell a wrong rotation, and how far away they
+    // are on their lines depends on it.
     for (int round = 0; round < kTriangulations; ++round) {
       const RigParameters before = out.shift.head<6>();
       Estimate with_new = estimate_;
