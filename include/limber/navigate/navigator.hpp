@@ -101,10 +101,9 @@ class Navigator {
     int doubts = 0;               // in a row
     int overruled = 0;            // frames in a row in which the filter's own gate was, and not that beside
     bool trusts = true;
-    bool resigned = false;  // nobody can know how long a metre is: what is assumed stays as good as any ...
+    bool resigned = false;  // nobody can know how long a metre is: what is assumed stays as good as any
+    bool gave_up = false;   // but it fits nothing: the parallel filter answers for good
     RecentFit own_fit{}, parallel_fit{};
-    bool gave_up =
-        false;  // as good as any, but where the parallel filter fits far better: it answers for good
     std::optional<std::deque<Event>> replay{};  // what filter_, come back from a checkpoint, has not seen yet
   };
 
