@@ -11,6 +11,17 @@ namespace limber {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+namespace {
+
+/// The lower triangle of the leading n×n block.
+void copy_lower(const MatrixXd& from, Index n, MatrixXd& to) {
+  for (Index j = 0; j < n; ++j) {
+    to.col(j).segment(j, n - j) = from.col(j).segment(j, n - j);
+  }
+}
+
+}  // namespace
+
 Covariance& Covariance::operator=(const Covariance& other) {
   if (this == &other) {
     return *this;
@@ -19,9 +30,7 @@ Covariance& Covariance::operator=(const Covariance& other) {
   if (data_.rows() < size_) {
     data_.resize(other.data_.rows(), other.data_.cols());
   }
-  for (Index j = 0; j < size_; ++j) {
-    data_.col(j).segment(j, size_ - j) = other.data_.col(j).segment(j, size_ - j);
-  }
+  copy_lower(other.data_, size_, data_);
   return *this;
 }
 
@@ -137,9 +146,7 @@ Index Covariance::append(Index count) {
   if (size_ + count > data_.rows()) {
     const Index capacity = std::max(size_ + count, data_.rows() + data_.rows() / 2 + 64);
     MatrixXd grown(capacity, capacity);
-    for (Index j = 0; j < size_; ++j) {
-      grown.col(j).segment(j, size_ - j) = data_.col(j).segment(j, size_ - j);
-    }
+    copy_lower(data_, size_, grown);
     data_.swap(grown);
   }
   size_ += count;

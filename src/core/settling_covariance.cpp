@@ -53,6 +53,9 @@ void SettlingCovariance::settle(Index rows) {
   if (rows > 0) {
     settled_.add_outer(multiply(R_.bottomRows(rows), G_).transpose());
     R_ = R_.topRows(R_.rows() - rows).eval();
+    if (!waits()) {
+      G_.resize(0, 0);  // or every copy of a map would carry it
+    }
   }
 }
 

@@ -257,7 +257,7 @@ FrameReport Navigator::process(const StereoFrame& frame) {
   if (!s.resigned) {
     supervise(report, parallel);
   }
-  if (s.resigned || !knows_scale(report.t_ns)) {
+  if (!s.replay && (s.resigned || !knows_scale(report.t_ns))) {
     compare_fits(report, parallel);
   }
   if (parallel.inputs.contradiction) {  // which a filter that trusts the rig may not see
@@ -284,6 +284,10 @@ void Navigator::compare_fits(const FrameReport& report, const FrameReport& paral
   s.gave_up = std::min(s.own_fit.dof, s.parallel_fit.dof) > kEnoughFit &&
               s.own_fit.nis > kNoFit * s.own_fit.dof &&
               s.own_fit.nis * s.parallel_fit.dof > kFarWorse * s.parallel_fit.nis * s.own_fit.dof;
+  if (s.gave_up) {  // nobody will go back any more
+    s.resigned = true;
+    s.older.events = s.recent.events = {};
+  }
 }
 
 void Navigator::supervise(const FrameReport& report, const FrameReport& parallel) {

@@ -35,7 +35,7 @@ NavigatorOptions completed(NavigatorOptions options) {
 constexpr double kLongFrame = 0.2;        // [s] without an image: the state was blind meanwhile
 constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degrees of freedom
 constexpr int kTriangulations = 8;
-constexpr double kSettled = 0.03;         // plausible errors
+constexpr double kRigSettled = 0.03;      // plausible errors
 constexpr std::size_t kEnoughKnown = 10;  // landmarks: they tell at which rig a frame is linearised best
 
 /// Whether of the points that both cameras see hardly one is known, but enough are new.
@@ -144,7 +144,7 @@ StereoFilter::LinearizationPoint StereoFilter::choose_linearization_point(const 
       Estimate with_new = estimate_;
       (void)initialize_landmarks(with_new, frame, out.rig);
       out.rig = mounted_off(linearization_point(with_new, frame, cam1_off, sigma_px(), F));
-      if ((out.shift.head<6>() - before).cwiseQuotient(scale_).norm() < kSettled) {
+      if ((out.shift.head<6>() - before).cwiseQuotient(scale_).norm() < kRigSettled) {
         break;
       }
     }

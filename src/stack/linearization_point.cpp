@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kHuber = 2.5;  // standard deviations
 constexpr int kReweightings = 3;
-constexpr int kRounds = 4;
+constexpr int kLinearizations = 4;
 constexpr double kLinearPx = 3.0;  // a right pixel that moves by less does so linearly, to about 0.02 px
 
 /// Right pixel of a known landmark: residual, D F, and the inverse of the residual's covariance.
@@ -124,7 +124,7 @@ VectorXd linearization_point(const Estimate& estimate, const StereoFrame& frame,
   if (F.isZero(0.0)) {
     return off;
   }
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kLinearizations; ++round) {
     std::vector<Clue> clues = collect(estimate, frame, cam1(off), sigma_px, F);
     refer_to_assumed(clues, beta);
     const VectorXd before = std::exchange(beta, fitted(clues, beta, round > 0));
