@@ -18,6 +18,7 @@ namespace limber {
 namespace {
 
 using detail::FieldVisitor;
+using detail::kAnyNumber;
 using detail::kSeconds;
 using detail::Range;
 using detail::Unit;
@@ -28,7 +29,6 @@ const Unit kGravities{"g", kStandardGravity};
 const Range kTime{.min = 0.0, .max = 1e6};
 const Range kDuration{.min = 0.0, .max = 1e6, .min_excluded = true};
 const Range kSize{.min = 0.0, .max = 1e6, .min_excluded = true};
-const Range kAnyNumber{.min = -1e6, .max = 1e6};
 
 /// A number without a default.
 void required(FieldVisitor& io, const std::string& key, double& value, const Range& range, const Unit& unit) {

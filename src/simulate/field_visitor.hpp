@@ -28,6 +28,10 @@ struct Range {
   [[nodiscard]] std::string in_words() const;  ///< "a number in (0, 10]"
 };
 
+inline const Range kPositive{.min = 0.0, .max = 1e6, .min_excluded = true};
+inline const Range kNotNegative{.min = 0.0, .max = 1e6};
+inline const Range kAnyNumber{.min = -1e6, .max = 1e6};
+
 /// How a number stands in the file: value / scale, in `name`.
 struct Unit {
   std::string name;
@@ -37,6 +41,7 @@ struct Unit {
 inline const Unit kDegrees{"deg", kDegree};
 inline const Unit kMetres{"m", 1.0};
 inline const Unit kSeconds{"s", 1.0};
+inline const Unit kNoUnit{"", 1.0};
 
 /// @brief Visits the fields of one mapping. A reader lets absent keys keep their value and refuses what does
 /// not fit (DataError); a writer writes every key and refuses what a reader would (std::invalid_argument).

@@ -2,46 +2,39 @@
 #include "limber/simulate/scenario_file.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <Eigen/LU>
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <stdexcept>
 #include <utility>
 
+#include "decalibration_fields.hpp"
 #include "fault_fields.hpp"
 #include "field_visitor.hpp"
 #include "hold_alternative.hpp"
 #include "io/text_file.hpp"
-#include "limber/core/errors.hpp"
-#include "limber/core/split.hpp"
 #include "limber/simulate/scenario_presets.hpp"
+#include "rig_fields.hpp"
 
 namespace limber {
 namespace {
 
 using detail::FieldVisitor;
 using detail::hold_alternative;
+using detail::kAnyNumber;
 using detail::kDegree;
 using detail::kDegrees;
 using detail::kMetres;
+using detail::kNotNegative;
+using detail::kNoUnit;
+using detail::kPositive;
 using detail::kSeconds;
 using detail::Range;
 using detail::Unit;
 
-constexpr double kMaxSamples = 1e7;         // of one sensor in one recording
-constexpr double kMaxRotationError = 1e-6;  // of an entry of R^T R - I
-constexpr double kMinBaseline = 1e-3;       // [m]
+constexpr double kMaxSamples = 1e7;  // of one sensor in one recording
 
-const Range kPositive{.min = 0.0, .max = 1e6, .min_excluded = true};
-const Range kNotNegative{.min = 0.0, .max = 1e6};
 const Range kProbability{.min = 0.0, .max = 1.0};
-const Range kAnyNumber{.min = -1e6, .max = 1e6};
 const Range kRate{.min = 0.1, .max = 10000.0};  // Hz
 
-const Unit kNone{"", 1.0};
 const Unit kMetresPerSecond{"m/s", 1.0};
 const Unit kHertz{"Hz", 1.0};
 const Unit kPixels{"px", 1.0};
@@ -101,14 +94,14 @@ void visit_fields(FieldVisitor& io, TrajectoryScenario& trajectory) {
 // ---- world and rig
 
 void visit_fields(FieldVisitor& io, MovingBodyScenario& m) {
-  io.number("share", m.share, kProbability, kNone);
+  io.number("share", m.share, kProbability, kNoUnit);
   io.number("speed", m.speed, kNotNegative, kMetresPerSecond);
   io.number("radius", m.radius, kPositive, kMetres);
   io.number("start", m.start, kNotNegative, kSeconds);
 }
 
 void visit_fields(FieldVisitor& io, WorldScenario& w) {
-  io.integer("points", w.points, {.min = 0.0, .max = 1e6}, kNone);
+  io.integer("points", w.points, {.min = 0.0, .max = 1e6}, kNoUnit);
   w.placement = static_cast<PointPlacement>(
       io.choice("placement", static_cast<std::size_t>(w.placement), {"around", "in_view"}));
   io.number("min_distance", w.min_distance, kNotNegative, kMetres);
@@ -120,77 +113,6 @@ void visit_fields(FieldVisitor& io, WorldScenario& w) {
   check_order(io, "max_range", w.min_range, w.max_range, "min_range");
   io.boolean("left_only", w.left_only);
   visit_optional(io, "moving_body", w.moving_body, visit_fields);
-}
-
-void visit_distortion(FieldVisitor& io, Distortion& distortion) {
-  std::vector<std::string> names;
-  for (const Distortion& model : distortion_models()) {
-    names.emplace_back(model_name(model));
-  }
-  hold_alternative(distortion, io.choice("distortion_model", distortion.index(), names));
-  std::vector<double> k = coefficients(distortion);
-  if (k.empty()) {
-    return;
-  }
-  io.require("distortion_coefficients");
-  io.numbers("distortion_coefficients", Eigen::Map<Eigen::VectorXd>(k.data(), std::ssize(k)),
-             {.min = -100.0, .max = 100.0}, kNone);
-  distortion = with_coefficients(distortion, k);
-  io.check("distortion_coefficients",
-           project({.distortion = distortion}, Eigen::Vector3d::UnitZ()).has_value(),
-           "of a lens that sees straight ahead (omni: xi above -1)", "another");
-}
-
-void visit_fields(FieldVisitor& io, Camera& camera) {
-  Eigen::Vector2d resolution(camera.width, camera.height);
-  io.numbers("resolution", resolution, {.min = 1.0, .max = 1e5}, {"px: width, height"});
-  io.check("resolution", resolution == resolution.array().floor().matrix(), "as whole numbers",
-           fmt::format("{} x {}", resolution.x(), resolution.y()));
-  camera.width = static_cast<int>(resolution.x());
-  camera.height = static_cast<int>(resolution.y());
-
-  Eigen::Vector4d intrinsics(camera.fu, camera.fv, camera.cu, camera.cv);
-  io.numbers("intrinsics", intrinsics, {.min = -1e5, .max = 1e5}, {"px: fu, fv, cu, cv"});
-  io.check("intrinsics", intrinsics[0] > 0.0 && intrinsics[1] > 0.0, "with positive focal lengths",
-           fmt::format("fu = {}, fv = {}", intrinsics[0], intrinsics[1]));
-  camera.fu = intrinsics[0];
-  camera.fv = intrinsics[1];
-  camera.cu = intrinsics[2];
-  camera.cv = intrinsics[3];
-  visit_distortion(io, camera.distortion);
-}
-
-void visit_transform(FieldVisitor& io, const std::string& key, Pose& pose) {
-  Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = Eigen::Matrix4d::Identity();
-  T.topLeftCorner<3, 3>() = pose.R;
-  T.topRightCorner<3, 1>() = pose.p;
-  io.numbers(key, Eigen::Map<Eigen::VectorXd>(T.data(), 16), kAnyNumber, {"4x4, row by row, m"});
-  pose.R = T.topLeftCorner<3, 3>();
-  pose.p = T.topRightCorner<3, 1>();
-  const double error = (pose.R.transpose() * pose.R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  io.check(key, error <= kMaxRotationError && pose.R.determinant() > 0.0, "with a rotation matrix",
-           fmt::format("R^T R - I up to {:.2g}, determinant {:.3g}", error, pose.R.determinant()));
-  io.check(key, T.row(3) == Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0), "with 0, 0, 0, 1 as last row",
-           "another one");
-}
-
-void visit_fields(FieldVisitor& io, RigScenario& rig) {
-  const auto body =
-      io.choice("body", static_cast<std::size_t>(rig.body), {"imu", "cam0", "middle_of_baseline"});
-  rig.body = static_cast<BodyFrame>(body);
-  io.rig_parameters("theta", rig.theta, rig.theta.tail<3>().norm(), kAnyNumber);
-  io.check("theta", rig.theta[3] < 0.0 && rig.theta.tail<3>().norm() >= kMinBaseline,
-           "with cam1 to the right of cam0 (tx below zero) by at least 1 mm",
-           fmt::format("tx = {} m", rig.theta[3]));
-  visit_transform(io, "T_imu_cam0", rig.T_imu_cam0);
-  io.check("T_imu_cam0",
-           rig.body == BodyFrame::kImu || (rig.T_imu_cam0.R.isIdentity(0.0) && rig.T_imu_cam0.p.isZero(0.0)),
-           "as the identity (or absent) unless body is imu", "another transform");
-  io.mapping("cam0", [&](FieldVisitor& child) { visit_fields(child, rig.cam0); });
-  if (!io.has("cam1", true)) {
-    rig.cam1 = rig.cam0;
-  }
-  io.mapping("cam1", [&](FieldVisitor& child) { visit_fields(child, rig.cam1); });
 }
 
 // ---- noise and faults
@@ -210,9 +132,9 @@ void visit_fields(FieldVisitor& io, PixelScenario& p) {
   const Range sigma{.min = 0.0, .max = 1000.0};
   io.number("per_track", p.per_track, sigma, kPixels);
   io.number("correlated", p.correlated, sigma, kPixels);
-  io.number("correlated_coefficient", p.correlated_coefficient, {.min = 0.0, .max = 0.9999}, kNone);
+  io.number("correlated_coefficient", p.correlated_coefficient, {.min = 0.0, .max = 0.9999}, kNoUnit);
   io.number("field", p.field, sigma, {"px rms"});
-  io.number("mismatches", p.mismatches, kProbability, kNone);
+  io.number("mismatches", p.mismatches, kProbability, kNoUnit);
 }
 
 /// A word for all of them, which the noise's own keys may still change, or each on its own.
@@ -248,72 +170,9 @@ void visit_fields(FieldVisitor& io, InitialSigma& s) {
 }
 
 void visit_fields(FieldVisitor& io, DropoutScenario& d) {
-  io.number("right_detections", d.right_detections, kProbability, kNone);
-  io.number("frames", d.frames, kProbability, kNone);
-  io.number("imu_samples", d.imu_samples, kProbability, kNone);
-}
-
-// ---- decalibration
-
-void visit_fields(FieldVisitor&, ConstantShape&) {}
-
-void visit_fields(FieldVisitor& io, SinusShape& s) {
-  io.number("angular_frequency", s.angular_frequency, kAnyNumber, {"rad/s"});
-  io.number("phase", s.phase, kAnyNumber, {"rad"});
-}
-
-void visit_fields(FieldVisitor& io, StepsShape& s) {
-  io.list(
-      "steps", s.steps.size(), [&](std::size_t size) { s.steps.assign(size, {}); },
-      [&](std::size_t i, FieldVisitor& entry) {
-        entry.require("at");
-        entry.number("at", s.steps[i].at, kAnyNumber, kSeconds);
-        entry.require("value");
-        entry.number("value", s.steps[i].value, kAnyNumber, kNone);
-        entry.check("at", i == 0 || s.steps[i].at > s.steps[i - 1].at, "later than the step before it",
-                    fmt::format("{} s", s.steps[i].at));
-      });
-}
-
-void visit_fields(FieldVisitor& io, SquareWaveShape& s) {
-  io.number("period", s.period, {.min = 1e-3, .max = 1e6}, kSeconds);
-}
-
-void visit_fields(FieldVisitor& io, RampShape& s) {
-  io.number("start", s.start, kNotNegative, kSeconds);
-  io.require("end");
-  io.number("end", s.end, kPositive, kSeconds);
-  io.check("end", s.end > s.start, "later than start", fmt::format("{} s", s.end));
-}
-
-void visit_fields(FieldVisitor& io, RandomWalkShape& s) {
-  io.number("sigma", s.sigma, kNotNegative, {"1/sqrt(s)"});
-}
-
-void visit_fields(FieldVisitor&, WhiteNoiseShape&) {}
-
-/// A vibration is a sinus whose frequency is given in Hz; written, it is a sinus.
-void visit_vibration(FieldVisitor& io, SinusShape& s) {
-  constexpr double kTurn = 2.0 * std::numbers::pi;
-  io.require("frequency");
-  io.number("frequency", s.angular_frequency, kPositive, {"Hz", kTurn});
-  io.number("phase", s.phase, kAnyNumber, {"rad"});
-}
-
-void visit_fields(FieldVisitor& io, DecalibrationSignal& signal, double baseline) {
-  constexpr std::size_t kVibration = std::variant_size_v<DecalibrationShape>;
-  io.require("shape");
-  const std::size_t shape = io.choice(
-      "shape", signal.shape.index(),
-      {"constant", "sinus", "steps", "square_wave", "ramp", "random_walk", "white_noise", "vibration"});
-  io.require("amplitude");
-  io.rig_parameters("amplitude", signal.amplitude, baseline, kAnyNumber);
-  if (shape == kVibration) {
-    visit_vibration(io, signal.shape.emplace<SinusShape>());
-    return;
-  }
-  hold_alternative(signal.shape, shape);
-  std::visit([&io](auto& s) { visit_fields(io, s); }, signal.shape);
+  io.number("right_detections", d.right_detections, kProbability, kNoUnit);
+  io.number("frames", d.frames, kProbability, kNoUnit);
+  io.number("imu_samples", d.imu_samples, kProbability, kNoUnit);
 }
 
 // ---- what estimators assume
@@ -330,7 +189,7 @@ void visit_fields(FieldVisitor& io, FilterScenario& f, double baseline) {
   io.number("acceleration_noise", f.acceleration_noise, kNotNegative, {"m/s^2/sqrt(Hz)"});
   io.number("angular_noise", f.angular_noise, kNotNegative, {"rad/s^2/sqrt(Hz)"});
   io.boolean("gate", f.gate);
-  io.integer("max_landmarks", f.max_landmarks, {.min = 1.0, .max = 1e5}, kNone);
+  io.integer("max_landmarks", f.max_landmarks, {.min = 1.0, .max = 1e5}, kNoUnit);
 }
 
 void check_sample_counts(FieldVisitor& io, const Scenario& s) {
@@ -352,7 +211,7 @@ void visit_fields(FieldVisitor& io, Scenario& s) {
   io.number("gravity", s.gravity, kNotNegative, {"m/s^2"});
   io.mapping("trajectory", [&](FieldVisitor& child) { visit_fields(child, s.trajectory); });
   io.mapping("world", [&](FieldVisitor& child) { visit_fields(child, s.world); });
-  io.mapping("rig", [&](FieldVisitor& child) { visit_fields(child, s.rig); });
+  io.mapping("rig", [&](FieldVisitor& child) { detail::visit_rig(child, s.rig); });
   visit_pixels(io, s);
   io.mapping("noise", [&](FieldVisitor& child) { visit_fields(child, s.noise); });
   visit_optional(io, "odometry", s.odometry, visit_fields);
@@ -363,7 +222,7 @@ void visit_fields(FieldVisitor& io, Scenario& s) {
   const double baseline = s.rig.theta.tail<3>().norm();
   io.list(
       "decalibration", s.decalibration.size(), [&](std::size_t size) { s.decalibration.assign(size, {}); },
-      [&](std::size_t i, FieldVisitor& entry) { visit_fields(entry, s.decalibration[i], baseline); });
+      [&](std::size_t i, FieldVisitor& entry) { detail::visit_signal(entry, s.decalibration[i], baseline); });
 }
 
 /// Relative paths start at the folder of the scenario file.
@@ -402,40 +261,6 @@ std::string format_scenario(const Scenario& scenario) {
       visit_fields(child, copy.filter, copy.rig.theta.tail<3>().norm());
     });
   });
-}
-
-DecalibrationSignal decalibration_from_string(const std::string& text, double baseline) {
-  constexpr std::array<std::string_view, 6> kNames = {"ax", "ay", "az", "tx", "ty", "tz"};
-  std::array<std::string, 6> amplitude = {"0", "0", "0", "0", "0", "0"};
-  std::string keys, shape = "constant";
-  for (const std::string_view part : split(text, ',')) {
-    const std::size_t equals = part.find('=');
-    if (equals == std::string_view::npos || equals == 0 || equals + 1 == part.size()) {
-      throw std::invalid_argument(fmt::format(
-          "expected amplitudes and a shape such as ay=0.5,tx=5%,shape=vibration,frequency=1, found '{}'",
-          part));
-    }
-    const std::string_view key = part.substr(0, equals);
-    const std::string value(part.substr(equals + 1));
-    if (const auto name = std::find(kNames.begin(), kNames.end(), key); name != kNames.end()) {
-      amplitude[static_cast<std::size_t>(name - kNames.begin())] = value;
-    } else if (key == "shape") {
-      shape = value;
-    } else {
-      keys += fmt::format(", {}: {}", key, value);
-    }
-  }
-  DecalibrationSignal signal;
-  const std::string yaml =
-      fmt::format("signal: {{shape: {}, amplitude: [{}]{}}}\n", shape, fmt::join(amplitude, ", "), keys);
-  try {
-    detail::read_fields(yaml, "'" + text + "'", [&](FieldVisitor& io) {
-      io.mapping("signal", [&](FieldVisitor& child) { visit_fields(child, signal, baseline); });
-    });
-  } catch (const DataError& error) {
-    throw std::invalid_argument(error.what());
-  }
-  return signal;
 }
 
 void check_scenario(const Scenario& scenario) { static_cast<void>(format_scenario(scenario)); }
