@@ -56,7 +56,8 @@ void Covariance::set_diagonal_block(Index start, const Eigen::Ref<const MatrixXd
 
 void Covariance::assign(const Eigen::Ref<const MatrixXd>& value) {
   size_ = 0;
-  append(value.rows());
+  reserve(value.rows());
+  size_ = value.rows();
   set_diagonal_block(0, value);
 }
 
@@ -141,14 +142,18 @@ void Covariance::propagate_cross(const Eigen::Ref<const MatrixXd>& Phi) {
   cross = multiply(cross, transposed(Phi));
 }
 
-Index Covariance::append(Index count) {
-  const Index first = size_;
-  if (size_ + count > data_.rows()) {
-    const Index capacity = std::max(size_ + count, data_.rows() + data_.rows() / 2 + 64);
+void Covariance::reserve(Index size) {
+  if (size > data_.rows()) {
+    const Index capacity = std::max(size, data_.rows() + data_.rows() / 2 + 64);
     MatrixXd grown(capacity, capacity);
     copy_lower(data_, size_, grown);
     data_.swap(grown);
   }
+}
+
+Index Covariance::append(Index count) {
+  const Index first = size_;
+  reserve(size_ + count);
   size_ += count;
   data_.block(first, 0, count, size_).setZero();
   return first;

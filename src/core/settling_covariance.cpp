@@ -42,6 +42,7 @@ void SettlingCovariance::gather(std::span<const Index> starts, MatrixXd& columns
 }
 
 void SettlingCovariance::add_in_shares(MatrixXd R, MatrixXd G, Index shares) {
+  settle_all();
   R_ = std::move(R);
   G_ = std::move(G);
   share_ = (R_.rows() + shares - 1) / shares;
@@ -57,6 +58,11 @@ void SettlingCovariance::settle(Index rows) {
       G_.resize(0, 0);  // or every copy of a map would carry it
     }
   }
+}
+
+Index SettlingCovariance::append(Index count) {
+  settle_all();
+  return settled_.append(count);
 }
 
 void SettlingCovariance::transform_triplet(Index start, const Eigen::Matrix3d& M) {

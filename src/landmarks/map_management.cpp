@@ -138,7 +138,9 @@ std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::
 
 void update_active_set(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
                        const MapManagementOptions& options, bool may_end) {
-  estimate.settle();
+  if (may_end) {  // where an epoch is put off, so is this
+    estimate.settle();
+  }
   std::vector<std::int64_t> recalled;
   std::unordered_set<std::int64_t> seen;
   for (const StereoObservation& observation : frame.observations) {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "random_geometry.hpp"
+#include "random_matrix.hpp"
 
 namespace limber {
 namespace {
@@ -14,16 +14,10 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using testing::Generator;
+using testing::random_index;
+using testing::random_matrix;
 
 constexpr Index kBody = 6;  // the leading block, which propagates and never leaves
-
-Index random_index(Generator& generator, Index low, Index high) {
-  return std::uniform_int_distribution<Index>(low, high)(generator);
-}
-
-MatrixXd random_matrix(Generator& generator, Index rows, Index cols) {
-  return MatrixXd::NullaryExpr(rows, cols, [&] { return testing::random_scalar(generator, -1.0, 1.0); });
-}
 
 MatrixXd random_symmetric(Generator& generator, Index n) {
   const MatrixXd A = random_matrix(generator, n, n);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "random_geometry.hpp"
+#include "random_matrix.hpp"
 
 namespace limber {
 namespace {
@@ -14,22 +14,16 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using testing::Generator;
-
-Index random_index(Generator& generator, Index low, Index high) {
-  return std::uniform_int_distribution<Index>(low, high)(generator);
-}
-
-MatrixXd random_matrix(Generator& generator, Index rows, Index cols) {
-  return MatrixXd::NullaryExpr(rows, cols, [&] { return testing::random_scalar(generator, -1.0, 1.0); });
-}
+using testing::random_index;
+using testing::random_matrix;
+using testing::random_triplet;
 
 /// One random operation on both. @return what it was, for the message of a failure
 std::string random_step(Generator& generator, SettlingCovariance& P, Covariance& at_once) {
   const Index n = P.size();
-  const Index start = n > 0 ? kTriplet * random_index(generator, 0, n / kTriplet - 1) : 0;
+  const Index start = n > 0 ? random_triplet(generator, n) : 0;
   switch (n < 9 ? 0 : random_index(generator, 0, 5)) {
     case 0: {
-      P.settle_all();
       EXPECT_EQ(P.append(12), n);
       at_once.append(12);
       return "append";
@@ -37,7 +31,6 @@ std::string random_step(Generator& generator, SettlingCovariance& P, Covariance&
     case 1: {
       const Index k = random_index(generator, 1, 20), m = random_index(generator, 1, 9);
       const MatrixXd R = random_matrix(generator, k, m), G = 0.3 * random_matrix(generator, m, n);
-      P.settle_all();
       P.add_in_shares(R, G, random_index(generator, 1, 8));
       at_once.add_outer((R * G).transpose());
       return "add in shares";
@@ -75,8 +68,8 @@ TEST(SettlingCovariance, IsAtEveryMomentWhatItWouldBeHadAllBeenAddedAtOnce) {
       const std::string what = random_step(generator, P, at_once);
       ASSERT_EQ(P.size(), at_once.size()) << what;
       ASSERT_LE((P.dense() - at_once.dense()).cwiseAbs().maxCoeff(), 1e-11) << what << ", seed " << seed;
-      const Index row = kTriplet * random_index(generator, 0, P.size() / kTriplet - 1);
-      const Index col = kTriplet * random_index(generator, 0, P.size() / kTriplet - 1);
+      const Index row = random_triplet(generator, P.size());
+      const Index col = random_triplet(generator, P.size());
       ASSERT_LE((P.triplet_block(row, col) - at_once.triplet_block(row, col)).norm(), 1e-11) << what;
       const std::vector<Index> both = {row, col};
       MatrixXd columns, expected;

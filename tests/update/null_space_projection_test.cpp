@@ -9,6 +9,7 @@
 #include "limber/update/constraint.hpp"
 #include "limber/update/null_space_projection.hpp"
 #include "limber/update/update.hpp"
+#include "random_matrix.hpp"
 #include "stereo_problem.hpp"
 
 namespace limber {
@@ -17,10 +18,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using testing::Generator;
-
-MatrixXd random_matrix(Generator& generator, Index rows, Index cols) {
-  return MatrixXd::NullaryExpr(rows, cols, [&] { return testing::random_scalar(generator, -1.0, 1.0); });
-}
+using testing::random_matrix;
 
 /// A matrix, its rank, and how large it is.
 struct Case {

@@ -103,6 +103,8 @@ class Covariance {
   Eigen::Index remove_triplet(Eigen::Index start);
 
  private:
+  void reserve(Eigen::Index size);
+
   Eigen::Index size_ = 0;
   Eigen::MatrixXd data_;  // capacity × capacity; lower triangle of the leading size_ × size_ is valid
 };

@@ -25,7 +25,8 @@ class SettlingCovariance {
   /// As Covariance::gather.
   void gather(std::span<const Eigen::Index> starts, Eigen::MatrixXd& columns) const;
 
-  /// P += Gᵀ Rᵀ R G, R: k×m, G: m×n; in `shares` calls of settle(). Nothing may wait.
+  /// P += Gᵀ Rᵀ R G, R: k×m, G: m×n; in `shares` calls of settle(). What waited before is
+  /// added at once.
   void add_in_shares(Eigen::MatrixXd R, Eigen::MatrixXd G, Eigen::Index shares);
   /// Adds one share of what waits.
   void settle();
@@ -36,8 +37,8 @@ class SettlingCovariance {
   void subtract_outer(const Eigen::Ref<const Eigen::MatrixXd>& W) { settled_.subtract_outer(W); }
   /// As Covariance::transform_triplet.
   void transform_triplet(Eigen::Index start, const Eigen::Matrix3d& M);
-  /// As Covariance::append; zero rows and columns. Nothing may wait.
-  Eigen::Index append(Eigen::Index count) { return settled_.append(count); }
+  /// As Covariance::append: zero rows and columns. What waited is added at once.
+  Eigen::Index append(Eigen::Index count);
   /// As Covariance::remove_triplet.
   Eigen::Index remove_triplet(Eigen::Index start);
 

@@ -7,6 +7,7 @@
 
 #include "limber/core/covariance.hpp"
 #include "limber/core/settling_covariance.hpp"
+#include "limber/core/settling_matrix.hpp"
 
 namespace limber {
 
@@ -56,7 +57,7 @@ class PassiveBlock {
   Eigen::Index remove(Eigen::Index row);
 
   /// Once a frame: some of the work that the last change_epoch() has put off.
-  void settle() { E_.settle(); }
+  void settle();
 
   /// Correction of the passive means that a correction dz of z implies.
   [[nodiscard]] Eigen::VectorXd correction(const Eigen::Ref<const Eigen::VectorXd>& dz) const;
@@ -83,10 +84,7 @@ class PassiveBlock {
   void couple_column(Eigen::Index column, Eigen::Index other, const Eigen::Matrix3d& C);
 
  private:
-  [[nodiscard]] Eigen::MatrixXd rows_of(const std::vector<Eigen::Index>& states,
-                                        Eigen::Index body_size) const;
-
-  Eigen::MatrixXd Gt_;    // Gᵀ: z_size × size
+  SettlingMatrix Gt_;     // Gᵀ: z_size × size
   SettlingCovariance E_;  // size × size
 };
 
