@@ -34,6 +34,7 @@ void visit_figures(Figures& figures, Visit visit) {
   visit("frames", figures.frames);
   visit("points_refused", figures.points_refused);
   visit("start_s", figures.start_s);
+  visit("lost_s", figures.lost_s);
   visit("ms_per_frame_mean", figures.ms_per_frame_mean);
   visit("ms_per_frame_p50", figures.ms_per_frame_p50);
   visit("ms_per_frame_p99", figures.ms_per_frame_p99);

@@ -12,7 +12,7 @@
 namespace limber::detail {
 
 /// Goes up whenever tables or the meaning of a column change.
-inline constexpr int kSchemaVersion = 2;
+inline constexpr int kSchemaVersion = 3;
 
 /// What SqliteFile is told that it opens.
 inline constexpr const char* kStudyFile = "a study, an SQLite database";

@@ -9,6 +9,8 @@
 #include "bytes.hpp"
 #include "figures_table.hpp"
 #include "limber/core/divergence_error.hpp"
+#include "limber/core/time.hpp"
+#include "limber/diagnose/misled_since.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "run_observer.hpp"
@@ -61,9 +63,13 @@ MethodResult compute_method(const Recording& recording, const Scenario& scenario
     }
   };
   try {
-    const RunRecord record =
-        run_recording(recording, options, matched_frames(recording), {.observe = observe});
-    out.run.figures = figures_of(summarize(recording, options, record), observer.map_error());
+    RunRecord record = run_recording(recording, options, matched_frames(recording), {.observe = observe});
+    RunSummary summary = summarize(recording, options, record);
+    add_misled(options, record, summary);
+    out.run.figures = figures_of(summary, observer.map_error());
+    if (summary.inputs.lost_since_ns) {
+      out.run.figures.lost_s = seconds_between(recording.frames.front().t_ns, *summary.inputs.lost_since_ns);
+    }
     if (record.sensor_start) {
       out.run.figures.start_s = record.sensor_start->waited_s;
     }

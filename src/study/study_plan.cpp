@@ -126,7 +126,8 @@ RunOptions run_options(const Scenario& scenario, const MethodVariant& variant, S
   options.max_landmarks = static_cast<std::size_t>(filter.max_landmarks);
   options.seed = seed;
   options.run = run;
-  options.watch = false;
+  // Whether inputs misled ekf is asked where one fails, and needs the rig's verdict.
+  options.watch = variant.method == Method::kEkf && filter.gate && !scenario.faults.empty();
   options.stop_when_lost = true;
   return options;
 }

@@ -96,9 +96,10 @@ std::optional<double> share_within(const StudyCurve& nees, const std::vector<dou
                       : std::nullopt;
 }
 
-void count_diverged(const std::vector<StudyRun>& runs, MethodSummary& out) {
+void count_runs(const std::vector<StudyRun>& runs, MethodSummary& out) {
   out.runs = runs.size();
   for (const StudyRun& run : runs) {
+    out.lost += run.figures.lost_s ? 1 : 0;
     if (run.diverged) {
       ++out.diverged;
       out.first_diverged_t = std::min(out.first_diverged_t.value_or(run.diverged->t), run.diverged->t);
@@ -111,7 +112,7 @@ MethodSummary summarize_method(const StudyDatabase& database, std::size_t study_
   const std::vector<StudyRun> runs = database.runs(study_case, method);
   MethodSummary out;
   out.label = info.labels[method];
-  count_diverged(runs, out);
+  count_runs(runs, out);
   const std::vector<double> position = values_of(runs, &RunFigures::position_rmse_m);
   out.position_rmse_m = root_mean_square(position);
   out.position_rmse_median_m = median_of(runs, &RunFigures::position_rmse_m);
@@ -159,9 +160,14 @@ std::string fixed_cell(const std::optional<double>& value, int digits) {
 }
 
 std::string runs_cell(const MethodSummary& s) {
-  return s.diverged == 0 ? fmt::format("{}", s.runs)
-                         : fmt::format("{} ({} diverged, first at {:.1f} s)", s.runs, s.diverged,
-                                       s.first_diverged_t.value_or(0.0));
+  std::string text;
+  if (s.diverged > 0) {
+    text = fmt::format("{} diverged, first at {:.1f} s", s.diverged, s.first_diverged_t.value_or(0.0));
+  }
+  if (s.lost > 0) {
+    text += fmt::format("{}{} lost", text.empty() ? "" : "; ", s.lost);
+  }
+  return text.empty() ? fmt::format("{}", s.runs) : fmt::format("{} ({})", s.runs, text);
 }
 
 std::string finite_cell(double value, int digits) {

@@ -204,7 +204,7 @@ TEST(RunStudy, LeavesAlienFilesAlone) {
   run_study(tiny_plan(1), path);
   rows_of(path, "PRAGMA user_version = 77");
   EXPECT_THAT(testing::data_error_of([&] { run_study(tiny_plan(1), path); }).what(),
-              HasSubstr("expected a study of version 2, found one of version 77"));
+              HasSubstr("expected a study of version 3, found one of version 77"));
   rows_of(path, "PRAGMA application_id = 5");
   EXPECT_THAT(testing::data_error_of([&] { run_study(tiny_plan(1), path); }).what(),
               HasSubstr("found another SQLite database"));

@@ -135,6 +135,18 @@ TEST_F(FinishedStudy, SummarizesWhatDidNotDivergeAndCountsWhatDid) {
   EXPECT_THAT(format_study_table(study), HasSubstr("4 (4 diverged, first at "));
 }
 
+TEST(StudyTable, CountsRunsThatDivergedAndRunsThatWereLost) {
+  MethodSummary summary;
+  summary.label = "ekf";
+  summary.runs = 100;
+  EXPECT_EQ(brief_rows({summary}).at(0).runs, "100");
+  summary.lost = 1;
+  EXPECT_EQ(brief_rows({summary}).at(0).runs, "100 (1 lost)");
+  summary.diverged = 3;
+  summary.first_diverged_t = 12.3;
+  EXPECT_EQ(brief_rows({summary}).at(0).runs, "100 (3 diverged, first at 12.3 s; 1 lost)");
+}
+
 TEST(StudyTable, PutsTheMeanNeesOfManyRunsWithinItsBounds) {
   const TemporaryFolder folder;
   StudyPlan plan = tiny_plan(40, "oracle");

@@ -8,7 +8,9 @@
 #include <map>
 
 #include "limber/diagnose/run_summary.hpp"
+#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
+#include "source_folder.hpp"
 #include "study/tiny_study.hpp"
 
 namespace limber {
@@ -216,6 +218,24 @@ TEST(ItemResult, GoesThroughBytesAndBack) {
   EXPECT_EQ(item_from_bytes(bytes).methods[1].run.diverged->reason, item.methods[1].run.diverged->reason);
   EXPECT_THROW((void)item_from_bytes(bytes.substr(0, bytes.size() - 1)), std::invalid_argument);
   EXPECT_THROW((void)item_from_bytes(bytes + "x"), std::invalid_argument);
+}
+
+/// A run that goes on after its gyroscope stepped is none that `limber run` would end with exit code 0.
+TEST(ComputeItem, SaysSinceWhenARunWasLost) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 14.0;
+  scenario.faults = {GyroBiasStep{.at = 7.0, .size = 0.05}};
+  scenario.filter.gate = true;  // what is refused is part of the evidence
+  StudyPlan plan;
+  plan.cases.push_back({scenario, method_variants_from_string("ekf,lcekf"), 1, StartMode::kGroundTruth});
+  const ItemResult item = compute_item(plan, 0, 0);
+  ASSERT_TRUE(item.methods[0].run.figures.lost_s);
+  EXPECT_NEAR(*item.methods[0].run.figures.lost_s, 7.0, 2.0);
+  EXPECT_FALSE(item.methods[1].run.figures.lost_s);
+  plan.cases[0].scenario.faults.clear();
+  for (const MethodResult& method : compute_item(plan, 0, 0).methods) {
+    EXPECT_FALSE(method.run.figures.lost_s) << method.run.run;
+  }
 }
 
 }  // namespace

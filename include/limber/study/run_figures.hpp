@@ -39,6 +39,7 @@ struct RunFigures {
   /// that went through; over all of them
   std::optional<std::int64_t> frames, points_refused;
   std::optional<double> start_s;  ///< from the first frame until a start from the sensors was ready
+  std::optional<double> lost_s;   ///< from the first frame until the run was lost; empty: it was not
   // Depend on the machine, and are no part of what has to be repeatable:
   std::optional<double> ms_per_frame_mean, ms_per_frame_p50, ms_per_frame_p99;  ///< filter alone [ms]
 };

@@ -21,6 +21,8 @@ struct MethodSummary {
   std::uint64_t runs = 0;                  ///< finished, diverged ones included
   std::uint64_t diverged = 0;              ///< of them
   std::optional<double> first_diverged_t;  ///< earliest time of a divergence [s]
+  /// of them that went through but were lost, as `limber run` says of them
+  std::uint64_t lost = 0;
 
   std::optional<double> position_rmse_m, attitude_rmse_deg,
       landmark_rmse_m;                          ///< root of the mean square over runs
