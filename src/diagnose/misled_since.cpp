@@ -16,6 +16,7 @@ namespace {
 constexpr double kBlock = 1.0;            // [s]
 constexpr std::size_t kBefore = 3;        // blocks that tell what is usual
 constexpr std::size_t kLasting = 3;       // blocks in a row
+constexpr std::size_t kSudden = 2;        // blocks in which it grows to that, at most
 constexpr std::size_t kFewestFrames = 3;  // of a block
 constexpr double kGrown = 6.0;            // NIS per degree of freedom, over the usual one
 constexpr double kManyRefused = 0.1;
@@ -84,6 +85,17 @@ struct Limits {
   }
 };
 
+/// The block behind the last usual one before `k`, unless that is too long ago.
+std::optional<std::size_t> begin_of_growth(std::span<const Block> blocks, std::size_t k,
+                                           const Limits& limits) {
+  for (std::size_t begin = k; begin + kSudden > k; --begin) {
+    if (limits.is_far_from(blocks[begin - 1])) {
+      return begin;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
@@ -96,9 +108,10 @@ std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
     const Limits limits(std::span(blocks).first(k));
     const auto passes = [&](const Block& block) { return limits.is_passed_by(block); };
     const auto since = std::span(blocks).subspan(k);
-    if (limits.is_far_from(blocks[k - 1]) && std::ranges::all_of(since.first(kLasting), passes) &&
+    const std::optional<std::size_t> begin = begin_of_growth(blocks, k, limits);
+    if (begin && std::ranges::all_of(since.first(kLasting), passes) &&
         2 * static_cast<std::size_t>(std::ranges::count_if(since, passes)) > since.size()) {
-      return blocks[k].begin_ns;
+      return blocks[*begin].begin_ns;
     }
   }
   return std::nullopt;

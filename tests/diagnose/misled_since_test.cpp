@@ -44,6 +44,19 @@ TEST(MisledSince, IsWhereTheMisfitBeganToGrowAndStayed) {
   EXPECT_EQ(misled_since(frames, rig(HealthVerdict::kCannotTell)), 51 * kFrame);
 }
 
+/// What grows within two seconds is an input's fault, what takes longer may be a rig that drifts away.
+TEST(MisledSince, MayBeginInTheMidstOfASecond) {
+  const auto grows_over = [](int frames) {
+    std::vector<FrameReport> out = frames_that_grow(50, 100, 10.0);
+    for (std::size_t k = 50; k < 50 + static_cast<std::size_t>(frames); ++k) {
+      out[k].nis *= 0.4;
+    }
+    return misled_since(out, rig(HealthVerdict::kOk));
+  };
+  EXPECT_EQ(grows_over(10), 51 * kFrame);
+  EXPECT_FALSE(grows_over(20));
+}
+
 TEST(MisledSince, IsNeverWhereARigThatIsWrongOrChangedExplainsIt) {
   const std::vector<FrameReport> frames = frames_that_grow(50, 100, 10.0);
   EXPECT_FALSE(misled_since(frames, rig(HealthVerdict::kDecalibrated)));
