@@ -76,8 +76,15 @@ struct Limits {
   explicit Limits(std::span<const Block> before)
       : misfit(kGrown * usual(before, &Block::misfit)),
         refused(std::max(kManyRefused, kGrown * usual(before, &Block::refused))) {}
-  [[nodiscard]] bool is_passed_by(const Block& block) const {
-    return block.refused > kRefused && (block.misfit > misfit || block.refused > refused);
+  /// One after the other, with points refused among them: noise alone that has grown refuses none.
+  [[nodiscard]] bool are_passed_by(std::span<const Block> blocks) const {
+    double sum = 0.0;
+    for (const Block& block : blocks) {
+      sum += block.refused;
+    }
+    return sum > kRefused * static_cast<double>(blocks.size()) &&
+           std::ranges::all_of(blocks,
+                               [&](const Block& b) { return b.misfit > misfit || b.refused > refused; });
   }
   /// A rig that drifts away gets there by and by.
   [[nodiscard]] bool is_far_from(const Block& block) const {
@@ -106,11 +113,11 @@ std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
   const std::vector<Block> blocks = blocks_of(frames);
   for (std::size_t k = kBefore; k + kLasting <= blocks.size(); ++k) {
     const Limits limits(std::span(blocks).first(k));
-    const auto passes = [&](const Block& block) { return limits.is_passed_by(block); };
     const auto since = std::span(blocks).subspan(k);
     const std::optional<std::size_t> begin = begin_of_growth(blocks, k, limits);
-    if (begin && std::ranges::all_of(since.first(kLasting), passes) &&
-        2 * static_cast<std::size_t>(std::ranges::count_if(since, passes)) > since.size()) {
+    const auto as_usual = [&](const Block& block) { return limits.is_far_from(block); };
+    if (begin && limits.are_passed_by(since.first(kLasting)) &&
+        2 * static_cast<std::size_t>(std::ranges::count_if(since, as_usual)) < since.size()) {
       return blocks[*begin].begin_ns;
     }
   }

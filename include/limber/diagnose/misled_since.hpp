@@ -13,10 +13,10 @@
 
 namespace limber {
 
-/// @brief Since when something else than the rig has led a filter astray that trusts the rig [ns]: from one
-/// second to the next its innovations grow to six times their usual size in squares, or so does the share of
-/// points that are refused; it stays so for three seconds and for most of the time that follows, and the rig,
-/// by its stereo points alone, neither is wrong nor changed.
+/// @brief Since when something else than the rig has led a filter astray that trusts the rig [ns]: within
+/// two seconds its innovations grow to six times their usual size in squares, or so does the share of points
+/// that are refused; it stays so for three seconds, at half of that for most of the time that follows, and
+/// the rig, by its stereo points alone, neither is wrong nor changed.
 /// @return nothing where nothing grows, the rig explains it or nobody judged the rig
 /// @note docs/faults.md
 [[nodiscard]] std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
