@@ -192,5 +192,29 @@ TEST_F(ImageFolder, AsABagGoesOnWhereAPictureInItIsDamaged) {
                         "at 150000000 ns: " + bag.string() + ", topic ");
 }
 
+TEST_F(ImageFolder, IsConvertedWithoutTheImagesThatCannotBeRead) {
+  const std::string data = mav0().parent_path().string();
+  const std::string whole = read_text(image("cam1", 3));
+  const std::pair<std::string, std::string> damaged[] = {
+      {whole.substr(0, whole.size() / 2), "found a PNG file that was cut off"}, {"", "found an empty file"}};
+  for (const auto& [content, words] : damaged) {
+    write_text(image("cam1", 3), content);
+    const fs::path bag = mav0().parent_path() / "x.mcap";
+    fs::remove(bag);  // in the folder that is read: never replaced
+    const auto result = testing::run_limber({"convert", data, "--out", bag.string(), "--pixels", "raw"});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr("the image of cam1 at 150000000 ns is left out: " +
+                                      image("cam1", 3).string() + ": expected"));
+    EXPECT_THAT(result.err, HasSubstr(words));
+    EXPECT_EQ(result.out, bag.string() + "\n");
+    const auto streams =
+        nlohmann::json::parse(testing::run_limber({"info", bag.string(), "--json"}).out)["streams"];
+    for (const auto& stream : streams) {
+      if (stream["role"] == "left") EXPECT_EQ(stream["messages"], kFrames);
+      if (stream["role"] == "right") EXPECT_EQ(stream["messages"], kFrames - 1);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace limber
