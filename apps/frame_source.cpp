@@ -181,7 +181,10 @@ bool note_damaged(const ImageFrames& source, std::vector<std::string>& notes) {
 }
 
 void add_damaged(const ImageFrames& source, RunRecord& record) {
-  record.recording_partial |= note_damaged(source, record.notes);
+  if (note_damaged(source, record.notes)) {
+    record.recording_partial = true;
+    record.frames_unreadable = source.damaged->why.size();
+  }
 }
 
 }  // namespace limber::app

@@ -32,7 +32,7 @@ struct ImageFrames {
 /// Adds to notes what could not be read; nothing where all could. @return whether there was any
 bool note_damaged(const ImageFrames& source, std::vector<std::string>& notes);
 
-/// The same of a run, which is partial then.
+/// The same of a run, which is partial then and has their number.
 void add_damaged(const ImageFrames& source, RunRecord& record);
 
 /// @brief A pair that cannot be read is a frame without points, unless the first ten are all so: then the

@@ -84,6 +84,7 @@ TEST_F(ImageFolder, IsNavigated) {
   EXPECT_THAT(result.err, HasSubstr("pixel noise not given: learned, from 0.5 px on"));
   const auto summary = nlohmann::json::parse(read_text(out() / "summary.json"));
   EXPECT_EQ(summary["frames"], kFrames);
+  EXPECT_EQ(summary["frames_unreadable"], 0);
   EXPECT_GT(summary["points_per_frame"], 60.0);
   EXPECT_LT(summary["ate_m"]["se3"], 0.05);
 }
@@ -139,6 +140,7 @@ void expect_one_lost_frame(const std::vector<std::string>& arguments, const fs::
   EXPECT_THAT(result.err, HasSubstr(what));
   const auto summary = nlohmann::json::parse(read_text(out / "summary.json"));
   EXPECT_EQ(summary["frames"], kFrames);
+  EXPECT_EQ(summary["frames_unreadable"], 1);
   EXPECT_FALSE(summary["complete"]);
   EXPECT_LT(summary["ate_m"]["se3"], 0.05);
 }
