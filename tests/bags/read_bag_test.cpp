@@ -6,6 +6,7 @@
 
 #include "fixtures.hpp"
 #include "limber/bags/inspect.hpp"
+#include "limber/bags/write_bag.hpp"
 #include "limber/core/errors.hpp"
 #include "message_of.hpp"
 
@@ -69,7 +70,12 @@ TEST(AskedTopics, ThatAreNotThereOrOfAnotherTypeAreRefused) {
   EXPECT_THAT(refused("left=/cam0/image_rw,right=/cam1/image_raw"),
               HasSubstr("did you mean /cam0/image_raw?"));
   EXPECT_THAT(refused("left=/imu0,right=/cam1/image_raw"), HasSubstr("/imu0 of type sensor_msgs/Imu"));
-  EXPECT_THAT(refused("left=/cam0/image_raw"), HasSubstr("two topics of images"));
+  for (const char* const side : {"left", "right"}) {
+    EXPECT_THAT(refused(std::string(side) + "=/cam0/image_raw"),
+                HasSubstr("two topics of images, left and right, found /cam0/image_raw alone;"));
+  }
+  EXPECT_THAT(refused("left=/cam0/image_raw,right=/cam0/image_raw"),
+              HasSubstr("found /cam0/image_raw for both;"));
   EXPECT_THAT(refused("imu=/chatter"), HasSubstr("std_msgs/String"));
   for (const char* text : {"left", "left=", "middle=/a", "left=/a,left=/b", ""}) {
     EXPECT_THROW((void)parse_bag_topics(text), std::invalid_argument) << text;
@@ -83,6 +89,43 @@ TEST(BagImages, MustHaveTheSizeOfTheCalibration) {
   EXPECT_THAT(message_of<DataError>([&] { (void)read("imu=/imu0", rig); }), HasSubstr("752 x 12 pixels"));
   rig.cam1.width = rig.cam1.height = 0;
   EXPECT_EQ(read("imu=/imu0", rig).calibration.cam1.width, kFixtureWidth) << "the images say it";
+}
+
+/// A bag whose images went through `change` on their way.
+Recording read_changed(const ImageChange& change, const BagTopics& topics = {}) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "x.mcap";
+  write_bag(read("imu=/imu0"), {path, BagFormat::kMcap, ""}, change);
+  return read_bag(path, fixture_rig(), {}, topics);
+}
+
+/// The left image of a pair, in half of its rows.
+ImageChange halved_from(std::size_t first, std::size_t last) {
+  return [=, pair = std::size_t{0}](EncodedImage image, const std::string& place) mutable {
+    if (place.find("/cam0/") != std::string::npos) {
+      image.height /= pair >= first && pair <= last ? 2 : 1;
+      image.data.resize(image.step * static_cast<std::size_t>(image.height));
+      ++pair;
+    }
+    return image;
+  };
+}
+
+TEST(BagImages, OfAnotherSizeAreSaidAndRefusedWhereMostAreSo) {
+  const Recording recording = read_changed(halved_from(2, 2));
+  EXPECT_EQ(recording.images.size(), kFixtureFrames);
+  EXPECT_THAT(recording.notes,
+              Contains(HasSubstr("/cam0/image_raw: images of more than one size or encoding: 1 of 5")));
+  const auto refusal = [](const ImageChange& change) {
+    return message_of<DataError>([&] { (void)read_changed(change); });
+  };
+  EXPECT_THAT(refusal(halved_from(1, 4)), HasSubstr("images of one size and encoding, found 4 of 5"));
+  const ImageChange to_depth = [](EncodedImage image, const std::string&) {
+    image.encoding = "32FC1";
+    return image;
+  };
+  EXPECT_THAT(refusal(to_depth),
+              HasSubstr("left from right: /cam0/image_raw (32FC1), /cam1/image_raw (32FC1);"));
 }
 
 TEST(ImuOfABag, IsLeftOutWhereNothingSaysWhereItSits) {

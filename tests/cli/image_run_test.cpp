@@ -194,6 +194,36 @@ TEST_F(ImageFolder, AsABagGoesOnWhereAPictureInItIsDamaged) {
                         "at 150000000 ns: " + bag.string() + ", topic ");
 }
 
+TEST_F(ImageFolder, AsABagGoesOnWhereAnImageIsOfAnotherSize) {
+  const std::string data = mav0().parent_path().string();
+  write_png(image("cam1", 3), 40, 30, std::vector<std::uint8_t>(40 * 30, 90));
+  const fs::path bag = mav0().parent_path() / "x.mcap";
+  for (const char* const pixels : {"keep", "raw"}) {
+    fs::remove(bag);  // in the folder that is read: never replaced
+    ASSERT_EQ(testing::run_limber({"convert", data, "--out", bag.string(), "--pixels", pixels}).exit_code, 0);
+    expect_one_lost_frame({"run", bag.string(), "--calib", data, "--out", out().string(), "--force"}, out(),
+                          "(the calibration's resolution), found 40 x 30 px");
+  }
+}
+
+TEST_F(ImageFolder, IsInspectedWhereImagesAreTorn) {
+  const std::string data = mav0().parent_path().string();
+  const std::string whole = read_text(image("cam0", 0));
+  write_text(image("cam0", 0), whole.substr(0, whole.size() / 2));
+  const auto one = testing::run_limber({"info", data});
+  EXPECT_EQ(one.exit_code, 0);
+  EXPECT_THAT(one.out, HasSubstr("of 6 pairs that were looked at 1 cannot be read; the first: " +
+                                 image("cam0", 0).string()));
+  EXPECT_THAT(one.out, HasSubstr("mean grey"));
+  for (std::int64_t k = 1; k < kFrames; ++k) {
+    fs::copy_file(image("cam0", 0), image("cam0", k), fs::copy_options::overwrite_existing);
+  }
+  const auto none = testing::run_limber({"info", data});
+  EXPECT_EQ(none.exit_code, 0);
+  EXPECT_THAT(none.out, HasSubstr("of 6 pairs that were looked at 6 cannot be read"));
+  EXPECT_THAT(none.out, ::testing::Not(HasSubstr("mean grey")));
+}
+
 TEST_F(ImageFolder, IsConvertedWithoutTheImagesThatCannotBeRead) {
   const std::string data = mav0().parent_path().string();
   const std::string whole = read_text(image("cam1", 3));
