@@ -98,6 +98,7 @@ nlohmann::ordered_json to_json(const StreamInfo& stream) {
           {"role", or_null(!stream.role.empty(), stream.role)},
           {"messages", stream.messages},
           {"unreadable", stream.unreadable},
+          {"unstamped", stream.unstamped},
           {"first_ns", or_null(timing.count > 0, timing.first_ns)},
           {"last_ns", or_null(timing.count > 0, timing.last_ns)},
           {"rate_hz", or_null(timing.median_interval_s > 0.0, timing.rate_hz())},

@@ -100,8 +100,8 @@ std::vector<std::size_t> BagReader::in_order(const BagStream& stream) {
   const Timing timing = timing_of(stream.stamps_ns);
   if (timing.largest_step_back_s > kClockJump) {
     fail(name + " with a clock that does not jump back",
-         fmt::format("a jump back by {:.3f} s; cut the bag there (rosbag filter) and run the parts",
-                     timing.largest_step_back_s));
+         fmt::format("a jump back by {:.3f} s behind {} ns; cut the bag there and run the parts",
+                     timing.largest_step_back_s, timing.stepped_back_at_ns));
   }
   if (timing.first_ns < -kLatestStamp || timing.last_ns > kLatestStamp) {
     fail(name + " with stamps before the year 2096", fmt::format("{} ns", timing.last_ns));
@@ -113,6 +113,10 @@ std::vector<std::size_t> BagReader::in_order(const BagStream& stream) {
   }
   if (const std::size_t repeated = stream.stamps_ns.size() - order.size(); repeated > 0) {
     note(fmt::format("{}: {} messages have the stamp of another one and are left out", name, repeated));
+  }
+  if (stream.unstamped > 0) {
+    note(fmt::format("{}: {} of {} messages have no stamp and are left out", name, stream.unstamped,
+                     stream.messages));
   }
   if (stream.unreadable > 0) {
     note(fmt::format(

@@ -136,6 +136,48 @@ TEST(ImuOfABag, IsLeftOutWhereNothingSaysWhereItSits) {
   EXPECT_THAT(recording.notes, Contains(HasSubstr("does not say where the IMU sits")));
 }
 
+/// A bag whose headers have another time in the place of one.
+Recording read_restamped(const fs::path& path, std::int64_t from_ns, std::int64_t to_ns) {
+  const auto bytes_of = [](std::int64_t t_ns) {
+    std::string out;
+    for (std::uint64_t part : {t_ns / 1'000'000'000, t_ns % 1'000'000'000}) {
+      for (int k = 0; k < 4; ++k, part >>= 8) out += static_cast<char>(part & 0xff);
+    }
+    return out;
+  };
+  std::string content = read_text(fixture("unchunked.mcap"));
+  for (std::size_t at = content.find(bytes_of(from_ns)); at != std::string::npos;
+       at = content.find(bytes_of(from_ns))) {
+    content.replace(at, 8, bytes_of(to_ns));
+  }
+  return read_bag(write_text(path, content), fixture_rig(), ImuNoise{});
+}
+
+TEST(StampsOfZero, AmongOthersAreNoneAndTheirMessagesLeftOut) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "x.mcap";
+  for (const std::size_t frame : {0u, 2u}) {
+    const Recording recording =
+        read_restamped(path, kStart + static_cast<std::int64_t>(frame) * kFrameInterval, 0);
+    ASSERT_EQ(recording.images.size(), kFixtureFrames - 1);
+    EXPECT_EQ(recording.images.front().t_ns, kStart + (frame == 0 ? kFrameInterval : 0));
+    EXPECT_EQ(recording.image_store->load(1, 3).data[0], fixture_pixel(0, 0, 4, 1))
+        << "places keep to stamps";
+    EXPECT_EQ(recording.imu.size(), kFixtureImu - 1);
+    EXPECT_THAT(recording.notes, Contains(HasSubstr("/cam0/image_raw: 1 of 5 messages have no stamp")));
+    EXPECT_THAT(inspect(path).notes, Contains(HasSubstr("/imu0: 1 of 41 messages have no stamp")));
+  }
+}
+
+TEST(StampsThatLeapBack, AreRefusedWithTheTimeOfTheLeap) {
+  const TemporaryFolder folder;
+  const auto leap = [&] {
+    (void)read_restamped(folder.path() / "x.mcap", kStart + 3 * kFrameInterval, kStart - 3'000'000'000);
+  };
+  EXPECT_THAT(message_of<DataError>(leap), HasSubstr("a jump back by 3.100 s behind " +
+                                                     std::to_string(kStart + 2 * kFrameInterval) + " ns"));
+}
+
 TEST(TimingOfStamps, CountsGapsStepsBackAndRepetitions) {
   constexpr std::int64_t ms = 1'000'000;
   const Timing timing = timing_of({0, 10 * ms, 20 * ms, 30 * ms, 30 * ms, 25 * ms, 90 * ms, 100 * ms});
