@@ -150,7 +150,7 @@ RepeatedFrames repeated_frames(const Recording& recording, const FrontendArgumen
 #endif
 }
 
-ImageFrames image_frames(const Recording& recording, const FrontendArguments& arguments) {
+ImageFrames image_frames(const Recording& recording, [[maybe_unused]] const FrontendArguments& arguments) {
   if (recording.images.empty()) {
     return {matched_frames(recording)};
   }

@@ -2,6 +2,7 @@
 #include "limber/bags/read_bag.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "datasets/files.hpp"
 #include "fixtures.hpp"
 #include "limber/bags/inspect.hpp"
 #include "limber/bags/write_bag.hpp"
