@@ -182,6 +182,19 @@ void note_losses(const Recording& recording, bool bag) {
   }
 }
 
+/// @return whether there are any
+bool warn_of(const std::vector<LostImage>& lost) {
+  constexpr std::size_t kShown = 10;
+  for (std::size_t k = 0; k < std::min(kShown, lost.size()); ++k) {
+    print_warning(fmt::format("the image of cam{} at {} ns is left out: {}", lost[k].camera, lost[k].t_ns,
+                              lost[k].why));
+  }
+  if (lost.size() > kShown) {
+    print_warning(fmt::format("and {} more images are left out", lost.size() - kShown));
+  }
+  return !lost.empty();
+}
+
 /// @return whether parts of the recording were missing
 bool convert_recording(const ConvertArguments& arguments, const std::optional<BagOutput>& bag) {
   const Interrupt interrupt;
@@ -200,16 +213,17 @@ bool convert_recording(const ConvertArguments& arguments, const std::optional<Ba
   }
   Progress progress("convert", recording.images.size());
   const auto done = [&](std::size_t n) { progress.done(n); };
+  std::vector<LostImage> lost;
   if (bag) {
-    write_bag(recording, *bag, change_of(arguments.pixels), done, Interrupt::asked);
+    lost = write_bag(recording, *bag, change_of(arguments.pixels), done, Interrupt::asked);
   } else {
     if (arguments.pixels == "raw") {
       throw CLI::ValidationError("--pixels", "an EuRoC folder has image files, no raw pixels");
     }
-    write_euroc(recording, arguments.out, as_png, arguments.force, done, Interrupt::asked);
+    lost = write_euroc(recording, arguments.out, as_png, arguments.force, done, Interrupt::asked);
   }
   note_losses(recording, bag.has_value());
-  return recording.partial;
+  return warn_of(lost) || recording.partial;
 }
 
 std::vector<TrajectoryRow> rows_of(const TrajectoryInput& input) {

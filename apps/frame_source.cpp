@@ -14,6 +14,7 @@
 #include "interrupt.hpp"
 #ifdef LIMBER_WITH_FRONTEND
 #include "limber/core/errors.hpp"
+#include "limber/datasets/image_files.hpp"
 #include "limber/frontend/stereo_tracker.hpp"
 #include "pair_reader.hpp"
 #include "read_ahead.hpp"
@@ -37,11 +38,8 @@ struct TrackedFrame {
 /// Reads and tracks the images of a recording, one pair after the other.
 class ImageTracking {
  public:
-  ImageTracking(const Recording& recording, const TrackerOptions& options, bool keep_on)
-      : recording_(recording),
-        reader_(recording),
-        tracker_(recording.calibration, options),
-        keep_on_(keep_on) {}
+  ImageTracking(const Recording& recording, const TrackerOptions& options)
+      : recording_(recording), reader_(recording), tracker_(recording.calibration, options) {}
 
   /// Of a pair that cannot be read no points; they are tracked from the pair before into the next one.
   TrackedFrame operator()(std::size_t n) {
@@ -61,13 +59,12 @@ class ImageTracking {
  private:
   /// Nothing of a damaged pair. @throws DataError where the first pairs are all so: it is not damage then
   std::optional<std::array<GreyPixels, 2>> read(std::size_t n, std::string& why) {
-    constexpr std::size_t kFirst = 10;
     try {
       auto pair = reader_.read(n);
       any_read_ = true;
       return pair;
     } catch (const DataError& error) {
-      if (!keep_on_ || (!any_read_ && (++unread_ == kFirst || n + 1 == recording_.images.size()))) {
+      if (!any_read_ && (++unread_ == kFirstPairs || n + 1 == recording_.images.size())) {
         throw;
       }
       why = error.what();
@@ -78,7 +75,7 @@ class ImageTracking {
   const Recording& recording_;
   PairReader reader_;
   StereoTracker tracker_;
-  bool keep_on_, any_read_ = false;
+  bool any_read_ = false;
   std::size_t unread_ = 0;
 };
 
@@ -87,7 +84,7 @@ using TrackedFrames = std::function<TrackedFrame(std::size_t)>;
 TrackedFrames tracked_frames(const Recording& recording, const FrontendArguments& arguments) {
   TrackerOptions options;
   options.max_tracks = arguments.max_tracks;
-  auto tracking = std::make_shared<ImageTracking>(recording, options, arguments.keep_on);
+  auto tracking = std::make_shared<ImageTracking>(recording, options);
   TrackedFrames take = [tracking](std::size_t n) { return (*tracking)(n); };
   if (arguments.threads > 1) {
     auto ahead = std::make_shared<ReadAhead<TrackedFrame>>(take, recording.images.size());
@@ -128,8 +125,8 @@ ImageFrames recorded(Take take) {
             TrackedFrame tracked = take(n, *record);
             record->add(tracked.frame, tracked.decode_ms, tracked.track_ms);
             ++damaged->frames;
-            if (!tracked.unreadable.empty() && damaged->damaged++ == 0) {
-              damaged->first = fmt::format("at {} ns: {}", tracked.frame.t_ns, tracked.unreadable);
+            if (!tracked.unreadable.empty()) {
+              damaged->why.push_back(fmt::format("at {} ns: {}", tracked.frame.t_ns, tracked.unreadable));
             }
             return std::move(tracked.frame);
           },
@@ -153,7 +150,7 @@ RepeatedFrames repeated_frames(const Recording& recording, const FrontendArgumen
 #endif
 }
 
-ImageFrames image_frames(const Recording& recording, const FrontendArguments& arguments) {
+ImageFrames image_frames(const Recording& recording, [[maybe_unused]] const FrontendArguments& arguments) {
   if (recording.images.empty()) {
     return {matched_frames(recording)};
   }
@@ -173,22 +170,21 @@ FrameSource stoppable(FrameSource frames) {
   };
 }
 
-FrameSource frame_source(const Recording& recording) {
-  return image_frames(recording, {.threads = 1, .keep_on = false}).frames;
-}
-
 bool note_damaged(const ImageFrames& source, std::vector<std::string>& notes) {
-  if (!source.damaged || source.damaged->damaged == 0) {
+  if (!source.damaged || source.damaged->why.empty()) {
     return false;
   }
   notes.push_back(
       fmt::format("the images of {} of {} frames cannot be read: these have no points; the first, {}",
-                  source.damaged->damaged, source.damaged->frames, source.damaged->first));
+                  source.damaged->why.size(), source.damaged->frames, source.damaged->why.front()));
   return true;
 }
 
 void add_damaged(const ImageFrames& source, RunRecord& record) {
-  record.recording_partial |= note_damaged(source, record.notes);
+  if (note_damaged(source, record.notes)) {
+    record.recording_partial = true;
+    record.frames_unreadable = source.damaged->why.size();
+  }
 }
 
 }  // namespace limber::app

@@ -14,13 +14,12 @@ namespace limber::app {
 struct FrontendArguments {
   int max_tracks = 120;  ///< points followed at a time
   int threads = 2;       ///< 1: images are read and tracked when the filter asks for them
-  bool keep_on = true;   ///< behind pairs that cannot be read
 };
 
 /// Pairs of images that could not be read. Each is a frame without points.
 struct DamagedPairs {
-  std::size_t frames = 0, damaged = 0;  ///< that were taken; of these
-  std::string first;                    ///< when, where and why of the first
+  std::size_t frames = 0;        ///< that were taken
+  std::vector<std::string> why;  ///< when, where and why, of each damaged one
 };
 
 /// Frames of a recording: its matched points, or its images through the front end.
@@ -33,7 +32,7 @@ struct ImageFrames {
 /// Adds to notes what could not be read; nothing where all could. @return whether there was any
 bool note_damaged(const ImageFrames& source, std::vector<std::string>& notes);
 
-/// The same of a run, which is partial then.
+/// The same of a run, which is partial then and has their number.
 void add_damaged(const ImageFrames& source, RunRecord& record);
 
 /// @brief A pair that cannot be read is a frame without points, unless the first ten are all so: then the
@@ -53,9 +52,5 @@ using RepeatedFrames = std::function<ImageFrames()>;
 
 /// The same frames, until the user asks to stop. @throws Stopped then, in the place of a frame
 [[nodiscard]] FrameSource stoppable(FrameSource frames);
-
-/// The frames alone, made on the thread that asks for them. @throws DataError, then, for a pair that cannot
-/// be read
-[[nodiscard]] FrameSource frame_source(const Recording& recording);
 
 }  // namespace limber::app

@@ -14,6 +14,7 @@
 #include "progress.hpp"
 #include "validators.hpp"
 #ifdef LIMBER_WITH_FRONTEND
+#include "limber/core/errors.hpp"
 #include "limber/frontend/decode_image.hpp"
 #endif
 
@@ -32,7 +33,8 @@ struct Brightness {
   double left = 0.0, right = 0.0;  ///< 0 to 255
 };
 
-std::optional<Brightness> brightness_of(const RecordingInfo& info) {
+/// Of the images that can be read; the others become a note. Nothing where there are none.
+std::optional<Brightness> look_at_images(RecordingInfo& info) {
 #ifdef LIMBER_WITH_FRONTEND
   constexpr std::size_t kLooked = 9;
   if (!info.images || !info.stereo || info.stereo->pairs == 0) {
@@ -44,13 +46,29 @@ std::optional<Brightness> brightness_of(const RecordingInfo& info) {
     return static_cast<double>(std::accumulate(grey.data.begin(), grey.data.end(), std::uint64_t{0})) /
            static_cast<double>(grey.data.size());
   };
-  Brightness out;
+  Brightness sum;
+  std::size_t read = 0;
+  std::string unreadable;  // the first
   for (std::size_t k = 0; k < looked; ++k) {
     const std::size_t pair = k * info.stereo->pairs / looked;
-    out.left += mean(0, pair) / static_cast<double>(looked);
-    out.right += mean(1, pair) / static_cast<double>(looked);
+    try {
+      const double left = mean(0, pair), right = mean(1, pair);
+      sum.left += left;
+      sum.right += right;
+      ++read;
+    } catch (const DataError& error) {
+      unreadable = unreadable.empty() ? error.what() : unreadable;
+    }
   }
-  return out;
+  if (!unreadable.empty()) {
+    info.notes.push_back(fmt::format("of {} pairs that were looked at {} cannot be read; the first: {}",
+                                     looked, looked - read, unreadable));
+  }
+  if (read == 0) {
+    return std::nullopt;
+  }
+  const auto count = static_cast<double>(read);
+  return Brightness{sum.left / count, sum.right / count};
 #else
   (void)info;
   return std::nullopt;
@@ -80,6 +98,7 @@ nlohmann::ordered_json to_json(const StreamInfo& stream) {
           {"role", or_null(!stream.role.empty(), stream.role)},
           {"messages", stream.messages},
           {"unreadable", stream.unreadable},
+          {"unstamped", stream.unstamped},
           {"first_ns", or_null(timing.count > 0, timing.first_ns)},
           {"last_ns", or_null(timing.count > 0, timing.last_ns)},
           {"rate_hz", or_null(timing.median_interval_s > 0.0, timing.rate_hz())},
@@ -206,11 +225,10 @@ std::string to_text(const RecordingInfo& info, const std::optional<Brightness>& 
 }
 
 void info(const InfoArguments& arguments) {
-  const RecordingInfo found = inspect(arguments.recording);
-  const auto brightness = brightness_of(found);
-  RecordingInfo judged = found;
-  judge_brightness(brightness, judged);
-  fmt::print("{}", arguments.json ? to_json(judged, brightness) : to_text(judged, brightness));
+  RecordingInfo found = inspect(arguments.recording);
+  const auto brightness = look_at_images(found);
+  judge_brightness(brightness, found);
+  fmt::print("{}", arguments.json ? to_json(found, brightness) : to_text(found, brightness));
 }
 
 }  // namespace

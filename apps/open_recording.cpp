@@ -61,11 +61,14 @@ Recording open_recording(const RecordingFiles& files) {
   }
   if (!files.imu.empty()) {
     if (recording.imu.empty()) {
+      const std::string name = files.dataset.string();
       throw CLI::ValidationError(
-          "--imu", files.dataset.string() + (bag && recording.calibration.body == BodyFrame::kCam0
-                                                 ? ": the calibration does not place the cameras on an IMU "
-                                                   "(T_cam_imu), so that none is used"
-                                                 : " has no IMU"));
+          "--imu",
+          name + (!bag ? " has no IMU"
+                  : recording.calibration.body == BodyFrame::kCam0
+                      ? ": the calibration does not place the cameras on an IMU (T_cam_imu), so that "
+                        "none is used"
+                      : ": no IMU is taken from it, limber info " + name + " lists its topics"));
     }
     recording.imu_noise = read_kalibr_imu(files.imu);
   }

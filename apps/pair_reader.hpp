@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cstddef>
 
+#include "limber/core/errors.hpp"
 #include "limber/datasets/recording.hpp"
 #include "limber/frontend/decode_image.hpp"
 #include "limber/frontend/image_reader.hpp"
@@ -30,7 +33,15 @@ class PairReader {
  private:
   [[nodiscard]] GreyPixels stored(std::size_t camera, std::size_t pair) const {
     const ImageStore& store = *recording_.image_store;
-    return decode_grey(store.load(camera, pair), store.place(camera, pair));
+    GreyPixels image = decode_grey(store.load(camera, pair), store.place(camera, pair));
+    const Camera& expected = camera == 0 ? recording_.calibration.cam0 : recording_.calibration.cam1;
+    if (image.width != expected.width || image.height != expected.height) {
+      throw DataError(store.place(camera, pair), 0,
+                      fmt::format("an image of {} x {} px (the calibration's resolution)", expected.width,
+                                  expected.height),
+                      fmt::format("{} x {} px", image.width, image.height));
+    }
+    return image;
   }
 
   const Recording& recording_;

@@ -62,12 +62,18 @@ def evaluation(limber, poses, folder, recording):
     return json.loads(done.stdout) if done.returncode == 0 else None
 
 
+def limber_options(recording, method, start, points):
+    """On one thread; matched points need none to themselves, and are thinned where images are tracked less."""
+    has_images = recordings.has_images(recording)
+    options = ["--method", method, "--init", "groundtruth" if start == "truth" else "auto"]
+    options += ["--threads", "1"] if has_images else []
+    return options + (["--max-tracks" if has_images else "--max-points", str(points)] if points else [])
+
+
 def run_limber(arguments, recording, folder, method, start, _):
-    command = [arguments.limber, "run", recording, "--method", method, "--init", "groundtruth" if start == "truth" else "auto",
-               "--out", folder / "run", "--threads", "1"]
-    command += ["--max-tracks", str(arguments.points)] if arguments.points else []
-    settings = " ".join(map(str, command[4:8] + command[10:])) + digest(arguments.limber)
-    code, cpu_s, peak_mb = measured(command, folder / "log.txt")
+    options = limber_options(recording, method, start, arguments.points)
+    settings = " ".join(options) + digest(arguments.limber)
+    code, cpu_s, peak_mb = measured([arguments.limber, "run", recording, *options, "--out", folder / "run"], folder / "log.txt")
     poses = limber_poses(folder / "run", recordings.stereo_stamps(recording)[0])
     return {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": hashed(settings)}, poses
 

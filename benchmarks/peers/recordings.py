@@ -22,3 +22,8 @@ def cameras(recording):
 
 def has_imu(recording):
     return (recording / "mav0/imu0/data.csv").exists()
+
+
+def has_images(recording):
+    """Not a track log, whose points are matched already."""
+    return not (recording / "mav0/tracks0/data.csv").exists()

@@ -66,8 +66,28 @@ SharedRecording make_recording(const StereoCalibration& calibration, const std::
 /// Frames of a recording one after the other, through the front end where it holds images.
 struct FrameIterator {
   SharedRecording recording;
-  FrameSource source;
+  app::ImageFrames source;
   std::size_t next = 0;
+
+  /// A pair that cannot be read is a frame without points and a RuntimeWarning.
+  StereoFrame take() {
+    const std::size_t damaged_before = damaged();
+    StereoFrame frame = [this] {
+      const py::gil_scoped_release released;
+      return source.frames(next++);
+    }();
+    if (damaged() > damaged_before) {
+      const std::string text =
+          "the images of a frame cannot be read, it has no points: " + source.damaged->why.back();
+      if (PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) != 0) {
+        throw py::error_already_set();
+      }
+    }
+    return frame;
+  }
+
+ private:
+  [[nodiscard]] std::size_t damaged() const { return source.damaged ? source.damaged->why.size() : 0; }
 };
 
 void bind_recording(py::module_& module) {
@@ -206,17 +226,18 @@ void bind_tracking(py::module_& module) {
         if (self.next >= frame_count(*self.recording)) {
           throw py::stop_iteration();
         }
-        const py::gil_scoped_release released;
-        return self.source(self.next++);
+        return self.take();
       });
   module.def(
       "frames",
       [](const SharedRecording& recording) {
-        return FrameIterator{recording, app::frame_source(*recording)};
+        return FrameIterator{recording, app::image_frames(*recording, {.threads = 1})};
       },
       py::arg("recording"),
       "Iterates over the stereo frames of a recording: its matched points, or its images through a "
-      "StereoTracker, as limber run sees them before FrameCleaner.");
+      "StereoTracker, as limber run sees them before FrameCleaner. A pair of images that cannot be read is a "
+      "frame without points, and a RuntimeWarning says when, where and why; where the first ten are all so, "
+      "DataError.");
 
   py::class_<FrameCleaner>(module, "FrameCleaner", DOC(FrameCleaner))
       .def(py::init([](const StereoCalibration& calibration, bool clean, std::size_t max_points) {

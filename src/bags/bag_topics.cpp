@@ -34,14 +34,25 @@ bool holds_any(const std::string& name, const Words& words) {
   return std::any_of(words.begin(), words.end(), [&](std::string_view word) { return holds(name, word); });
 }
 
+/// Encodings that depth is sent in.
+bool is_depth(std::string_view encoding) { return encoding == "16UC1" || encoding == "32FC1"; }
+
 bool is_picture(const BagStream& stream) {
   constexpr std::array<std::string_view, 6> kNoPictures = {"depth",     "disparity",    "mask",
                                                            "thumbnail", "segmentation", "confidence"};
   if (stream.places.empty() || holds_any(stream.topic.name, kNoPictures)) {
     return false;
   }
-  const std::string& encoding = stream.first_image->image.encoding;
-  return encoding != "16UC1" && encoding != "32FC1";  // as depth is sent
+  return !is_depth(stream.first_image->image.encoding);
+}
+
+void note_depth(const BagContents& contents, TopicProposal& proposal) {
+  for (const BagStream& stream : contents.streams) {
+    if (stream.first_image && is_depth(stream.first_image->image.encoding)) {
+      proposal.notes.push_back(fmt::format("{}: {} is how depth is sent, it is taken for no picture",
+                                           stream.topic.name, stream.first_image->image.encoding));
+    }
+  }
 }
 
 struct Pair {
@@ -106,6 +117,7 @@ void propose_images(const BagContents& contents, TopicProposal& proposal) {
       }
     }
     if (pictures.size() != 2) {
+      note_depth(contents, proposal);
       return;
     }
     std::sort(pictures.begin(), pictures.end(),

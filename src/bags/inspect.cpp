@@ -34,6 +34,7 @@ StreamInfo info_of(const BagStream& stream, const BagTopics& topics) {
   out.stamped = stream.stamped;
   out.messages = stream.messages;
   out.unreadable = stream.unreadable;
+  out.unstamped = stream.unstamped;
   if (stream.stamped && !stream.stamps_ns.empty()) {
     std::vector<double> delays;
     for (std::size_t k = 0; k < stream.stamps_ns.size(); ++k) {
@@ -56,6 +57,10 @@ void note_times(const StreamInfo& stream, std::vector<std::string>& notes) {
   if (stream.unreadable > 0) {
     notes.push_back(
         fmt::format("{}: {} of {} messages cannot be read", stream.name, stream.unreadable, stream.messages));
+  }
+  if (stream.unstamped > 0) {
+    notes.push_back(
+        fmt::format("{}: {} of {} messages have no stamp", stream.name, stream.unstamped, stream.messages));
   }
   if (stream.role.empty()) {
     return;

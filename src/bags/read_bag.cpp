@@ -2,6 +2,7 @@
 #include "limber/bags/read_bag.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,10 @@ constexpr double kLargestBagForce = 1e5;  // [m/s^2]
 constexpr double kLargestBagSpeed = 1e5;  // [m/s]
 constexpr std::int64_t kLatestStamp = 4'000'000'000'000'000'000;  // [ns]
 
+bool is_image(MessageKind kind) {
+  return kind == MessageKind::kImage || kind == MessageKind::kCompressedImage;
+}
+
 /// Builds a Recording from what a scan found.
 class BagReader {
  public:
@@ -42,9 +47,10 @@ class BagReader {
   [[nodiscard]] const BagStream* stream(const std::string& role, const std::string& topic,
                                         const std::string& types, bool (*fits)(MessageKind)) const;
   [[nodiscard]] std::vector<std::size_t> in_order(const BagStream& stream);
+  [[nodiscard]] std::string why_no_pair() const;
   void read_images();
   [[nodiscard]] std::optional<detail::ImageSize> first_size(const BagStream& stream) const;
-  void check_image(const BagStream& stream, Camera& camera) const;
+  void check_image(const BagStream& stream, Camera& camera);
   void judge_differences(const PairedTimes& paired, std::size_t left, std::size_t right);
   void read_imu(const BagStream& stream);
   void read_odometry(const BagStream& stream);
@@ -95,8 +101,8 @@ std::vector<std::size_t> BagReader::in_order(const BagStream& stream) {
   const Timing timing = timing_of(stream.stamps_ns);
   if (timing.largest_step_back_s > kClockJump) {
     fail(name + " with a clock that does not jump back",
-         fmt::format("a jump back by {:.3f} s; cut the bag there (rosbag filter) and run the parts",
-                     timing.largest_step_back_s));
+         fmt::format("a jump back by {:.3f} s behind {} ns; cut the bag there and run the parts",
+                     timing.largest_step_back_s, timing.stepped_back_at_ns));
   }
   if (timing.first_ns < -kLatestStamp || timing.last_ns > kLatestStamp) {
     fail(name + " with stamps before the year 2096", fmt::format("{} ns", timing.last_ns));
@@ -108,6 +114,10 @@ std::vector<std::size_t> BagReader::in_order(const BagStream& stream) {
   }
   if (const std::size_t repeated = stream.stamps_ns.size() - order.size(); repeated > 0) {
     note(fmt::format("{}: {} messages have the stamp of another one and are left out", name, repeated));
+  }
+  if (stream.unstamped > 0) {
+    note(fmt::format("{}: {} of {} messages have no stamp and are left out", name, stream.unstamped,
+                     stream.messages));
   }
   if (stream.unreadable > 0) {
     note(fmt::format(
@@ -134,12 +144,17 @@ std::optional<detail::ImageSize> BagReader::first_size(const BagStream& stream) 
   return std::nullopt;
 }
 
-void BagReader::check_image(const BagStream& stream, Camera& camera) const {
+void BagReader::check_image(const BagStream& stream, Camera& camera) {
   int width = stream.first_image->image.width, height = stream.first_image->image.height;
   if (stream.other_images > 0) {
-    fail(stream.topic.name + " with images of one size and encoding",
-         fmt::format("{} of {} that differ from the first", stream.other_images, stream.places.size()));
+    const std::string differ =
+        fmt::format("{} of {} that differ from the first", stream.other_images, stream.places.size());
+    if (2 * stream.other_images > stream.places.size()) {
+      fail(stream.topic.name + " with images of one size and encoding", differ);
+    }
+    note(stream.topic.name + ": images of more than one size or encoding: " + differ);
   }
+  recording_.partial |= stream.unreadable > 0;
   if (stream.kind == MessageKind::kCompressedImage) {
     const auto size = first_size(stream);
     if (!size) {
@@ -180,17 +195,33 @@ void BagReader::judge_differences(const PairedTimes& paired, std::size_t left, s
   }
 }
 
+/// Why there are not two topics of images.
+std::string BagReader::why_no_pair() const {
+  if (const std::string& named = topics_.left.empty() ? topics_.right : topics_.left; !named.empty()) {
+    return topics_.left == topics_.right ? named + " for both" : named + " alone";
+  }
+  std::vector<std::string> topics;
+  for (const BagStream& stream : contents_.streams) {
+    if (!is_image(stream.kind)) {
+      continue;
+    }
+    const std::string encoding = stream.first_image ? stream.first_image->image.encoding : "unreadable";
+    topics.push_back(stream.topic.name + (encoding.empty() ? "" : " (" + encoding + ")"));
+  }
+  return topics.empty() ? "no topic of images"
+         : topics.size() == 1
+             ? topics.front() + " alone"
+             : fmt::format("none of pictures whose names tell left from right: {}", fmt::join(topics, ", "));
+}
+
 void BagReader::read_images() {
-  const auto is_image = [](MessageKind kind) {
-    return kind == MessageKind::kImage || kind == MessageKind::kCompressedImage;
-  };
   constexpr const char* kTypes = "sensor_msgs/Image or sensor_msgs/CompressedImage";
   const BagStream* const streams[] = {stream("left images", topics_.left, kTypes, is_image),
                                       stream("right images", topics_.right, kTypes, is_image)};
   if (streams[0] == nullptr || streams[1] == nullptr || streams[0] == streams[1]) {
     fail("two topics of images, left and right",
          fmt::format("{}; limber info {} lists what there is, --topics left=...,right=... names them",
-                     topics_.left.empty() ? "none whose names tell left from right" : "one", path_.string()));
+                     why_no_pair(), path_.string()));
   }
   const bool named_rectified = in_lower_case(topics_.left).find("rect") != std::string::npos;
   if (named_rectified && image_kind(recording_.calibration) == ImageKind::kRaw) {

@@ -102,7 +102,7 @@ Ros2Folder ros2_folder(const fs::path& folder) {
   try {
     metadata = metadata_of(folder);
   } catch (const DataError& error) {
-    out.remarks.push_back(fmt::format("{}; all files of the bag are read, by name", error.what()));
+    out.remarks.emplace_back(error.what());
   }
   require_readable_compression(folder, metadata);
   for (const std::string& name : listed_files(metadata)) {
@@ -115,6 +115,11 @@ Ros2Folder ros2_folder(const fs::path& folder) {
   }
   if (out.files.empty() && out.missing.empty()) {
     out.files = all;
+    if (all.size() > 1) {
+      out.remarks.push_back(
+          fmt::format("no {} lists the files of this bag: {} of them, {} to {}, are read as one", kMetadata,
+                      all.size(), all.front().filename().string(), all.back().filename().string()));
+    }
     return out;
   }
   for (const fs::path& path : all) {

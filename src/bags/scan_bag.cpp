@@ -93,6 +93,32 @@ void fall_back_on_bag_time(BagStream& stream) {
   }
 }
 
+/// Takes out messages of time 0 between others: a driver has not stamped them. A simulator's clock may begin
+/// at 0, but does not leap from there.
+void leave_out_unstamped(BagStream& stream) {
+  constexpr std::int64_t kDay = 86'400'000'000'000;  // [ns]
+  const std::vector<std::int64_t> stamps = stream.stamps_ns;
+  if (std::any_of(stamps.begin(), stamps.end(), [](auto t_ns) { return t_ns != 0 && t_ns < kDay; })) {
+    return;
+  }
+  stream.unstamped = static_cast<std::size_t>(std::count(stamps.begin(), stamps.end(), 0));
+  const auto keep_stamped = [&](auto& of_each) {
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < of_each.size(); ++k) {
+      if (stamps[k] != 0) {
+        of_each[kept++] = of_each[k];
+      }
+    }
+    of_each.resize(kept);
+  };
+  keep_stamped(stream.stamps_ns);
+  keep_stamped(stream.recorded_ns);
+  keep_stamped(stream.places);
+  keep_stamped(stream.imu);
+  keep_stamped(stream.poses);
+  keep_stamped(stream.twists);
+}
+
 }  // namespace
 
 BagContents scan_bag(BagFile& bag, const std::function<bool(const BagTopic&)>& wanted,
@@ -130,7 +156,10 @@ BagContents scan_bag(BagFile& bag, const std::function<bool(const BagTopic&)>& w
         }
       });
   add_streams();
-  std::for_each(out.streams.begin(), out.streams.end(), fall_back_on_bag_time);
+  for (BagStream& stream : out.streams) {
+    fall_back_on_bag_time(stream);
+    leave_out_unstamped(stream);
+  }
   out.format = bag.format();
   out.damages = bag.damages();
   out.whole = bag.is_whole();

@@ -208,24 +208,25 @@ std::string SqliteBag::fill_gap(Walk& walk, const RowGap& gap) {
   if (!leaves_) {
     leaves_ = all_leaves(walk);
   }
-  std::int64_t next = gap.before.value_or(0) + 1, found = 0;
+  std::int64_t next = gap.before.value_or(0) + 1;
+  std::size_t found = 0;
   std::optional<std::int64_t> before_ns = time_of(gap.before);
   std::string read, lost;
   for (const MessageLeaf& leaf : *leaves_) {
-    if (leaf.first <= gap.before.value_or(-1) || (gap.after && leaf.last >= *gap.after)) {
+    const MessageRow &first = leaf.front(), &last = leaf.back();
+    if (first.row <= gap.before.value_or(-1) || (gap.after && last.row >= *gap.after)) {
       continue;
     }
-    const auto rows = pages().rows(leaf);
-    if (!rows.empty() && leaf.first > next) {
-      lost += "; " + rows_lost(next, leaf.first, when_lost(before_ns, rows.front().t_ns));
+    if (first.row > next) {
+      lost += "; " + rows_lost(next, first.row, when_lost(before_ns, first.t_ns));
     }
-    for (const MessageRow& row : rows) {
+    for (const MessageRow& row : leaf) {
       hand_out(walk, row);
-      before_ns = row.t_ns;
     }
-    found += static_cast<std::int64_t>(rows.size());
-    next = leaf.last + 1;
-    read = fmt::format("; {} rows up to {} are read from their own pages, to which it led", found, leaf.last);
+    found += leaf.size();
+    next = last.row + 1;
+    before_ns = last.t_ns;
+    read = fmt::format("; {} rows up to {} are read from their own pages, to which it led", found, last.row);
   }
   if (gap.after ? next < *gap.after : found == 0) {
     lost += "; " + rows_lost(next, gap.after, when_lost(before_ns, time_of(gap.after)));

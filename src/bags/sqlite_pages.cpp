@@ -55,15 +55,17 @@ std::optional<std::int64_t> integer(Bytes page, std::uint64_t type, std::uint64_
 
 /// Leaves by rising rows, without those that share rows with another.
 std::vector<MessageLeaf> without_twins(std::vector<MessageLeaf> leaves) {
-  std::sort(leaves.begin(), leaves.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::sort(leaves.begin(), leaves.end(),
+            [](const auto& a, const auto& b) { return a.front().row < b.front().row; });
   std::vector<MessageLeaf> out;
   std::int64_t last = -1;  // of those before
   for (std::size_t k = 0; k < leaves.size(); ++k) {
-    const bool before = leaves[k].first <= last;
-    const bool behind = k + 1 < leaves.size() && leaves[k + 1].first <= leaves[k].last;
-    last = std::max(last, leaves[k].last);
+    const std::int64_t own_last = leaves[k].back().row;
+    const bool before = leaves[k].front().row <= last;
+    const bool behind = k + 1 < leaves.size() && leaves[k + 1].front().row <= own_last;
+    last = std::max(last, own_last);
     if (!before && !behind) {
-      out.push_back(leaves[k]);
+      out.push_back(std::move(leaves[k]));
     }
   }
   return out;
@@ -172,13 +174,13 @@ std::optional<SqlitePages::Cell> SqlitePages::cell_at(Bytes page, std::uint64_t 
   return out;
 }
 
-std::optional<std::vector<MessageRow>> SqlitePages::parse(std::uint32_t number) {
+std::optional<MessageLeaf> SqlitePages::parse(std::uint32_t number) {
   const Bytes bytes = page(number);
   const std::uint64_t count = big_endian(bytes, 3, 2);
   if (bytes[0] != kTableLeaf || count == 0 || kLeafHead + 2 * count > bytes.size()) {
     return std::nullopt;
   }
-  std::vector<MessageRow> out;
+  MessageLeaf out;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> extents;  // bytes in the page
   for (std::uint64_t k = 0; k < count; ++k) {
     const std::uint64_t at = big_endian(bytes, kLeafHead + 2 * k, 2);
@@ -203,17 +205,13 @@ std::vector<MessageLeaf> SqlitePages::leaves(const std::function<bool(std::int64
   const std::vector<bool> is_free = free_pages();
   std::vector<MessageLeaf> out;
   for (std::uint32_t number = 2; number <= pages_; ++number) {
-    const auto rows = is_free[number] ? std::nullopt : parse(number);
-    if (rows &&
-        std::all_of(rows->begin(), rows->end(), [&](const auto& row) { return known(row.topic_id); })) {
-      out.push_back({number, rows->front().row, rows->back().row});
+    auto leaf = is_free[number] ? std::nullopt : parse(number);
+    if (leaf &&
+        std::all_of(leaf->begin(), leaf->end(), [&](const auto& row) { return known(row.topic_id); })) {
+      out.push_back(*std::move(leaf));
     }
   }
   return without_twins(std::move(out));
-}
-
-std::vector<MessageRow> SqlitePages::rows(const MessageLeaf& leaf) {
-  return parse(leaf.page).value_or(std::vector<MessageRow>{});
 }
 
 void SqlitePages::read(std::uint64_t cell, std::uint64_t count, std::vector<std::uint8_t>& out,

@@ -22,11 +22,8 @@ struct MessageRow {
   std::uint64_t size = 0;     ///< of the data [bytes]
 };
 
-/// A page that holds rows of `messages`.
-struct MessageLeaf {
-  std::uint32_t page = 0;            ///< from 1
-  std::int64_t first = 0, last = 0;  ///< rows
-};
+/// The rows of one page, by rising id: at least one.
+using MessageLeaf = std::vector<MessageRow>;
 
 /// @brief A table `messages` that is read page by page.
 class SqlitePages {
@@ -41,9 +38,6 @@ class SqlitePages {
   /// @throws Damage if the list of free pages is broken: what was deleted could not be told from what was not
   [[nodiscard]] std::vector<MessageLeaf> leaves(const std::function<bool(std::int64_t)>& known);
 
-  /// The rows of such a page, by rising id.
-  [[nodiscard]] std::vector<MessageRow> rows(const MessageLeaf& leaf);
-
   /// @brief The first `count` bytes of the data of the row whose cell begins at byte `cell`, or all of them.
   /// @param[out] size  of all of them
   /// @throws Damage if there is none, or the chain of its pages is broken
@@ -54,7 +48,7 @@ class SqlitePages {
   [[nodiscard]] std::uint64_t start_of(std::uint32_t page) const { return (page - 1) * page_size_; }
   [[nodiscard]] Bytes page(std::uint32_t number);
   [[nodiscard]] std::vector<bool> free_pages();
-  [[nodiscard]] std::optional<std::vector<MessageRow>> parse(std::uint32_t number);
+  [[nodiscard]] std::optional<MessageLeaf> parse(std::uint32_t number);
   [[nodiscard]] std::optional<Cell> cell_at(Bytes page, std::uint64_t at) const;
   [[nodiscard]] std::uint64_t local_size(std::uint64_t payload) const;
 

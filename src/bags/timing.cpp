@@ -28,7 +28,10 @@ Timing timing_of(const std::vector<std::int64_t>& t_ns) {
     out.repeated += t_ns[k] == t_ns[k - 1] ? 1 : 0;
     if (t_ns[k] < latest) {
       ++out.backward;
-      out.largest_step_back_s = std::max(out.largest_step_back_s, seconds(latest - t_ns[k]));
+      if (const double step_s = seconds(latest - t_ns[k]); step_s > out.largest_step_back_s) {
+        out.largest_step_back_s = step_s;
+        out.stepped_back_at_ns = latest;
+      }
     }
     latest = std::max(latest, t_ns[k]);
   }

@@ -4,7 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "limber/datasets/image_files.hpp"
+#include "datasets/copied_images.hpp"
 #include "message_sink.hpp"
 #include "message_writer.hpp"
 
@@ -103,14 +103,15 @@ class RecordingWriter {
 
 }  // namespace
 
-void write_bag(const Recording& recording, const BagOutput& output, const ImageChange& change,
-               const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop) {
+std::vector<LostImage> write_bag(const Recording& recording, const BagOutput& output,
+                                 const ImageChange& change, const std::function<void(std::size_t)>& progress,
+                                 const std::function<bool()>& stop) {
   if (recording.images.empty()) {
     throw std::invalid_argument("write_bag: the recording has no images");
   }
   const auto sink = detail::open_sink(output);
   RecordingWriter writer(recording, *sink);
-  const auto images = stored_images(recording);
+  detail::CopiedImages images(recording, change);
   for (std::size_t n = 0; n < recording.images.size(); ++n) {
     if (stop && stop()) {
       throw std::runtime_error("stopped: nothing is written");
@@ -118,8 +119,9 @@ void write_bag(const Recording& recording, const BagOutput& output, const ImageC
     const std::int64_t t_ns = recording.images[n].t_ns;
     writer.up_to(t_ns);
     for (std::size_t c = 0; c < 2; ++c) {
-      EncodedImage image = images->load(c, n);
-      writer.image(c, t_ns, change ? change(std::move(image), images->place(c, n)) : image);
+      if (const auto image = images.take(c, n)) {
+        writer.image(c, t_ns, *image);
+      }
     }
     if (progress) {
       progress(n + 1);
@@ -127,6 +129,7 @@ void write_bag(const Recording& recording, const BagOutput& output, const ImageC
   }
   writer.up_to(std::numeric_limits<std::int64_t>::max());
   sink->close();
+  return images.lost();
 }
 
 }  // namespace limber

@@ -21,6 +21,9 @@ class ImageFiles final : public ImageStore {
     }
     EncodedImage out;
     out.data.assign(std::istreambuf_iterator<char>(stream), {});
+    if (out.data.empty()) {
+      throw DataError(place(camera, pair), 0, "a readable image", "an empty file");
+    }
     return out;
   }
   [[nodiscard]] std::string place(std::size_t camera, std::size_t pair) const override {

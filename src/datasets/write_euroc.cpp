@@ -6,10 +6,10 @@
 #include <array>
 #include <stdexcept>
 
+#include "copied_images.hpp"
 #include "euroc_folder.hpp"
 #include "io/table_text.hpp"
 #include "limber/core/errors.hpp"
-#include "limber/datasets/image_files.hpp"
 #include "limber/datasets/recording_place.hpp"
 
 namespace limber {
@@ -23,8 +23,10 @@ std::string_view text_of(const std::vector<std::uint8_t>& bytes) {
 
 }  // namespace
 
-void write_euroc(const Recording& recording, const fs::path& folder, const ImageFileOf& file_of, bool replace,
-                 const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop) {
+std::vector<LostImage> write_euroc(const Recording& recording, const fs::path& folder,
+                                   const ImageFileOf& file_of, bool replace,
+                                   const std::function<void(std::size_t)>& progress,
+                                   const std::function<bool()>& stop) {
   if (recording.images.empty()) {
     throw std::invalid_argument("write_euroc: the recording has no images");
   }
@@ -36,22 +38,30 @@ void write_euroc(const Recording& recording, const fs::path& folder, const Image
     mav0.write_imu(recording);
     mav0.write_odometry(recording);
     mav0.write_groundtruth(recording);
-    const auto images = stored_images(recording);
+    detail::CopiedImages images(recording, [&](EncodedImage image, const std::string& place) {
+      if (!image.encoding.empty()) {
+        image.data = file_of(image, place);
+      }
+      return image;
+    });
     std::array<detail::TableText, 2> lists = {detail::TableText("images", ','),
                                               detail::TableText("images", ',')};
+    for (detail::TableText& list : lists) {
+      list.header("#timestamp [ns],filename");
+    }
     for (std::size_t n = 0; n < recording.images.size(); ++n) {
       if (stop && stop()) {
         throw std::runtime_error("stopped: nothing is written");
       }
       for (std::size_t c = 0; c < 2; ++c) {
-        const EncodedImage image = images->load(c, n);
-        const auto bytes = image.encoding.empty() ? image.data : file_of(image, images->place(c, n));
-        const std::string name = fmt::format("{}.{}", recording.images[n].t_ns,
-                                             text_of(bytes).starts_with("\xff\xd8") ? "jpg" : "png");
-        mav0.write(fmt::format("cam{}/data", c), name, text_of(bytes));
-        if (n == 0) {
-          lists[c].header("#timestamp [ns],filename");
+        const auto image = images.take(c, n);
+        if (!image) {
+          continue;
         }
+        const std::string_view bytes = text_of(image->data);
+        const std::string name =
+            fmt::format("{}.{}", recording.images[n].t_ns, bytes.starts_with("\xff\xd8") ? "jpg" : "png");
+        mav0.write(fmt::format("cam{}/data", c), name, bytes);
         lists[c].time(recording.images[n].t_ns);
         lists[c].cell(std::string_view(name));
         lists[c].end_row();
@@ -63,6 +73,7 @@ void write_euroc(const Recording& recording, const fs::path& folder, const Image
     mav0.write("cam0", "data.csv", lists[0].text());
     mav0.write("cam1", "data.csv", lists[1].text());
     mav0.commit();
+    return images.lost();
   } catch (const fs::filesystem_error& e) {
     throw DataError((folder / "mav0").string(), 0, "a place where folders and files can be written",
                     e.code().message());

@@ -70,6 +70,10 @@ std::string pose_in_words(const RunRecord& record, const RunSummary& s) {
   } else {
     text += claimed_pose(record);
   }
+  if (record.frames_unreadable > 0) {
+    text += fmt::format("; the images of {} of {} frames could not be read", record.frames_unreadable,
+                        record.frames_of_recording);
+  }
   if (record.stopped) {
     text += fmt::format("; stopped after {} of {} frames", s.frames, record.frames_of_recording);
   }

@@ -281,6 +281,10 @@ void CalibrationWatch::advance() {
     }
   }
   pending_.reset();
+  if (report_to_come_) {
+    report_ = std::move(*report_to_come_);
+    report_to_come_.reset();
+  }
 }
 
 void CalibrationWatch::finish() {
@@ -293,9 +297,12 @@ std::shared_ptr<const CalibrationReport> CalibrationWatch::report_at_once() cons
   if (!pending_) {
     return report_;
   }
-  CalibrationWatch finished(*this);
-  finished.finish();
-  return finished.report_;
+  if (!report_to_come_) {
+    CalibrationWatch finished(*this);
+    finished.finish();
+    report_to_come_ = finished.report_;
+  }
+  return *report_to_come_;
 }
 
 std::vector<std::size_t> CalibrationWatch::changes() const {

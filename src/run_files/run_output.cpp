@@ -187,6 +187,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["estimated"] = estimated_parameters(record);
   json["complete"] = record.is_complete();
   json["frames_of_recording"] = record.frames_of_recording;
+  json["frames_unreadable"] = record.frames_unreadable;
   json["readout"] = s.readout ? Json{{"ms", 1e3 * s.readout->seconds},
                                      {"sigma_ms", 1e3 * s.readout->sigma},
                                      {"explains", s.readout->explains},

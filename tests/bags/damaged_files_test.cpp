@@ -270,6 +270,9 @@ TEST(SeveralFiles, OfARos2BagAreOne) {
   const auto bag = open_bag(folder.path());
   const BagContents contents = scan_bag(*bag);
   EXPECT_EQ(contents.streams.size(), 9u);
+  EXPECT_TRUE(contents.whole);
+  EXPECT_THAT(contents.damages,
+              ::testing::ElementsAre(HasSubstr("2 of them, x_9.mcap to x_10.mcap, are read as one")));
   const BagStream& images = stream_of(contents, "/cam0/image_raw");
   ASSERT_EQ(images.places.size(), 2 * kFixtureFrames);
   EXPECT_EQ(images.places[3].file, 0u);

@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "datasets/files.hpp"
 #include "fixtures.hpp"
 #include "limber/bags/inspect.hpp"
+#include "limber/bags/write_bag.hpp"
 #include "limber/core/errors.hpp"
 #include "message_of.hpp"
 
@@ -69,7 +71,12 @@ TEST(AskedTopics, ThatAreNotThereOrOfAnotherTypeAreRefused) {
   EXPECT_THAT(refused("left=/cam0/image_rw,right=/cam1/image_raw"),
               HasSubstr("did you mean /cam0/image_raw?"));
   EXPECT_THAT(refused("left=/imu0,right=/cam1/image_raw"), HasSubstr("/imu0 of type sensor_msgs/Imu"));
-  EXPECT_THAT(refused("left=/cam0/image_raw"), HasSubstr("two topics of images"));
+  for (const char* const side : {"left", "right"}) {
+    EXPECT_THAT(refused(std::string(side) + "=/cam0/image_raw"),
+                HasSubstr("two topics of images, left and right, found /cam0/image_raw alone;"));
+  }
+  EXPECT_THAT(refused("left=/cam0/image_raw,right=/cam0/image_raw"),
+              HasSubstr("found /cam0/image_raw for both;"));
   EXPECT_THAT(refused("imu=/chatter"), HasSubstr("std_msgs/String"));
   for (const char* text : {"left", "left=", "middle=/a", "left=/a,left=/b", ""}) {
     EXPECT_THROW((void)parse_bag_topics(text), std::invalid_argument) << text;
@@ -85,12 +92,91 @@ TEST(BagImages, MustHaveTheSizeOfTheCalibration) {
   EXPECT_EQ(read("imu=/imu0", rig).calibration.cam1.width, kFixtureWidth) << "the images say it";
 }
 
+/// A bag whose images went through `change` on their way.
+Recording read_changed(const ImageChange& change, const BagTopics& topics = {}) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "x.mcap";
+  write_bag(read("imu=/imu0"), {path, BagFormat::kMcap, ""}, change);
+  return read_bag(path, fixture_rig(), {}, topics);
+}
+
+/// The left image of a pair, in half of its rows.
+ImageChange halved_from(std::size_t first, std::size_t last) {
+  return [=, pair = std::size_t{0}](EncodedImage image, const std::string& place) mutable {
+    if (place.find("/cam0/") != std::string::npos) {
+      image.height /= pair >= first && pair <= last ? 2 : 1;
+      image.data.resize(image.step * static_cast<std::size_t>(image.height));
+      ++pair;
+    }
+    return image;
+  };
+}
+
+TEST(BagImages, OfAnotherSizeAreSaidAndRefusedWhereMostAreSo) {
+  const Recording recording = read_changed(halved_from(2, 2));
+  EXPECT_EQ(recording.images.size(), kFixtureFrames);
+  EXPECT_THAT(recording.notes,
+              Contains(HasSubstr("/cam0/image_raw: images of more than one size or encoding: 1 of 5")));
+  const auto refusal = [](const ImageChange& change) {
+    return message_of<DataError>([&] { (void)read_changed(change); });
+  };
+  EXPECT_THAT(refusal(halved_from(1, 4)), HasSubstr("images of one size and encoding, found 4 of 5"));
+  const ImageChange to_depth = [](EncodedImage image, const std::string&) {
+    image.encoding = "32FC1";
+    return image;
+  };
+  EXPECT_THAT(refusal(to_depth),
+              HasSubstr("left from right: /cam0/image_raw (32FC1), /cam1/image_raw (32FC1);"));
+}
+
 TEST(ImuOfABag, IsLeftOutWhereNothingSaysWhereItSits) {
   StereoCalibration rig = fixture_rig();
   rig.body = BodyFrame::kCam0;
   const Recording recording = read("imu=/imu0", rig);
   EXPECT_TRUE(recording.imu.empty());
   EXPECT_THAT(recording.notes, Contains(HasSubstr("does not say where the IMU sits")));
+}
+
+/// A bag whose headers have another time in the place of one.
+Recording read_restamped(const fs::path& path, std::int64_t from_ns, std::int64_t to_ns) {
+  const auto bytes_of = [](std::int64_t t_ns) {
+    std::string out;
+    for (std::uint64_t part : {t_ns / 1'000'000'000, t_ns % 1'000'000'000}) {
+      for (int k = 0; k < 4; ++k, part >>= 8) out += static_cast<char>(part & 0xff);
+    }
+    return out;
+  };
+  std::string content = read_text(fixture("unchunked.mcap"));
+  for (std::size_t at = content.find(bytes_of(from_ns)); at != std::string::npos;
+       at = content.find(bytes_of(from_ns))) {
+    content.replace(at, 8, bytes_of(to_ns));
+  }
+  return read_bag(write_text(path, content), fixture_rig(), ImuNoise{});
+}
+
+TEST(StampsOfZero, AmongOthersAreNoneAndTheirMessagesLeftOut) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "x.mcap";
+  for (const std::size_t frame : {0u, 2u}) {
+    const Recording recording =
+        read_restamped(path, kStart + static_cast<std::int64_t>(frame) * kFrameInterval, 0);
+    ASSERT_EQ(recording.images.size(), kFixtureFrames - 1);
+    EXPECT_EQ(recording.images.front().t_ns, kStart + (frame == 0 ? kFrameInterval : 0));
+    EXPECT_EQ(recording.image_store->load(1, 3).data[0], fixture_pixel(0, 0, 4, 1))
+        << "places keep to stamps";
+    EXPECT_EQ(recording.imu.size(), kFixtureImu - 1);
+    EXPECT_THAT(recording.notes, Contains(HasSubstr("/cam0/image_raw: 1 of 5 messages have no stamp")));
+    EXPECT_THAT(inspect(path).notes, Contains(HasSubstr("/imu0: 1 of 41 messages have no stamp")));
+  }
+}
+
+TEST(StampsThatLeapBack, AreRefusedWithTheTimeOfTheLeap) {
+  const TemporaryFolder folder;
+  const auto leap = [&] {
+    (void)read_restamped(folder.path() / "x.mcap", kStart + 3 * kFrameInterval, kStart - 3'000'000'000);
+  };
+  EXPECT_THAT(message_of<DataError>(leap), HasSubstr("a jump back by 3.100 s behind " +
+                                                     std::to_string(kStart + 2 * kFrameInterval) + " ns"));
 }
 
 TEST(TimingOfStamps, CountsGapsStepsBackAndRepetitions) {

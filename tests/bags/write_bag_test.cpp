@@ -108,14 +108,15 @@ TEST(WriteBag, CompressesAsItWasAsked) {
   EXPECT_THROW(write_bag(recording, unknown), std::invalid_argument);
 }
 
+constexpr const char* kRealFileLeft =
+    "left=/cam1/image_raw/compressed,right=/cam0/image_raw,imu=/imu0,odometry=/odom,truth=/truth/pose";
+
 /// A PNG is made by nobody here: the pixels themselves, in a file that calls itself one.
 std::vector<std::uint8_t> not_really_png(const EncodedImage& image, const std::string&) { return image.data; }
 
 TEST(EurocRoundTrip, KeepsImuOdometryStampsAndImageFilesBitByBit) {
   const TemporaryFolder folder;
-  const Recording before = of_a_bag(fixture("lz4.mcap"),
-                                    "left=/cam1/image_raw/compressed,right=/cam0/image_raw,imu=/imu0,"
-                                    "odometry=/odom,truth=/truth/pose");
+  const Recording before = of_a_bag(fixture("lz4.mcap"), kRealFileLeft);
   // The reader looks at the first image: both cameras must have real files.
   Recording both = before;
   struct Twice final : ImageStore {
@@ -145,6 +146,62 @@ TEST(WriteEuroc, ReplacesItsOwnFoldersOnlyAndOnlyWhenTold) {
   write_text(folder.path() / "mav0/cam0/sensor.yaml", "somebody's\n");
   EXPECT_THROW(write_euroc(recording, folder.path(), not_really_png, true), DataError);
   EXPECT_EQ(read_text(folder.path() / "mav0/cam0/sensor.yaml"), "somebody's\n");
+}
+
+/// The left images of a bag for both cameras; those of the right one from a pair to another are broken.
+struct BrokenRight final : ImageStore {
+  std::shared_ptr<const ImageStore> from;
+  std::size_t first = 0, last = 0;
+
+  EncodedImage load(std::size_t camera, std::size_t pair) const override {
+    if (camera == 1 && pair >= first && pair <= last) {
+      throw DataError("x.bag", 0, "a sound image", "a torn one");
+    }
+    return from->load(0, pair);
+  }
+  std::string place(std::size_t, std::size_t pair) const override { return from->place(0, pair); }
+};
+
+Recording with_broken_images(std::size_t first, std::size_t last) {
+  Recording out = of_a_bag(fixture("zstd.mcap"), kRealFileLeft);
+  auto store = std::make_shared<BrokenRight>();
+  store->from = out.image_store;
+  store->first = first;
+  store->last = last;
+  out.image_store = store;
+  return out;
+}
+
+TEST(AnImageThatCannotBeRead, IsLeftOutOfACopyThatHoldsAllOthers) {
+  const TemporaryFolder folder;
+  const Recording broken = with_broken_images(2, 2);
+  const auto expect_lost = [&](const std::vector<LostImage>& lost) {
+    ASSERT_EQ(lost.size(), 1u);
+    EXPECT_EQ(lost[0].camera, 1u);
+    EXPECT_EQ(lost[0].t_ns, broken.images[2].t_ns);
+    EXPECT_THAT(lost[0].why, ::testing::HasSubstr("x.bag: expected a sound image, found a torn one"));
+  };
+  const BagOutput output{folder.path() / "x.mcap", BagFormat::kMcap, ""};
+  expect_lost(write_bag(broken, output));
+  const BagContents contents = scan_bag(*open_bag(output.path));
+  EXPECT_EQ(stream_of(contents, "/cam0/image_raw/compressed").messages, broken.images.size());
+  EXPECT_EQ(stream_of(contents, "/cam1/image_raw/compressed").messages, broken.images.size() - 1);
+
+  expect_lost(write_euroc(broken, folder.path(), not_really_png));
+  EXPECT_EQ(files_in(folder.path() / "mav0/cam0/data").size(), broken.images.size());
+  const Recording after = read_recording(folder.path());
+  EXPECT_EQ(after.images.size(), broken.images.size() - 1);
+  EXPECT_EQ(after.imu.size(), broken.imu.size());
+}
+
+TEST(AnImageThatCannotBeRead, EndsACopyWhereAllOfItsCameraAreSo) {
+  const TemporaryFolder folder;
+  const Recording broken = with_broken_images(0, of_a_bag(fixture("zstd.mcap")).images.size());
+  for (const BagOutput& output : outputs(folder.path())) {
+    EXPECT_THROW(write_bag(broken, output), DataError);
+  }
+  EXPECT_THROW(write_euroc(broken, folder.path() / "x", not_really_png), DataError);
+  EXPECT_TRUE(files_in(folder.path()).empty());
 }
 
 TEST(StoppedWriting, LeavesNothingBehind) {

@@ -252,6 +252,10 @@ TEST_F(BagCommands, APointlessOptionIsRefused) {
   const std::string cameras = write_text(folder.path() / "cameras.yaml", without_imu).string();
   EXPECT_THAT(refused({"run", mcap, "--calib", cameras, "--imu", imu, "--out", out}, 2),
               HasSubstr("does not place the cameras on an IMU (T_cam_imu)"));
+  EXPECT_THAT(
+      refused({"run", mcap, "--calib", camchain, "--imu", imu, "--topics", "odometry=/odom", "--out", out},
+              2),
+      HasSubstr("no IMU is taken from it, limber info " + mcap + " lists its topics"));
   EXPECT_THAT(refused({"run", mcap, "--calib", camchain, "--topics", "lft=/cam0/image_raw", "--out", out}, 2),
               HasSubstr("did you mean left?"));
   EXPECT_THAT(refused({"health", mcap, "--calib", camchain, "--tolerance", "dpth=5"}, 2),

@@ -84,6 +84,7 @@ TEST_F(ImageFolder, IsNavigated) {
   EXPECT_THAT(result.err, HasSubstr("pixel noise not given: learned, from 0.5 px on"));
   const auto summary = nlohmann::json::parse(read_text(out() / "summary.json"));
   EXPECT_EQ(summary["frames"], kFrames);
+  EXPECT_EQ(summary["frames_unreadable"], 0);
   EXPECT_GT(summary["points_per_frame"], 60.0);
   EXPECT_LT(summary["ate_m"]["se3"], 0.05);
 }
@@ -139,6 +140,7 @@ void expect_one_lost_frame(const std::vector<std::string>& arguments, const fs::
   EXPECT_THAT(result.err, HasSubstr(what));
   const auto summary = nlohmann::json::parse(read_text(out / "summary.json"));
   EXPECT_EQ(summary["frames"], kFrames);
+  EXPECT_EQ(summary["frames_unreadable"], 1);
   EXPECT_FALSE(summary["complete"]);
   EXPECT_LT(summary["ate_m"]["se3"], 0.05);
 }
@@ -190,6 +192,60 @@ TEST_F(ImageFolder, AsABagGoesOnWhereAPictureInItIsDamaged) {
   write_text(bag, content);
   expect_one_lost_frame({"run", bag.string(), "--calib", data, "--out", out().string()}, out(),
                         "at 150000000 ns: " + bag.string() + ", topic ");
+}
+
+TEST_F(ImageFolder, AsABagGoesOnWhereAnImageIsOfAnotherSize) {
+  const std::string data = mav0().parent_path().string();
+  write_png(image("cam1", 3), 40, 30, std::vector<std::uint8_t>(40 * 30, 90));
+  const fs::path bag = mav0().parent_path() / "x.mcap";
+  for (const char* const pixels : {"keep", "raw"}) {
+    fs::remove(bag);  // in the folder that is read: never replaced
+    ASSERT_EQ(testing::run_limber({"convert", data, "--out", bag.string(), "--pixels", pixels}).exit_code, 0);
+    expect_one_lost_frame({"run", bag.string(), "--calib", data, "--out", out().string(), "--force"}, out(),
+                          "(the calibration's resolution), found 40 x 30 px");
+  }
+}
+
+TEST_F(ImageFolder, IsInspectedWhereImagesAreTorn) {
+  const std::string data = mav0().parent_path().string();
+  const std::string whole = read_text(image("cam0", 0));
+  write_text(image("cam0", 0), whole.substr(0, whole.size() / 2));
+  const auto one = testing::run_limber({"info", data});
+  EXPECT_EQ(one.exit_code, 0);
+  EXPECT_THAT(one.out, HasSubstr("of 6 pairs that were looked at 1 cannot be read; the first: " +
+                                 image("cam0", 0).string()));
+  EXPECT_THAT(one.out, HasSubstr("mean grey"));
+  for (std::int64_t k = 1; k < kFrames; ++k) {
+    fs::copy_file(image("cam0", 0), image("cam0", k), fs::copy_options::overwrite_existing);
+  }
+  const auto none = testing::run_limber({"info", data});
+  EXPECT_EQ(none.exit_code, 0);
+  EXPECT_THAT(none.out, HasSubstr("of 6 pairs that were looked at 6 cannot be read"));
+  EXPECT_THAT(none.out, ::testing::Not(HasSubstr("mean grey")));
+}
+
+TEST_F(ImageFolder, IsConvertedWithoutTheImagesThatCannotBeRead) {
+  const std::string data = mav0().parent_path().string();
+  const std::string whole = read_text(image("cam1", 3));
+  const std::pair<std::string, std::string> damaged[] = {
+      {whole.substr(0, whole.size() / 2), "found a PNG file that was cut off"}, {"", "found an empty file"}};
+  for (const auto& [content, words] : damaged) {
+    write_text(image("cam1", 3), content);
+    const fs::path bag = mav0().parent_path() / "x.mcap";
+    fs::remove(bag);  // in the folder that is read: never replaced
+    const auto result = testing::run_limber({"convert", data, "--out", bag.string(), "--pixels", "raw"});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, HasSubstr("the image of cam1 at 150000000 ns is left out: " +
+                                      image("cam1", 3).string() + ": expected"));
+    EXPECT_THAT(result.err, HasSubstr(words));
+    EXPECT_EQ(result.out, bag.string() + "\n");
+    const auto streams =
+        nlohmann::json::parse(testing::run_limber({"info", bag.string(), "--json"}).out)["streams"];
+    for (const auto& stream : streams) {
+      if (stream["role"] == "left") EXPECT_EQ(stream["messages"], kFrames);
+      if (stream["role"] == "right") EXPECT_EQ(stream["messages"], kFrames - 1);
+    }
+  }
 }
 
 }  // namespace

@@ -94,6 +94,13 @@ TEST(RunAnswer, OfAStoppedRunSaysHowFarItCame) {
   EXPECT_THAT(said.answer().sentences.back(), HasSubstr("stopped after 11 of 40 frames"));
 }
 
+TEST(RunAnswer, SaysOfHowManyFramesTheImagesCouldNotBeRead) {
+  Said said(kOk);
+  EXPECT_THAT(said.answer().sentences.back(), Not(HasSubstr("could not be read")));
+  said.record.frames_unreadable = 3;
+  EXPECT_THAT(said.answer().sentences.back(), HasSubstr("the images of 3 of 40 frames could not be read"));
+}
+
 TEST(RunAnswer, JudgesNoRigThatWasNotWatched) {
   Said said(kOk);
   said.summary.health.reset();

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -211,6 +213,29 @@ TEST(CalibrationWatch, WhatAWindowSaysIsDoneInSlices) {
   EXPECT_GT(ended, 5U);
   EXPECT_GT(longest, 5U);
   EXPECT_LE(longest, 20U);
+}
+
+TEST(CalibrationWatch, AskedAtEveryFrameLooksAtEachWindowOnceAndSaysTheSame) {
+  const World world = fly_past(with_step(8.0, 0.5));
+  CalibrationWatch asked({}, world.assumed, true), left_alone({}, world.assumed, true);
+  std::set<std::shared_ptr<const CalibrationReport>> early, late;
+  for (std::size_t k = 0; k < world.frames.size(); ++k) {
+    asked.add(world.frames[k], world.poses[k], {});
+    left_alone.add(world.frames[k], world.poses[k], {});
+    const auto known = asked.report_at_once();
+    EXPECT_EQ(asked.report_at_once(), known) << "nothing is new";
+    early.insert(known);
+    late.insert(left_alone.report());
+    ASSERT_EQ(asked.report() == nullptr, left_alone.report() == nullptr);
+    if (asked.report()) {
+      EXPECT_TRUE(early.contains(asked.report())) << "was known before";
+      EXPECT_EQ(asked.report()->window.to_ns, left_alone.report()->window.to_ns);
+      EXPECT_EQ(asked.report()->state.whole.beta, left_alone.report()->state.whole.beta);
+      EXPECT_EQ(asked.report()->past.size(), left_alone.report()->past.size());
+    }
+  }
+  EXPECT_GT(late.size(), 5U);
+  EXPECT_LE(early.size(), late.size() + 1) << "the last window's slices may be left";
 }
 
 TEST(CalibrationWatch, AnAxisOfItsOwnToleranceCounts) {

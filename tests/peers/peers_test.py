@@ -210,6 +210,15 @@ class Results(unittest.TestCase):
             write(folder, "mav0/tracks0/data.csv", "# t\n7,1,2,3,4,5\n7,2,2,3,,\n9,,,,,\n")
             self.assertEqual(euroc.stereo_stamps(pathlib.Path(folder)), [7, 9])
 
+    def test_matched_points_are_neither_tracked_nor_read_ahead(self):
+        with tempfile.TemporaryDirectory() as folder:
+            recording = pathlib.Path(folder)
+            method = ["--method", "ekf", "--init", "groundtruth"]
+            self.assertEqual(compare_peers.limber_options(recording, "ekf", "truth", 90), method + ["--threads", "1", "--max-tracks", "90"])
+            write(folder, "mav0/tracks0/data.csv", "# t\n7,1,2,3,4,5\n")
+            self.assertEqual(compare_peers.limber_options(recording, "ekf", "truth", None), method)
+            self.assertEqual(compare_peers.limber_options(recording, "ekf", "truth", 90), method + ["--max-points", "90"])
+
     def test_cpu_and_memory_are_those_of_the_child(self):
         with tempfile.TemporaryDirectory() as folder:
             program = "x = bytearray(150 * 2**20)\nwhile __import__('time').process_time() < 0.2: pass\nraise SystemExit(3)"

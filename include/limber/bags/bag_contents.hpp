@@ -13,7 +13,7 @@
 namespace limber {
 
 /// One topic of a bag, all but its pixels. The vectors are in the order of the file, one entry a readable
-/// message.
+/// message with a stamp.
 struct BagStream {
   /// as the bag describes it
   BagTopic topic;
@@ -21,6 +21,7 @@ struct BagStream {
   MessageKind kind = MessageKind::kOther;
   std::size_t messages = 0;               ///< readable or not
   std::size_t unreadable = 0;             ///< not what their type says, or with numbers that are not finite
+  std::size_t unstamped = 0;              ///< of time 0 between others: their driver has not stamped them
   std::vector<std::int64_t> recorded_ns;  ///< bag times
   std::vector<std::int64_t> stamps_ns;    ///< of the headers; bag times where `stamped` is false
   bool stamped = true;  ///< false: of a type that limber does not read, or all stamps are zero
@@ -66,7 +67,8 @@ struct Timing {
   std::size_t backward = 0;                ///< times that lie before an earlier one
   /// from one time to the next in the file [s]; 0: none
   double largest_step_back_s = 0.0;
-  std::size_t repeated = 0;  ///< the same time again
+  std::int64_t stepped_back_at_ns = 0;  ///< the time before that step
+  std::size_t repeated = 0;             ///< the same time again
 
   /// From the smallest to the largest time [s].
   [[nodiscard]] double duration_s() const { return static_cast<double>(last_ns - first_ns) * 1e-9; }

@@ -21,8 +21,8 @@ struct StreamInfo {
   Timing timing;        ///< of the headers' stamps
   bool stamped = true;  ///< false: times of recording
   std::optional<double> median_delay_s;  ///< time of recording minus stamp
-  /// unreadable: those of them that are not what their type says
-  std::size_t messages = 0, unreadable = 0;
+  /// unreadable: those of them that are not what their type says; unstamped: as in BagStream
+  std::size_t messages = 0, unreadable = 0, unstamped = 0;
   std::string images;  ///< "752 x 480 mono8", "png"; empty for other streams
 };
 

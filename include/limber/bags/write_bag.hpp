@@ -6,13 +6,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "limber/datasets/recording.hpp"
+#include "limber/datasets/image_files.hpp"
 
 namespace limber {
-
-/// What becomes of an image on its way; empty: it stays as it is stored.
-using ImageChange = std::function<EncodedImage(EncodedImage, const std::string& place)>;
 
 /// Files of messages that limber writes.
 enum class BagFormat {
@@ -43,12 +41,17 @@ struct BagOutput {
 ///
 /// Images, IMU, odometry and stamps keep every bit. Both images of a pair get its time. Biases of the ground
 /// truth, the calibration and the noise have no place in it. Appears complete or not at all.
+/// An image that cannot be read, or changed, is left out, the other of its pair is not.
 /// @param progress  told the pairs done; may be empty
 /// @param stop      asked before every pair: true ends the work by std::runtime_error; may be empty
-/// @throws DataError if the file cannot be written
+/// @return what was left out
+/// @throws DataError if the file cannot be written, or the first kFirstPairs images of a camera, or all,
+///         cannot be read
 /// @throws std::invalid_argument if the recording has no images, times before 1970 or after 2038 (2106 in
 ///         ROS 1), or for a compression that the format has not
-void write_bag(const Recording& recording, const BagOutput& output, const ImageChange& change = {},
-               const std::function<void(std::size_t)>& progress = {}, const std::function<bool()>& stop = {});
+std::vector<LostImage> write_bag(const Recording& recording, const BagOutput& output,
+                                 const ImageChange& change = {},
+                                 const std::function<void(std::size_t)>& progress = {},
+                                 const std::function<bool()>& stop = {});
 
 }  // namespace limber

@@ -113,7 +113,8 @@ class CalibrationWatch {
   /// What the windows say whose slices are done; null before there is one. The first is also looked at while
   /// it grows. The same object until more is known.
   [[nodiscard]] const std::shared_ptr<const CalibrationReport>& report() const { return report_; }
-  /// The same of all windows that are over: does what waits to be done first, some milliseconds.
+  /// The same of all windows that are over: does what waits to be done first, some milliseconds, once for
+  /// each window. The same object as report() has when its slices are done.
   [[nodiscard]] std::shared_ptr<const CalibrationReport> report_at_once() const;
 
  private:
@@ -138,6 +139,8 @@ class CalibrationWatch {
   std::optional<Pending> pending_;                     // what the last window, or the last look, says
   std::vector<RigEvidence> windows_;                   // since the last change
   std::shared_ptr<const CalibrationReport> report_;
+  /// What report_ becomes by what is pending, where that was asked for.
+  mutable std::optional<std::shared_ptr<const CalibrationReport>> report_to_come_;
 };
 
 }  // namespace limber

@@ -75,7 +75,8 @@ class Navigator {
   /// @brief What is known of the calibration; null before the first window is over, or if it is not watched.
   ///
   /// Of all frames so far. FrameReport::calibration has the same a second or two after a window's end: no
-  /// frame waits for it. What of it is not done yet is done here, and takes some milliseconds.
+  /// frame waits for it. What of it is not done yet is done here, and takes some milliseconds, once for each
+  /// window: without more frames it is the same object.
   [[nodiscard]] std::shared_ptr<const CalibrationReport> calibration_report() const {
     return watch_ ? watch_->report_at_once() : nullptr;
   }

@@ -101,8 +101,9 @@ struct RunRecord {
   CleaningReport cleaning;  ///< what was taken out of the frames before the navigator saw them
   /// that a whole run would have had
   std::size_t frames_of_recording = 0;
-  bool stopped = false;            ///< before the last frame, because the caller asked to
-  bool recording_partial = false;  ///< Recording::partial: what is missing was not there to be run through
+  std::size_t frames_unreadable = 0;  ///< whose images could not be read: they had no points
+  bool stopped = false;               ///< before the last frame, because the caller asked to
+  bool recording_partial = false;     ///< Recording::partial: what is missing was not there to be run through
 
   /// Neither of both.
   [[nodiscard]] bool is_complete() const { return !stopped && !recording_partial; }
