@@ -72,9 +72,8 @@ ChangeWays ways_of_change(const NormalEquations::Matrix& epipolar, const RigPara
 }
 
 bool matters(const BetaEstimate& change, const ChangeWays& ways) {
-  return std::ranges::any_of(ways, [&](const ChangeWay& way) {
-    return std::abs(way.along.dot(change.beta)) > way.relevant;
-  });
+  return std::ranges::any_of(
+      ways, [&](const ChangeWay& way) { return std::abs(way.along.dot(change.beta)) > way.relevant; });
 }
 
 double least_chance(const BetaEstimate& change, const ChangeWays& ways, const Scatters& scatters) {
@@ -82,8 +81,7 @@ double least_chance(const BetaEstimate& change, const ChangeWays& ways, const Sc
   for (std::size_t k = 0; k < ways.size(); ++k) {
     const double size = std::abs(ways[k].along.dot(change.beta));
     if (size > ways[k].relevant) {
-      const double variance =
-          scatters[k].factor * ways[k].along.dot(change.covariance * ways[k].along);
+      const double variance = scatters[k].factor * ways[k].along.dot(change.covariance * ways[k].along);
       least = std::min(least, t_survival(size / std::sqrt(std::max(variance, 1e-30)), scatters[k].dof));
     }
   }
