@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// How often a sound rig is said to have changed, over hours: simulated points seen from their true poses, so
-// that an hour takes half a minute. scripts/change_rate_table.py asks the whole program, at a tenth of the
-// speed.
+// How often a sound rig is said to have changed or to drift, over hours: simulated points seen from their
+// true poses, so that an hour takes half a minute. scripts/change_rate_table.py asks the whole program, at a
+// tenth of the speed.
 //
 //   change_rate SCENARIO... [--hours H] [--rate PER_HOUR] [--seed S] [--seconds S] [--pixels KIND]
 //               [--tolerance chance|default]
@@ -43,10 +43,15 @@ WatchOptions judge_options(const Settings& settings) {
   return out;
 }
 
-int changes_in(const Recording& recording, const WatchOptions& options) {
+struct Found {
+  int changes = 0, drifts = 0;
+};
+
+Found found_in(const Recording& recording, const WatchOptions& options) {
   CalibrationWatch watch(options, recording.calibration, true);
   std::shared_ptr<const CalibrationReport> last;
-  int changes = 0;
+  Found out;
+  bool drifts = false;
   for (const StereoFrame& frame : recording.frames) {
     if (const auto truth = groundtruth_at(recording.truth.motion.states, frame.t_ns)) {
       const Pose T_world_body{truth->R_world_body, truth->p_world_body};
@@ -54,19 +59,23 @@ int changes_in(const Recording& recording, const WatchOptions& options) {
     }
     if (watch.report() != last) {
       last = watch.report();
-      changes += static_cast<int>(last->past.size());
+      out.changes += static_cast<int>(last->past.size());
+      drifts = drifts && last->past.empty();  // a state that is new has a drift of its own
+      out.drifts += last->state.drift && !drifts ? 1 : 0;
+      drifts = last->state.drift.has_value();
     }
   }
-  return changes;
+  return out;
 }
 
-void print_row(const std::string& name, const Settings& settings, int changes, double hours) {
+void print_row(const std::string& name, const Settings& settings, const Found& found, double hours) {
   const auto mean_at = [&](double share, int events) {
     return events > 0 ? 0.5 * chi_square_quantile(share, 2.0 * events) / hours : 0.0;
   };
-  fmt::print("| {}, {} | {} | {:.2f} | {:g} | {} | {:.2f} ({:.2f} to {:.2f}) |\n", name, settings.pixels,
-             settings.tolerance, hours, settings.rate, changes, changes / hours, mean_at(0.025, changes),
-             mean_at(0.975, changes + 1));
+  const int events = found.changes + found.drifts;
+  fmt::print("| {}, {} | {} | {:.2f} | {:g} | {} | {} | {:.2f} ({:.2f} to {:.2f}) |\n", name, settings.pixels,
+             settings.tolerance, hours, settings.rate, found.changes, found.drifts, events / hours,
+             mean_at(0.025, events), mean_at(0.975, events + 1));
 }
 
 }  // namespace
@@ -82,17 +91,20 @@ int main(int argc, char** argv) {
   app.add_option("--pixels", settings.pixels)->check(CLI::IsMember({"white", "realistic"}));
   app.add_option("--tolerance", settings.tolerance)->check(CLI::IsMember({"chance", "default"}));
   CLI11_PARSE(app, argc, argv);
-  fmt::print("| scenario, pixels | tolerance | hours | asked per hour | changes | per hour (95 %) |\n");
-  fmt::print("| --- | --- | --- | --- | --- | --- |\n");
+  fmt::print(
+      "| scenario, pixels | tolerance | hours | asked per hour | changes | drifts | per hour (95 %) |\n");
+  fmt::print("| --- | --- | --- | --- | --- | --- | --- |\n");
   for (const std::filesystem::path& path : settings.scenarios) {
     Scenario scenario = read_scenario(path);
     scenario.duration = settings.seconds;
     set_pixels(scenario, settings.pixels == "white" ? PixelPreset::kWhite : PixelPreset::kRealistic);
     const auto runs = static_cast<std::uint64_t>(std::ceil(settings.hours * 3600.0 / settings.seconds));
-    int changes = 0;
+    Found found;
     for (std::uint64_t run = 0; run < runs; ++run) {
-      changes += changes_in(simulate(scenario, settings.seed + run), judge_options(settings));
+      const Found one = found_in(simulate(scenario, settings.seed + run), judge_options(settings));
+      found.changes += one.changes;
+      found.drifts += one.drifts;
     }
-    print_row(path.stem().string(), settings, changes, static_cast<double>(runs) * settings.seconds / 3600.0);
+    print_row(path.stem().string(), settings, found, static_cast<double>(runs) * settings.seconds / 3600.0);
   }
 }

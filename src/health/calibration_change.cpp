@@ -6,13 +6,11 @@
 namespace limber {
 namespace {
 
-using Vector = NormalEquations::Vector;
-
 /// The same estimate, against another assumed theta and in plausible errors of that.
 BetaEstimate against(const RigRecord& record, const RigParameters& theta) {
   const RigParameters from = plausible_error(record.theta.tail<3>().norm());
   const RigParameters to = plausible_error(theta.tail<3>().norm());
-  Vector unit = Vector::Ones();
+  NormalEquations::Vector unit = NormalEquations::Vector::Ones();
   unit.head<6>() = from.cwiseQuotient(to);
   BetaEstimate out = record.estimate;
   out.beta = unit.cwiseProduct(out.beta);

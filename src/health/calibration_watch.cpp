@@ -16,16 +16,12 @@ namespace limber {
 
 namespace {
 
-constexpr std::size_t kMostWindows = 400;               // that are kept; then neighbours are merged
-constexpr std::size_t kFewestNew = 2;                   // windows that a state has to last to be one
-constexpr std::size_t kMostNew = 5;                     // within which it is seen, if it is
-constexpr double kLengths = kMostNew - kFewestNew + 1;  // that are tried
-constexpr double kRelevant = 0.5;                       // share of what is ok
-constexpr int kMainWays = 4;                            // to leave the epipolar lines
-constexpr double kTests = 2.0;                          // after a window: for changes, for a drift
-constexpr std::size_t kFewestOfADrift = 5;              // windows
-constexpr double kDoubt = 0.01;                         // p-value of a drift that is reckoned with
-constexpr std::array kEarlyLooks = {0.2, 0.4, 0.7};     // at the first window, as shares of its length
+constexpr std::size_t kMostWindows = 400;                     // that are kept; then neighbours are merged
+constexpr double kDrifts = 0.5;                               // false alarms of drifts, by those of steps
+constexpr double kPlaces = kLongestStep - kShortestStep + 1;  // of a moment, counted from the end
+constexpr std::size_t kFewestOfADrift = 5;                    // windows
+constexpr double kDoubt = 0.01;                               // p-value of a drift that is reckoned with
+constexpr std::array kEarlyLooks = {0.2, 0.4, 0.7};           // at the first window, as shares of its length
 constexpr double kLargestScale = 0.5;  // relative error of a metre: no sensor is believed to be worse
 
 void merge(const RigEvidence& other, RigEvidence& into) {
@@ -65,26 +61,9 @@ void halve(std::vector<RigEvidence>& windows) {
 
 namespace {
 
-/// Without a sensor that knows a metre the length of the baseline is trusted.
-RigParameters visible_slope(const RigParameters& theta, bool metric, const Tolerance& tolerance) {
-  RigParameters slope = depth_slope(theta, tolerance.baselines);
-  if (!metric) {
-    const Eigen::Vector3d along = theta.tail<3>().normalized();
-    slope.tail<3>() -= along * along.dot(slope.tail<3>());
-  }
-  return slope;
-}
-
 RigParameters px_by_axis(const BetaEstimate& estimate, const RigParameters& theta) {
   const NormalEquations::Vector px = estimate.epipolar.diagonal().cwiseMax(0.0).cwiseSqrt();
   return px.head<6>().cwiseQuotient(plausible_error(theta.tail<3>().norm()));
-}
-
-/// Two-sided p-value of Student's t: Wallace's approximation.
-double t_survival(double t, double dof) {
-  const double z2 = dof * std::log1p(t * t / dof);
-  const double factor = (8.0 * dof + 1.0) / (8.0 * dof + 3.0);
-  return chi_square_survival(factor * factor * z2, 1.0);
 }
 
 void judge_movement(const std::vector<RigEvidence>& windows, const RigParameters& theta,
@@ -109,34 +88,9 @@ void judge_movement(const std::vector<RigEvidence>& windows, const RigParameters
   }
 }
 
-/// p-value below which a test after a window has found something.
-double alarm_limit(const WatchOptions& options) {
-  return options.false_alarms_per_hour * options.window_s / 3600.0 / kTests;
-}
-
-/// The p-value of what is relevant, in depth or in one of the main ways to leave the epipolar lines: the
-/// least one, times their number. Infinite where nothing is.
-double chance_of(const BetaEstimate& step, double dof, const RigParameters& theta, bool metric,
-                 const Tolerance& tolerance) {
-  double least = std::numeric_limits<double>::infinity();
-  const auto look_at = [&](double value, double variance) {
-    least = std::min(least, t_survival(value / std::sqrt(std::max(variance, 1e-30)), dof));
-  };
-  const CalibrationEffect effect = effect_of(step, theta, visible_slope(theta, metric, tolerance));
-  const double depth_sigma = (effect.depth.high - effect.depth.size) / 1.96;
-  if (effect.depth.size > kRelevant * tolerance.depth.ok) {
-    look_at(effect.depth.size, depth_sigma * depth_sigma);
-  }
-  const SymmetricEigen ways = symmetric_eigen(step.epipolar);
-  for (Eigen::Index k = 0; k < kMainWays; ++k) {
-    const NormalEquations::Vector way = ways.vectors.col(NormalEquations::kSize - 1 - k);
-    const double px = std::sqrt(std::max(ways.values(NormalEquations::kSize - 1 - k), 0.0));
-    const double size = way.dot(step.beta);
-    if (px * std::abs(size) > kRelevant * tolerance.epipolar_px.ok) {
-      look_at(size, way.dot(step.covariance * way));
-    }
-  }
-  return (1.0 + kMainWays) * least;
+/// False alarms a window.
+double alarms_of_window(const WatchOptions& options) {
+  return options.false_alarms_per_hour * options.window_s / 3600.0;
 }
 
 /// Of a drift that is not relevant: anything up to that, uniformly, in depth and on the epipolar lines.
@@ -148,11 +102,37 @@ NormalEquations::Matrix drift_not_looked_for(NormalEquations::Matrix epipolar, c
   NormalEquations::Vector depth = NormalEquations::Vector::Zero();
   depth.head<6>() =
       visible_slope(theta, metric, tolerance).cwiseProduct(plausible_error(theta.tail<3>().norm()));
-  const auto variance = [](double ok) { return kRelevant * kRelevant * ok * ok / 3.0; };
+  const auto variance = [](double ok) { return kRelevantShare * kRelevantShare * ok * ok / 3.0; };
   const NormalEquations::Matrix information = epipolar / variance(tolerance.epipolar_px.ok) +
                                               depth * depth.transpose() / variance(tolerance.depth.ok) +
                                               NormalEquations::kPrior * NormalEquations::Matrix::Identity();
   return Cholesky(information).inverse();
+}
+
+/// The least p-value of the ways, times their number.
+double chance_of_trend(const BetaEstimate& change, std::size_t windows, const RigParameters& theta,
+                       bool metric, const Tolerance& tolerance) {
+  const ChangeWays ways = ways_of_change(change.epipolar, theta, metric, tolerance);
+  Scatters scatters;
+  scatters.fill({1.0, static_cast<double>(windows) - 1.0});
+  return static_cast<double>(ways.size()) * least_chance(change, ways, scatters);
+}
+
+/// No more degrees of freedom than windows are left, without a state each, and two of expected scatter.
+Scatters of_windows(Scatters scatters, std::size_t windows, std::size_t states) {
+  for (Scatter& scatter : scatters) {
+    scatter.dof = std::min(scatter.dof, static_cast<double>(windows + 3 - 2 * states));
+  }
+  return scatters;
+}
+
+/// The larger factor and the fewer degrees of freedom of each way.
+Scatters worse(const Scatters& a, const Scatters& b) {
+  Scatters out;
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    out[k] = {std::max(a[k].factor, b[k].factor), std::min(a[k].dof, b[k].dof)};
+  }
+  return out;
 }
 
 /// The error at the end of windows that are enough for a line.
@@ -160,9 +140,8 @@ NormalEquations::Matrix drift_not_looked_for(NormalEquations::Matrix epipolar, c
 BetaEstimate estimate_at_end(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
                              const WatchOptions& options, std::optional<RigDrift>& drift) {
   const BetaTrend trend = robust_trend(windows, theta, metric);
-  const double chance =
-      chance_of(trend.change, static_cast<double>(windows.size()) - 1.0, theta, metric, options.tolerance);
-  if (chance < alarm_limit(options)) {
+  const double chance = chance_of_trend(trend.change, windows.size(), theta, metric, options.tolerance);
+  if (chance < kDrifts * alarms_of_window(options)) {
     drift = RigDrift{trend.change.rig(theta), trend.seconds, 0};
   }
   return chance < kDoubt ? trend.now
@@ -305,34 +284,55 @@ std::shared_ptr<const CalibrationReport> CalibrationWatch::report_at_once() cons
   return *report_to_come_;
 }
 
-std::vector<std::size_t> CalibrationWatch::changes() const {
+std::vector<std::size_t> CalibrationWatch::changes() {
   const std::size_t n = windows_.size();
-  double least = alarm_limit(options_);
+  double least = alarms_of_window(options_);
   std::vector<std::size_t> out;
-  const auto consider = [&](const std::vector<std::size_t>& firsts, double looks) {
-    // The windows that are left, without a state each; and two that the expected scatter is worth.
-    const double dof = static_cast<double>(n + 1 - 2 * firsts.size());
-    const auto steps = robust_steps(windows_, firsts, theta_, metric_);
-    const auto chance_at = [&](const BetaEstimate& step) {
-      return looks * chance_of(step, dof, theta_, metric_, options_.tolerance);
-    };
-    if (chance_at(steps.front()) > kDoubt) {
-      return;  // one state less would do
-    }
-    const double chance = chance_at(steps.back());
+  const auto consider = [&](double chance, std::vector<std::size_t> firsts) {
     if (chance < least) {
       least = chance;
-      out = firsts;
+      out = std::move(firsts);
     }
   };
-  for (std::size_t last = kFewestNew; last <= kMostNew && last + 1 + kFewestNew <= n; ++last) {
-    consider({n - last}, 2.0 * kLengths);
-    for (std::size_t middle = kFewestNew; middle <= kMostNew && last + middle + 3 <= n; ++middle) {
-      consider({n - last - 1 - middle, n - last}, 2.0 * kLengths * kLengths);
+  std::optional<ChangeWays> ways;
+  std::optional<StepScatter> scatter;
+  const auto steps_at = [&](const std::vector<std::size_t>& firsts) {
+    std::vector<BetaEstimate> steps = robust_steps(windows_, firsts, theta_, metric_);
+    if (!ways) {
+      ways = ways_of_change(steps.front().epipolar, theta_, metric_, options_.tolerance);
+      scatter = earlier_.along(*ways);
+    }
+    return steps;
+  };
+  std::vector<BetaEstimate> looked_at;
+  for (std::size_t last = kShortestStep; last <= kLongestStep && last + 1 + kShortestStep <= n; ++last) {
+    const BetaEstimate step = looked_at.emplace_back(steps_at({n - last}).front());
+    if (matters(step, *ways)) {
+      const Scatters scatters = of_windows(scatter->before(last + 1)[last - kShortestStep], n, 2);
+      // Two windows before it may be two states: as careful as with two moments.
+      const double places = n - last - 1 > kShortestStep ? 1.0 : kPlaces;
+      consider(kTestsOfAWindow * places * least_chance(step, *ways, scatters), {n - last});
+    }
+    for (std::size_t middle = kShortestStep; middle <= kLongestStep && last + middle + 3 <= n; ++middle) {
+      const std::vector<BetaEstimate> steps = steps_at({n - last - 1 - middle, n - last});
+      if (!matters(steps.front(), *ways) || !matters(steps.back(), *ways)) {
+        continue;  // one state less would do
+      }
+      const ScattersByLength& scatters = scatter->before(last + middle + 2);
+      const Scatters of_middle = of_windows(scatters[middle - kShortestStep], n, 3);
+      constexpr double kTests = kTestsOfAWindow * kPlaces;
+      if (kTests * least_chance(steps.front(), *ways, of_middle) < kDoubt) {
+        consider(kTests * least_chance(steps.back(), *ways, worse(of_middle, scatters[last - kShortestStep])),
+                 {n - last - 1 - middle, n - last});
+      }
     }
   }
-  if (!out.empty() && chance_of(robust_trend(windows_, theta_, metric_).change, static_cast<double>(n) - 1.0,
-                                theta_, metric_, options_.tolerance) < least) {
+  earlier_.begin_window();
+  for (std::size_t k = 0; k < looked_at.size(); ++k) {
+    earlier_.add(kShortestStep + k, looked_at[k]);
+  }
+  if (!out.empty() && chance_of_trend(robust_trend(windows_, theta_, metric_).change, n, theta_, metric_,
+                                      options_.tolerance) < least) {
     return {};
   }
   return out;

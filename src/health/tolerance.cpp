@@ -95,6 +95,15 @@ RigParameters depth_slope(const RigParameters& theta, double baselines) {
   return slope;
 }
 
+RigParameters visible_slope(const RigParameters& theta, bool metric, const Tolerance& tolerance) {
+  RigParameters slope = depth_slope(theta, tolerance.baselines);
+  if (!metric) {
+    const Eigen::Vector3d along = theta.tail<3>().normalized();
+    slope.tail<3>() -= along * along.dot(slope.tail<3>());
+  }
+  return slope;
+}
+
 SizeInterval root_of_form(const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance,
                           const Eigen::MatrixXd& M) {
   const Eigen::MatrixXd MV = M * covariance;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "limber/health/change_test.hpp"
 #include "limber/health/rig_movement.hpp"
 #include "limber/health/rig_window.hpp"
 #include "limber/health/tolerance.hpp"
@@ -91,10 +92,10 @@ struct TrajectoryQuality {
 /// @brief Judges the calibration while it goes: per window, and since it changed last.
 ///
 /// A change: the last two to five windows differ from those before, in depth or in one of the main ways to
-/// leave the epipolar lines, by more than chance (Student's t, `false_alarms_per_hour`) and by more than half
-/// of what the tolerance calls ok; those before may themselves have been in two states. The window that holds
-/// the change belongs to neither. From there on evidence gathers anew, and the verdict is that of the new
-/// state.
+/// leave the epipolar lines, by more than chance (steps of that length seen earlier, `false_alarms_per_hour`)
+/// and by more than half of what the tolerance calls ok; those before may themselves have been in two states.
+/// The window that holds the change belongs to neither. From there on evidence gathers anew, and the verdict
+/// is that of the new state.
 /// @note docs/derivations/health.md
 class CalibrationWatch {
  public:
@@ -128,7 +129,7 @@ class CalibrationWatch {
   void finish();
   void end_window(const RigEvidence& evidence);
   /// First windows of the states since the first one.
-  [[nodiscard]] std::vector<std::size_t> changes() const;
+  [[nodiscard]] std::vector<std::size_t> changes();
 
   WatchOptions options_;
   RigParameters theta_;
@@ -138,6 +139,7 @@ class CalibrationWatch {
   std::size_t looks_ = 0;                              // at the first window
   std::optional<Pending> pending_;                     // what the last window, or the last look, says
   std::vector<RigEvidence> windows_;                   // since the last change
+  EarlierSteps earlier_;                               // of this state and those before
   std::shared_ptr<const CalibrationReport> report_;
   /// What report_ becomes by what is pending, where that was asked for.
   mutable std::optional<std::shared_ptr<const CalibrationReport>> report_to_come_;

@@ -68,6 +68,11 @@ struct CalibrationEffect {
 /// d(share of depth)/d(delta), straight ahead at that many baselines, to first order.
 [[nodiscard]] RigParameters depth_slope(const RigParameters& theta, double baselines);
 
+/// @brief The same at the tolerance's baselines, as far as it can be seen: without a sensor that knows a
+/// metre the length of the baseline is trusted.
+[[nodiscard]] RigParameters visible_slope(const RigParameters& theta, bool metric,
+                                          const Tolerance& tolerance);
+
 /// The square root of xᵀ M x with its interval, without what the errors of x add to it.
 [[nodiscard]] SizeInterval root_of_form(const Eigen::VectorXd& x, const Eigen::MatrixXd& covariance,
                                         const Eigen::MatrixXd& M);
