@@ -12,6 +12,8 @@ const ROOT = dirname(dirname(fileURLToPath(import.meta.url)));
 const NPM = process.env.LIMBER_REPORT_NPM ?? join(ROOT, 'build/release/src/report/npm');
 const { chromium } = createRequire(join(NPM, 'package.json'))('playwright-core');
 
+const PATIENCE_MS = 120_000;  // 3-D in software takes its time beside other work; how long says nothing of a page
+
 // Without a graphics card 3-D is drawn by SwiftShader.
 const ARGUMENTS = [
   '--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
@@ -24,6 +26,7 @@ export async function openBrowser(options = {}) {
   const context = await chromium.launchPersistentContext(profile, {
     executablePath: process.env.LIMBER_CHROMIUM ?? '/usr/bin/chromium', headless: true, args: ARGUMENTS, ...options,
   });
+  context.setDefaultTimeout(PATIENCE_MS);
   return {
     context,
     async close() {

@@ -282,7 +282,7 @@ test('a figure can be zoomed, and a double click shows all again', async () => {
   await page.waitForFunction(([low, high]) => {
     const range = window.limberReport.plot('nis')._fullLayout.xaxis.range;
     return Math.abs(range[0] - low) < 1e-9 && Math.abs(range[1] - high) < 1e-9;
-  }, all, { timeout: 5000 });
+  }, all);
 });
 
 test('the log switch turns the axis, and back', async () => {
