@@ -19,7 +19,6 @@ constexpr Index kSize = NormalEquations::kSize;
 /// What a window is taken to vary by, in variances within it, and how many windows that belief is worth.
 constexpr double kOfAWindow = 3.0, kWorthWindows = 2.0;
 constexpr double kUnknownScale = 0.25;  // variance of the relative length of a metre that no input knows
-constexpr std::size_t kTrendLags = 4;   // windows that share tracks and places
 constexpr double kLeastScale = 0.01;    // relative error of a metre: no sensor is believed to know it better
 
 MatrixXd positive_part(const MatrixXd& M) {
@@ -64,25 +63,9 @@ struct Fit {
   MatrixXd covariance;
 };
 
-/// Sum of s_k s_lᵀ over pairs of windows, those k − l apart by 1 − |k − l| / (lags + 1) [NeweyWest1987].
-MatrixXd outer_of(const std::vector<VectorXd>& scores, std::size_t lags) {
-  const Index size = scores.front().size();
-  MatrixXd out = MatrixXd::Zero(size, size);
-  for (std::size_t k = 0; k < scores.size(); ++k) {
-    VectorXd near = 0.5 * scores[k];
-    for (std::size_t lag = 1; lag <= std::min(lags, k); ++lag) {
-      near += (1.0 - static_cast<double>(lag) / static_cast<double>(lags + 1)) * scores[k - lag];
-    }
-    const MatrixXd product = scores[k] * near.transpose();
-    out += product + product.transpose();
-  }
-  return out;
-}
-
 /// Scores summed over clusters, V_track + V_cell − V_both, and windows as clusters as they become many.
 /// @param basis  of each window; all alike in size. Zero: the window counts for nothing
-/// @param lags   windows that far apart may have to do with each other
-Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& basis, std::size_t lags = 0) {
+Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& basis) {
   const Index size = basis.front().size() * kSize;
   const MatrixXd prior = NormalEquations::kPrior * MatrixXd::Identity(size, size);
   MatrixXd information = prior, tracks = MatrixXd::Zero(size, size), both = tracks;
@@ -96,8 +79,7 @@ Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& ba
   const MatrixXd inverse = Cholesky(information).inverse();
   const VectorXd x = inverse * vector;
   std::map<int, VectorXd> cells;
-  MatrixXd by_cell = MatrixXd::Zero(size, size);
-  std::vector<VectorXd> scores;
+  MatrixXd by_cell = MatrixXd::Zero(size, size), by_window = by_cell;
   const auto n = static_cast<double>(
       std::count_if(basis.begin(), basis.end(), [](const VectorXd& b) { return !b.isZero(0.0); }));
   const double dof = std::max(n - static_cast<double>(basis.front().size()), 0.0);
@@ -106,9 +88,9 @@ Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& ba
     for (const auto& [cell, sums] : windows[k].cells) {
       cells.try_emplace(cell, VectorXd::Zero(size)).first->second += spread(basis[k], sums.score(beta));
     }
-    scores.push_back(spread(basis[k], windows[k].all.score(beta)));
+    const VectorXd score = spread(basis[k], windows[k].all.score(beta));
+    by_window += n / std::max(dof, 1.0) * score * score.transpose();
   }
-  const MatrixXd by_window = n / std::max(dof, 1.0) * outer_of(scores, lags);
   const auto count = static_cast<double>(cells.size());
   for (const auto& [cell, score] : cells) {
     by_cell += count / std::max(count - 1.0, 1.0) * score * score.transpose();
@@ -165,7 +147,7 @@ BetaTrend robust_trend(const std::vector<RigEvidence>& windows, const RigParamet
   for (const RigEvidence& window : windows) {
     basis.emplace_back(Eigen::Vector2d(1.0, (middle(window, origin) - end) / (last - first)));
   }
-  const Fit found = fit(windows, basis, kTrendLags);
+  const Fit found = fit(windows, basis);
   const NormalEquations::Matrix epipolar = mean_epipolar(windows);
   return {{found.x.head<kSize>(),
            found.covariance.topLeftCorner<kSize, kSize>() + by_scale(windows, theta, metric, kLeastScale),
