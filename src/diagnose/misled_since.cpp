@@ -112,7 +112,7 @@ std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
   }
   const std::vector<Block> blocks = blocks_of(frames);
   for (std::size_t k = kBefore; k + kLasting <= blocks.size(); ++k) {
-    const Limits limits(std::span(blocks).first(k));
+    const Limits limits{std::span<const Block>(blocks).first(k)};
     const auto since = std::span(blocks).subspan(k);
     const std::optional<std::size_t> begin = begin_of_growth(blocks, k, limits);
     const auto as_usual = [&](const Block& block) { return limits.is_far_from(block); };
