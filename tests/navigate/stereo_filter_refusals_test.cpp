@@ -8,7 +8,7 @@
 
 #include "limber/navigate/stereo_filter.hpp"
 #include "message_of.hpp"
-#include "scene.hpp"
+#include "small_scene.hpp"
 
 /// What a filter refuses before it has seen a frame: options, states and inputs that make no sense.
 namespace limber {
@@ -16,21 +16,13 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
-using testing::make_scene;
 using testing::message_of;
 using testing::Scene;
-using testing::SceneOptions;
+using testing::small_scene;
 using testing::with_method;
 
-Scene one_second() {
-  SceneOptions options;
-  options.duration_s = 1.0;
-  options.points = 40;
-  return make_scene(options);
-}
-
 TEST(StereoFilterRefusals, OptionsThatMakeNoSenseAreRefused) {
-  const Scene scene = one_second();
+  const Scene scene = small_scene();
   const auto expect_refusal = [&](const std::string& says, const std::function<void(NavigatorOptions&)>& o,
                                   const std::function<void(StereoCalibration&)>& c = {},
                                   const std::function<void(InitialState&)>& i = {}) {
@@ -54,7 +46,7 @@ TEST(StereoFilterRefusals, OptionsThatMakeNoSenseAreRefused) {
 }
 
 TEST(StereoFilterRefusals, AnInitialStateThatIsNoneIsRefused) {
-  const Scene scene = one_second();
+  const Scene scene = small_scene();
   const auto expect_refusal = [&](const std::string& says, const std::function<void(InitialState&)>& spoil) {
     InitialState initial = scene.initial;
     spoil(initial);
@@ -82,7 +74,7 @@ TEST(StereoFilterRefusals, AnInitialStateThatIsNoneIsRefused) {
 }
 
 TEST(StereoFilterRefusals, AStateWithoutATimeKeepsItWhereTheFirstFrameIsRefused) {
-  const Scene scene = one_second();
+  const Scene scene = small_scene();
   StereoFilter filter(scene.options, scene.calibration, scene.initial);
   ASSERT_EQ(filter.estimate().nav().t_ns, 0);
   StereoFrame frame = scene.frames[0];
@@ -94,7 +86,7 @@ TEST(StereoFilterRefusals, AStateWithoutATimeKeepsItWhereTheFirstFrameIsRefused)
 }
 
 TEST(StereoFilterRefusals, InputsOfAnotherMotionModelAreRefused) {
-  const Scene scene = one_second();
+  const Scene scene = small_scene();
   StereoFilter imu(scene.options, scene.calibration, scene.initial);
   EXPECT_THROW(imu.add_odometry({}), std::invalid_argument);
   imu.add_imu({10, {}, {}});
@@ -103,7 +95,7 @@ TEST(StereoFilterRefusals, InputsOfAnotherMotionModelAreRefused) {
 }
 
 TEST(StereoFilterRefusals, ShowsTheTrueRigToTheOracleAlone) {
-  const Scene scene = one_second();
+  const Scene scene = small_scene();
   for (const Method method : kAllMethods) {
     StereoFilter navigator(with_method(scene, method), scene.calibration, scene.initial);
     RigParameters theta = scene.calibration.theta;
@@ -122,7 +114,7 @@ TEST(StereoFilterRefusals, ShowsTheTrueRigToTheOracleAlone) {
 }
 
 TEST(StereoFilterRefusals, ParametersThatContradictEachOtherAreRefused) {
-  const Scene scene = one_second();
+  const Scene scene = small_scene();
   const auto refusal = [&](Method method, const std::string& constraints, const std::string& estimated,
                            const std::string& softened, BodyFrame body = BodyFrame::kImu) {
     NavigatorOptions options = with_method(scene, method);

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "message_of.hpp"
-#include "scene.hpp"
+#include "small_scene.hpp"
 #include "state/small_map.hpp"
 
 /// What a caller of the navigator may rely on, frame by frame.
@@ -23,16 +23,10 @@ using testing::make_scene;
 using testing::message_of;
 using testing::Scene;
 using testing::SceneOptions;
+using testing::small_scene;
 using testing::Snapshot;
 using testing::snapshot;
 using testing::with_method;
-
-Scene small_scene() {
-  SceneOptions options;
-  options.duration_s = 1.0;
-  options.points = 40;
-  return make_scene(options);
-}
 
 /// The state as it can be compared bit by bit.
 struct State {
