@@ -49,6 +49,12 @@ void solve_lower(const MatrixRef& L, Ref<MatrixXd> X) {
   }
 }
 
+void solve_lower(const Transposed& L, Ref<MatrixXd> X) {
+  if (X.size() > 0) {
+    L.matrix.triangularView<Lower>().transpose().solveInPlace(X);
+  }
+}
+
 void solve_lower(const MatrixRef& L, VectorXd& x) { solve_lower(L, x.head(x.size())); }
 
 void solve_lower(const MatrixRef& L, VectorBlock<VectorXd> x) {

@@ -20,30 +20,28 @@ std::pair<Index, Index> in_lower(const std::vector<Index>& rest, Index i, Index 
   return {high, low};
 }
 
+/// `count` unknowns of each frame, the first of them given.
+void add_of_frames(const FrameLayout& layout, Index first, Index count, std::vector<Index>& out) {
+  for (Index k = 0; k < layout.frames; ++k) {
+    for (Index i = 0; i < count; ++i) {
+      out.push_back(k * layout.size() + first + i);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Index> FrameLayout::rest() const {
   std::vector<Index> out;
-  const auto add = [&](Index first, Index count) {
-    for (Index k = 0; k < frames; ++k) {
-      for (Index i = 0; i < count; ++i) {
-        out.push_back(k * size() + first + i);
-      }
-    }
-  };
-  add(0, pose);
-  add(pose + chain, theta);
+  add_of_frames(*this, 0, pose, out);
+  add_of_frames(*this, pose + chain, theta, out);
   return out;
 }
 
-void subtract_of_rest(MatrixXd& S, const MatrixXd& of_rest, const FrameLayout& layout) {
-  const std::vector<Index> rest = layout.rest();
-  for (Index j = 0; j < of_rest.cols(); ++j) {
-    for (Index i = j; i < of_rest.rows(); ++i) {
-      const auto [row, col] = in_lower(rest, i, j);
-      S(row, col) -= of_rest(i, j);
-    }
-  }
+std::vector<Index> FrameLayout::chains() const {
+  std::vector<Index> out;
+  add_of_frames(*this, pose, chain, out);
+  return out;
 }
 
 FramesFactor::FramesFactor(const MatrixXd& A, double damping, const MatrixXd& of_rest,
@@ -99,34 +97,62 @@ void FramesFactor::factor_chain(const MatrixXd& A, double damping, Index frame) 
   solve_lower_from_right(transposed(chain_.back().factor()), Y);
 }
 
-VectorXd FramesFactor::solve(const VectorXd& g) const {
+/// X := L⁻¹ X, L: of the chains.
+void FramesFactor::solve_chain(MatrixXd& X) const {
   const Index c = layout_.chain;
-  const Index poses = Y_.rows();
-  const auto chain_at = [&](Index frame) { return frame * layout_.size() + layout_.pose; };
-  VectorXd z(Y_.cols());
   for (Index k = 0; k < layout_.frames; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    z.segment(k * c, c) = g.segment(chain_at(k), c);
     if (k > 0) {
-      z.segment(k * c, c) -= links_[i] * z.segment((k - 1) * c, c);
+      add_product(X.middleRows(k * c, c), -1.0, links_[i], X.middleRows((k - 1) * c, c));
     }
-    solve_lower(chain_[i].factor(), z.segment(k * c, c));
+    solve_lower(chain_[i].factor(), X.middleRows(k * c, c));
   }
-  VectorXd rest = g(rest_);
-  rest.head(poses) -= Y_ * z;
-  rest = dense_->solve(rest);
-  z -= Y_.transpose() * rest.head(poses);
-  VectorXd out(g.size());
-  out(rest_) = rest;
+}
+
+/// X := L⁻ᵀ X.
+void FramesFactor::solve_chain_transposed(MatrixXd& X) const {
+  const Index c = layout_.chain;
   for (Index k = layout_.frames - 1; k >= 0; --k) {
     const auto i = static_cast<std::size_t>(k);
-    VectorXd x = z.segment(k * c, c);
     if (k + 1 < layout_.frames) {
-      x -= links_[i + 1].transpose() * out.segment(chain_at(k + 1), c);
+      add_product(X.middleRows(k * c, c), -1.0, transposed(links_[i + 1]), X.middleRows((k + 1) * c, c));
     }
-    chain_[i].factor().triangularView<Eigen::Lower>().transpose().solveInPlace(x);
-    out.segment(chain_at(k), c) = x;
+    solve_lower(transposed(chain_[i].factor()), X.middleRows(k * c, c));
   }
+}
+
+VectorXd FramesFactor::solve(const VectorXd& g) const {
+  const std::vector<Index> chains = layout_.chains();
+  MatrixXd z = g(chains);
+  solve_chain(z);
+  VectorXd rest = g(rest_);
+  rest.head(Y_.rows()) -= Y_ * z;
+  rest = dense_->solve(rest);
+  z -= Y_.transpose() * rest.head(Y_.rows());
+  solve_chain_transposed(z);
+  VectorXd out(g.size());
+  out(rest_) = rest;
+  out(chains) = z;
+  return out;
+}
+
+MatrixXd FramesFactor::inverse() const {
+  const Index poses = Y_.rows(), chain_size = Y_.cols();
+  const MatrixXd rest = dense_->inverse();
+  MatrixXd Z = Y_.transpose();
+  solve_chain_transposed(Z);
+  MatrixXd chain = MatrixXd::Identity(chain_size, chain_size);
+  solve_chain(chain);
+  solve_chain_transposed(chain);
+  const MatrixXd chain_rest = multiply(Z, rest.topRows(poses));  // up to its sign
+  add_product(chain, 1.0, chain_rest.leftCols(poses), transposed(Z));
+  const std::vector<Index> chains = layout_.chains();
+  const Index n = layout_.frames * layout_.size();
+  MatrixXd out(n, n);
+  out(rest_, rest_) = rest;
+  out(chains, chains) = chain;
+  out(chains, rest_) = -chain_rest;
+  out(rest_, chains) = -chain_rest.transpose();
   return out;
 }
 

@@ -24,10 +24,9 @@ struct FrameLayout {
   [[nodiscard]] Eigen::Index theta_in_rest(Eigen::Index frame) const { return frames * pose + frame * theta; }
   /// The rest's unknowns among all of them.
   [[nodiscard]] std::vector<Eigen::Index> rest() const;
+  /// The chains', one frame after another.
+  [[nodiscard]] std::vector<Eigen::Index> chains() const;
 };
-
-/// Subtracts what is given of the rest from a matrix of all unknowns, lower triangles.
-void subtract_of_rest(Eigen::MatrixXd& S, const Eigen::MatrixXd& of_rest, const FrameLayout& layout);
 
 /// @brief S = L Lᵀ of the frames' normal equations, S: A, its diagonal grown by the share `damping`, minus
 /// what is given of the rest. The chains go first, one frame after another: they fill no more than their own
@@ -44,9 +43,13 @@ class FramesFactor {
   [[nodiscard]] bool succeeded() const { return dense_ && dense_->succeeded(); }
   /// S⁻¹ g.
   [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& g) const;
+  /// S⁻¹, all of it.
+  [[nodiscard]] Eigen::MatrixXd inverse() const;
 
  private:
   void factor_chain(const Eigen::MatrixXd& A, double damping, Eigen::Index frame);
+  void solve_chain(Eigen::MatrixXd& X) const;
+  void solve_chain_transposed(Eigen::MatrixXd& X) const;
 
   FrameLayout layout_;
   std::vector<Eigen::Index> rest_;

@@ -12,6 +12,7 @@ namespace {
 constexpr double kGyroAnywhere = 0.01, kAccelAnywhere = 0.1;  // [rad/s], [m/s^2]
 constexpr double kGyroThere = 0.2, kAccelThere = 2.0;
 constexpr double kBetter = 0.08;      // of the cost, that steps anywhere have to explain
+constexpr double kPromises = 0.02;    // of the cost, by one linearisation: else it is not looked for
 constexpr double kOneExplains = 0.7;  // of what they explain
 constexpr int kIterations = 25;
 
@@ -67,6 +68,9 @@ std::optional<BiasStep> find_bias_step(const WindowModel& model, const WindowSta
   for (WindowFrame& frame : anywhere.frames) {
     frame.gyro_step = std::max(frame.gyro_step, kGyroAnywhere);
     frame.accel_step = std::max(frame.accel_step, kAccelAnywhere);
+  }
+  if (!(promised_decrease(linearise(model, anywhere)) > kPromises * normal.cost)) {
+    return std::nullopt;
   }
   const double explained = normal.cost - solve_window(model, anywhere, kIterations).cost;
   if (!(explained > kBetter * normal.cost)) {

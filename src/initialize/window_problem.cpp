@@ -25,6 +25,7 @@ namespace {
 constexpr double kHuberSigmas = 3.0;     // standard deviations of a pixel, both axes
 constexpr double kFreeTheta = 1e3;       // plausible errors: as good as nothing is known
 constexpr double kFreeBaselines = 10.0;  // sigma of an inverse depth, over the baseline: the same
+constexpr double kStraightDepth = 0.5;   // share of an inverse depth
 constexpr double kLost = 30.0;           // cost of a point that does not project
 
 double squared(double x) { return x * x; }
@@ -204,6 +205,13 @@ void add_free_theta(const WindowModel& model, const WindowState& state, WindowNo
   }
 }
 
+/// Moves the depth in a straight line, where the step is no longer than half of it: then what scales a map
+/// moves frames and points alike straight on, however far. By inverse depths it would be a bent valley.
+double moved_inverse_depth(double rho, double step) {
+  const double share = step / rho;
+  return std::abs(share) < kStraightDepth ? rho / (1.0 - share) : rho + step;
+}
+
 Transition predict_step(const NavigatorOptions& options, const ImuNoise& noise, const InputStep& step,
                         NavigationState& nav) {
   if (options.motion != MotionModel::kImu) {
@@ -294,7 +302,10 @@ WindowState moved(const WindowModel& model, WindowState state, const VectorXd& d
     at += model.frame_size();
   }
   for (std::size_t j = 0; j < state.points.size(); ++j) {
-    state.points[j].landmark.value += dx_points.segment<3>(static_cast<Index>(3 * j));
+    const Vector3d step = dx_points.segment<3>(static_cast<Index>(3 * j));
+    Vector3d& value = state.points[j].landmark.value;
+    value.head<2>() += step.head<2>();
+    value.z() = moved_inverse_depth(value.z(), step.z());
   }
   return state;
 }

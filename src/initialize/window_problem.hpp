@@ -137,6 +137,9 @@ void open_biases(WindowFrame& frame);
 /// @return the normal equations at the solution
 [[nodiscard]] WindowNormal solve_window(const WindowModel& model, WindowState& state, int iterations);
 
+/// How much lower the cost is where the problem, as it is linearised, has its minimum.
+[[nodiscard]] double promised_decrease(const WindowNormal& normal);
+
 /// Covariance of the frames' errors, points eliminated. Empty if it is not positive definite.
 [[nodiscard]] Eigen::MatrixXd frame_covariance(const WindowNormal& normal);
 

@@ -21,12 +21,14 @@ namespace {
 
 constexpr double kDampingStart = 1e-4;
 constexpr double kDampingMost = 1e8;
+constexpr double kMoreDamping = 10.0, kLessDampingWhereStraight = 1e3;
 /// Decrease of the cost below which it stops: half of chi-square, so that no unknown is still off by more
 /// than some hundredths of its standard deviation. Only of a step that damping hardly shortens: along what is
 /// weakly known every other one is short.
 constexpr double kPays = 1e-3;
 /// Share of the promised decrease from which on the valley counts as straight.
 constexpr double kStraight = 0.9;
+constexpr double kLonger = 1.5, kLongestStep = 8.0;  // of a step: what is tried, at most
 constexpr double kUndamped = 1e-11;
 constexpr double kDampingLeast = 1e-12;
 
@@ -99,47 +101,99 @@ double promised_decrease(const WindowNormal& normal, const Step& step) {
   return 0.5 * (normal.g.dot(step.frames) + normal.g_points.dot(step.points));
 }
 
-/// That of the undamped step.
+/// An undamped step that was taken, and the direction in which.
+struct Taken {
+  Step step, direction;
+  double promised = 0.0;
+};
+
+/// Conjugate to the direction before (Polak and Ribiere), with Gauss-Newton's steps as gradients. Along what
+/// is weakly known the residuals' own curvature, which Gauss-Newton leaves out, may undo most of the
+/// information: its steps are then short by as much, one after the other.
+Step conjugate(const WindowNormal& normal, const Step& step, const std::optional<Taken>& before) {
+  if (!before) {
+    return step;
+  }
+  const double beta =
+      (promised_decrease(normal, step) - promised_decrease(normal, before->step)) / before->promised;
+  return beta > 0.0 ? Step{step.frames + beta * before->direction.frames,
+                           step.points + beta * before->direction.points}
+                    : step;
+}
+
+struct Trial {
+  WindowState state;
+  WindowNormal normal;
+  bool straight = true;  ///< the step gained what it promised
+};
+
+Trial trial_at(const WindowModel& model, WindowState state) {
+  WindowNormal normal = linearise(model, state);
+  return {std::move(state), std::move(normal)};
+}
+
+/// How many steps on the parabola through the cost, its slope and the cost after one step is lowest.
+double lowest_along(double promised, double gained) {
+  return promised / std::max(2.0 * promised - gained, promised / kLongestStep);
+}
+
+/// Where a step leads: as it is, or further on where the cost still falls there, or with the points fitted
+/// anew where it is not as low as promised.
+Trial best_after(const WindowModel& model, const WindowState& state, const WindowNormal& normal,
+                 const Step& step) {
+  const double promised = promised_decrease(normal, step);
+  Trial out = trial_at(model, moved(model, state, step.frames, step.points));
+  const double gained = normal.cost - out.normal.cost;
+  out.straight = gained >= kStraight * promised;
+  const double length = out.straight ? lowest_along(promised, gained) : 1.0;
+  if (out.straight && length < kLonger) {
+    return out;
+  }
+  Trial other = trial_at(model, out.straight ? moved(model, state, length * step.frames, length * step.points)
+                                             : points_refitted(model, out.state, out.normal));
+  other.straight = out.straight;
+  return other.normal.cost < out.normal.cost ? std::move(other) : std::move(out);
+}
+
+}  // namespace
+
 double promised_decrease(const WindowNormal& normal) {
   const std::optional<Step> step = step_of(normal, 0.0);
   return step ? promised_decrease(normal, *step) : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace
-
 WindowNormal solve_window(const WindowModel& model, WindowState& state, int iterations) {
   WindowNormal normal = linearise(model, state);
   double damping = kDampingStart;
+  std::optional<Taken> before;
   for (int i = 0; i < iterations && damping < kDampingMost; ++i) {
-    const std::optional<Step> step = step_of(normal, damping);
+    std::optional<Step> step = step_of(normal, damping);
     if (!step) {
-      damping *= 10.0;
+      damping *= kMoreDamping;
       continue;
     }
-    WindowState next = moved(model, state, step->frames, step->points);
-    WindowNormal there = linearise(model, next);
-    if (!(normal.cost - there.cost >= kStraight * promised_decrease(normal, *step))) {
-      WindowState refitted = points_refitted(model, next, there);
-      WindowNormal at_refitted = linearise(model, refitted);
-      if (at_refitted.cost < there.cost) {
-        next = std::move(refitted);
-        there = std::move(at_refitted);
-      }
-    }
-    if (!(there.cost < normal.cost)) {
-      damping *= 10.0;
+    Step direction = conjugate(normal, *step, before);
+    Trial next = best_after(model, state, normal, direction);
+    const double gained = normal.cost - next.normal.cost;
+    if (!(gained > 0.0)) {
+      damping *= before ? 1.0 : kMoreDamping;
+      before.reset();
       continue;
     }
-    const double gained = normal.cost - there.cost;
-    state = std::move(next);
-    normal = std::move(there);
+    before.reset();
+    if (damping <= kUndamped) {
+      const double promised = promised_decrease(normal, *step);
+      before = Taken{*std::move(step), std::move(direction), promised};
+    }
+    state = std::move(next.state);
+    normal = std::move(next.normal);
     if (gained < kPays) {
       normal.left = promised_decrease(normal);
       if (damping <= kUndamped || normal.left < kPays) {
         return normal;
       }
     }
-    damping = std::max(damping * 0.1, kDampingLeast);
+    damping = std::max(damping / (next.straight ? kLessDampingWhereStraight : kMoreDamping), kDampingLeast);
   }
   normal.left = promised_decrease(normal);
   return normal;
@@ -147,13 +201,8 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
 
 MatrixXd frame_covariance(const WindowNormal& normal) {
   const MatrixXd WV = times_inverse(normal.W, normal.V, 0.0);
-  MatrixXd S = normal.A;
-  subtract_of_rest(S, by_points(normal, WV), normal.layout);
-  const Cholesky llt(std::move(S));
-  if (!llt.succeeded()) {
-    return {};
-  }
-  return llt.inverse();
+  const FramesFactor factor(normal.A, 0.0, by_points(normal, WV), normal.layout);
+  return factor.succeeded() ? factor.inverse() : MatrixXd();
 }
 
 }  // namespace limber::detail

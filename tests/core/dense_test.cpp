@@ -106,6 +106,9 @@ TEST(Dense, TriangularSolvesUndoTheProduct) {
     MatrixXd out = L * X;
     solve_lower(noisy, out);
     EXPECT_LE(difference(out, X), kRounding);
+    out = L.transpose() * X;
+    solve_lower(transposed(noisy), out);
+    EXPECT_LE(difference(out, X), kRounding);
     out = Xt * L;
     solve_lower_from_right(noisy, out);
     EXPECT_LE(difference(out, Xt), kRounding);

@@ -40,7 +40,16 @@ MatrixXd normal_matrix(const FrameLayout& layout, limber::testing::Generator& ge
   return S;
 }
 
-TEST(FramesFactor, SolvesWhatADenseFactorSolves) {
+/// S, all of it, as FramesFactor is given it.
+MatrixXd dense(const MatrixXd& A, double damping, const MatrixXd& of_rest, const FrameLayout& layout) {
+  MatrixXd S = A.selfadjointView<Eigen::Lower>();
+  S.diagonal() *= 1.0 + damping;
+  const std::vector<Index> rest = layout.rest();
+  S(rest, rest) -= of_rest;
+  return S;
+}
+
+TEST(FramesFactor, SolvesAndInvertsAsADenseFactorDoes) {
   limber::testing::Generator generator(5);
   // Without theta, with it, one frame, two, many, without a pose.
   for (const FrameLayout layout :
@@ -54,11 +63,11 @@ TEST(FramesFactor, SolvesWhatADenseFactorSolves) {
     const MatrixXd of_rest = 0.1 * (root + root.transpose());
     const FramesFactor factor(A, 0.1, of_rest, layout);
     ASSERT_TRUE(factor.succeeded());
-    MatrixXd S = A;
-    S.diagonal() *= 1.1;
-    subtract_of_rest(S, of_rest, layout);
-    const VectorXd dense = S.llt().solve(g);
-    EXPECT_LT((factor.solve(g) - dense).norm(), 1e-12 * dense.norm());
+    const auto llt = dense(A, 0.1, of_rest, layout).llt();
+    const VectorXd x = llt.solve(g);
+    EXPECT_LT((factor.solve(g) - x).norm(), 1e-12 * x.norm());
+    const MatrixXd inverse = llt.solve(MatrixXd::Identity(A.rows(), A.cols()));
+    EXPECT_LT((factor.inverse() - inverse).norm(), 1e-12 * inverse.norm());
   }
 }
 

@@ -54,6 +54,8 @@ void add_outer(Eigen::Ref<Eigen::MatrixXd> S, double alpha, const MatrixRef& W);
 
 /// X := L⁻¹ X. Of L: n×n the lower triangle is read.
 void solve_lower(const MatrixRef& L, Eigen::Ref<Eigen::MatrixXd> X);
+/// X := L⁻ᵀ X.
+void solve_lower(const Transposed& L, Eigen::Ref<Eigen::MatrixXd> X);
 /// x := L⁻¹ x.
 void solve_lower(const MatrixRef& L, Eigen::VectorXd& x);
 /// The same for a part of a vector.
