@@ -61,14 +61,20 @@ void turn_to(const Matrix3d& R, WindowState& state) {
 
 }  // namespace
 
+WindowModel window_model(const NavigatorOptions& options, const StereoCalibration& calibration) {
+  WindowModel out;
+  out.options = options;
+  out.calibration = calibration;
+  out.directions = free_directions(options, calibration);
+  out.right = options.method != Method::kMonoLeft;
+  return out;
+}
+
 StartWindow::StartWindow(const NavigatorOptions& navigator, const StereoCalibration& calibration,
                          const StartOptions& start)
     : options(start), checks(limits_of(navigator.motion)) {
   check_calibration(calibration);
-  model.options = navigator;
-  model.calibration = calibration;
-  model.directions = free_directions(navigator, calibration);
-  model.right = navigator.method != Method::kMonoLeft;
+  model = window_model(navigator, calibration);
 }
 
 Matrix3d StartWindow::assumed_attitude() const {

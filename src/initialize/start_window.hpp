@@ -18,6 +18,9 @@ inline constexpr double kUnknown = std::numeric_limits<double>::infinity();
 /// Of the cost, still to come: no unknown is off by more than 0.2 sigma.
 inline constexpr double kSettled = 0.02;
 
+/// The problem that a navigator's start solves, before anything was seen.
+[[nodiscard]] WindowModel window_model(const NavigatorOptions& options, const StereoCalibration& calibration);
+
 /// A solution that images and inputs agreed upon, and how many frames had been there.
 struct Agreed {
   std::size_t frames = 0;

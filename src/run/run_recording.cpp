@@ -16,6 +16,7 @@
 #include "limber/run/input_summary.hpp"
 #include "limber/run/trajectory_row.hpp"
 #include "remarks.hpp"
+#include "shared_starts.hpp"
 #include "start_from_sensors.hpp"
 #include "start_from_truth.hpp"
 
@@ -129,6 +130,23 @@ void append(std::vector<std::string>& notes, const std::vector<std::string>& mor
   }
 }
 
+/// A start of its own, or one that a run before has solved. The frames of that go through the cleaning, which
+/// remembers what it has seen.
+SensorWindow sensor_window(const Recording& recording, const RunSetup& setup, const FrameSource& frames,
+                           std::size_t first, const RunCallbacks& callbacks, SharedStarts* shared) {
+  if (const SensorWindow* known = shared ? shared->kept().find(setup) : nullptr) {
+    for (std::size_t n = first; n < first + known->frames.size() + known->ahead.size(); ++n) {
+      (void)frames(n);
+    }
+    return *known;
+  }
+  SensorWindow out = detail::start_from_sensors(recording, setup, frames, first, callbacks);
+  if (shared && !out.stopped) {
+    shared->kept().keep(setup, out);
+  }
+  return out;
+}
+
 /// Writes the window's frames into the record; says how long it took and what was not known by then.
 void keep_window(const SensorWindow& window, const Navigator& navigator, RunRecord& record) {
   if (window.frames.empty()) {
@@ -202,7 +220,7 @@ FrameSource matched_frames(const SensorData& sensors) {
 }
 
 RunRecord run_recording(const Recording& recording, const RunOptions& options, const FrameSource& source,
-                        const RunCallbacks& callbacks) {
+                        const RunCallbacks& callbacks, SharedStarts* shared) {
   const auto begin_run = Clock::now();
   const RunSetup setup = set_up_run(recording, options);
   const MotionModel motion = setup.navigator.motion;
@@ -215,7 +233,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   if (from_truth) {
     record.start = detail::start_from_truth(recording, options, setup, frame_time(recording, first));
   } else {
-    window = detail::start_from_sensors(recording, setup, frames, first, callbacks);
+    window = sensor_window(recording, setup, frames, first, callbacks, shared);
     record.start = window.result.initial;
     record.sensor_start = window.report;
     record.stopped = window.stopped;

@@ -52,7 +52,7 @@ RunFigures figures_of(const RunSummary& summary, const detail::MapError& map) {
 }
 
 MethodResult compute_method(const Recording& recording, const Scenario& scenario, const RunOptions& options,
-                            const std::function<bool()>& frame_done) {
+                            SharedStarts& starts, const std::function<bool()>& frame_done) {
   MethodResult out;
   out.run.run = options.run;
   detail::RunObserver observer(recording, scenario, options.start);
@@ -63,7 +63,8 @@ MethodResult compute_method(const Recording& recording, const Scenario& scenario
     }
   };
   try {
-    RunRecord record = run_recording(recording, options, matched_frames(recording), {.observe = observe});
+    RunRecord record =
+        run_recording(recording, options, matched_frames(recording), {.observe = observe}, &starts);
     RunSummary summary = summarize(recording, options, record);
     add_misled(options, record, summary);
     out.run.figures = figures_of(summary, observer.map_error());
@@ -136,11 +137,12 @@ ItemResult compute_item(const StudyPlan& plan, std::size_t study_case, std::uint
   const StudyCase& what = plan.cases.at(study_case);
   const Recording recording = simulate(what.scenario, plan.seed, run);
   ItemResult out{study_case, run, {}};
+  SharedStarts starts;
   for (const MethodVariant& variant : what.methods) {
     try {
       out.methods.push_back(compute_method(recording, what.scenario,
                                            run_options(what.scenario, variant, what.start, plan.seed, run),
-                                           frame_done));
+                                           starts, frame_done));
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {

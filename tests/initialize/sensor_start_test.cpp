@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "navigate/scene.hpp"
 #include "started.hpp"
@@ -107,6 +109,38 @@ TEST(SensorStart, SaysInEveryFrameWhatTheLastSolutionDoesNotKnow) {
     EXPECT_EQ(std::isfinite(report.scale_sigma) && std::isfinite(report.tilt_sigma), solved);
     EXPECT_EQ(report.waited_s, 1e-9 * static_cast<double>(frame.t_ns - scene.frames[0].t_ns));
   }
+}
+
+TEST(SensorStart, IsTheSameForMethodsThatLeaveTheSameOfTheRigOpenAndForNothingElse) {
+  const Scene scene = make_scene(of_seed(3));
+  const StereoCalibration& rig = scene.calibration;
+  const NavigatorOptions lcekf = options_of(scene, Method::kLcekf);
+  const auto same = [&](const NavigatorOptions& b) { return same_start(lcekf, rig, b, rig); };
+  for (const Method method :
+       {Method::kLcekf, Method::kEkfFull, Method::kAdaptive, Method::kSoft, Method::kConsider}) {
+    EXPECT_TRUE(same(options_of(scene, method))) << to_string(method);
+  }
+  EXPECT_FALSE(same(options_of(scene, Method::kEkf)));
+  EXPECT_FALSE(same(options_of(scene, Method::kMonoLeft)));
+  EXPECT_FALSE(same_start(options_of(scene, Method::kEkf), rig, options_of(scene, Method::kMonoLeft), rig));
+  const std::vector<std::function<void(NavigatorOptions&)>> changes = {
+      [](auto& o) { o.constraints.kind = ConstraintSet::Kind::kRotationDirection; },
+      [](auto& o) { o.motion = MotionModel::kConstantVelocity; },
+      [](auto& o) { o.imu_noise.gyro_walk *= 2.0; },
+      [](auto& o) { o.constant_velocity_noise.acceleration_density *= 2.0; },
+      [](auto& o) { o.sigma_px[3] *= 2.0; },
+      [](auto& o) { o.gravity = 9.8; }};
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    NavigatorOptions other = lcekf;
+    changes[k](other);
+    EXPECT_FALSE(same(other)) << k;
+  }
+  StereoCalibration another = rig;
+  another.theta[0] += 1e-12;
+  EXPECT_FALSE(same_start(lcekf, rig, lcekf, another));
+  another = rig;
+  another.cam1.fu += 1e-9;
+  EXPECT_FALSE(same_start(lcekf, rig, lcekf, another));
 }
 
 TEST(SensorStart, RefusesWhatIsNoFrameOfTheWindow) {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "limber/datasets/interpolate.hpp"
+#include "limber/simulate/scenario_presets.hpp"
 #include "message_of.hpp"
 #include "run/recorded_run.hpp"
 #include "run/short_recording.hpp"
@@ -25,6 +26,7 @@ using ::testing::Not;
 using testing::run;
 using testing::same_run;
 using testing::short_recording;
+using testing::short_scenario;
 using testing::vision_only;
 using testing::without_imu;
 
@@ -54,6 +56,25 @@ std::string test_name(const ::testing::TestParamInfo<Method>& method) {
 }
 
 INSTANTIATE_TEST_SUITE_P(RunRecording, EveryMethod, ::testing::ValuesIn(kAllMethods), test_name);
+
+TEST(RunRecording, OfASharedStartIsBitByBitThatOfItsOwn) {
+  Scenario scenario = short_scenario();
+  set_pixels(scenario, PixelPreset::kRealistic);
+  const Recording recording = simulate(scenario, 1);
+  SharedStarts starts;
+  for (const Method method :
+       {Method::kEkf, Method::kLcekf, Method::kEkfFull, Method::kAdaptive, Method::kMonoLeft}) {
+    RunOptions options;
+    options.method = method;
+    const RunRecord alone = run(recording, options);
+    const RunRecord shared = run_recording(recording, options, matched_frames(recording), {}, &starts);
+    EXPECT_TRUE(same_run(alone, shared)) << to_string(method);
+    EXPECT_EQ(shared.notes, alone.notes) << to_string(method);
+    EXPECT_EQ(shared.cleaning.frames, alone.cleaning.frames) << to_string(method);
+    EXPECT_EQ(shared.cleaning.leapt_matches, alone.cleaning.leapt_matches) << to_string(method);
+  }
+  EXPECT_EQ(starts.size(), 3u) << "of ekf, of those that distrust the rig, of mono-left";
+}
 
 TEST(RunRecording, DrawsAnotherStartForAnotherSeedOrRun) {
   const Recording recording = short_recording();

@@ -19,6 +19,8 @@ struct Pose {
   [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& point) const;
   /// T_a_c of another T_b_c.
   [[nodiscard]] Pose operator*(const Pose& other) const;
+  /// member by member
+  bool operator==(const Pose&) const = default;
 };
 
 /// The pose a share s of the way from a to b, along the line and the shortest rotation (slerp); s below 0 or

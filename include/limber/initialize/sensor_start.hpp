@@ -103,6 +103,11 @@ struct SensorStartResult {
   bool solved = true;  ///< false: images and inputs agree upon no motion, and nothing of them was used
 };
 
+/// @brief Whether starts for both would be the same, from the same frames and inputs: what they ask of the
+/// rig (which of theta is free, whether the right pixels are used), rig and noises agree.
+[[nodiscard]] bool same_start(const NavigatorOptions& a, const StereoCalibration& rig_of_a,
+                              const NavigatorOptions& b, const StereoCalibration& rig_of_b);
+
 /// @brief A start from sensors alone, as good as they allow: all frames and inputs since the first one in one
 /// least-squares problem, in which the rig is as free as the method takes it to be.
 ///

@@ -21,6 +21,9 @@ struct Transition {
 struct ConstantVelocityNoise {
   double acceleration_density = 0.5;          ///< [m/s^2/sqrt(Hz)]
   double angular_acceleration_density = 0.2;  ///< [rad/s^2/sqrt(Hz)]
+
+  /// member by member
+  bool operator==(const ConstantVelocityNoise&) const = default;
 };
 
 /// @brief Strapdown step over dt [s] with constant biases; advances `state` and returns the linearised step.

@@ -14,6 +14,7 @@
 #include "limber/datasets/trajectory_files.hpp"
 #include "limber/initialize/sensor_start.hpp"
 #include "limber/run/run_options.hpp"
+#include "limber/run/shared_starts.hpp"
 
 namespace limber {
 
@@ -116,10 +117,12 @@ void add_frontend(const FrontendRecord& frontend, RunRecord& record);
 /// @brief Runs one method over a recording. Estimators see what a rig would deliver; the truth is used for
 /// StartMode::kGroundTruth and for Method::kOracle only.
 /// Frames before the first IMU or odometry sample are skipped, and said so.
+/// @param shared  starts of other runs over the recording, and for others; null: this run solves its own
 /// @throws std::invalid_argument if the recording cannot be run like that (no usable frame, no truth to start
 /// from)
 /// @throws DivergenceError if the filter's numbers are no estimate any more
 [[nodiscard]] RunRecord run_recording(const Recording& recording, const RunOptions& options,
-                                      const FrameSource& frames, const RunCallbacks& callbacks = {});
+                                      const FrameSource& frames, const RunCallbacks& callbacks = {},
+                                      SharedStarts* shared = nullptr);
 
 }  // namespace limber

@@ -42,6 +42,8 @@ struct StereoCalibration {
 
   /// Distance between the camera centres [m].
   [[nodiscard]] double baseline() const;
+  /// member by member
+  bool operator==(const StereoCalibration&) const = default;
 };
 
 /// @throws std::invalid_argument, which names the value, for what no rig has: a number that is not finite, a
@@ -65,6 +67,9 @@ struct ImuNoise {
   double gyro_walk = 2.0e-5;      ///< [rad/s^2/sqrt(Hz)]
   double accel_density = 2.0e-3;  ///< [m/s^2/sqrt(Hz)]
   double accel_walk = 3.0e-3;     ///< [m/s^3/sqrt(Hz)]
+
+  /// member by member
+  bool operator==(const ImuNoise&) const = default;
 };
 
 /// Odometry noise per sample: standard deviations of body velocity [m/s] and rate [rad/s].

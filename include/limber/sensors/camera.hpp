@@ -16,6 +16,9 @@ struct Camera {
   int width = 0, height = 0;  ///< resolution [px]
   /// lens model
   Distortion distortion = NoDistortion{};
+
+  /// member by member
+  bool operator==(const Camera&) const = default;
 };
 
 /// Pixel of a point and its derivative.

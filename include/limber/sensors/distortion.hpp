@@ -12,18 +12,25 @@
 namespace limber {
 
 /// Distortion of normalised coordinates: none.
-struct NoDistortion {};
+struct NoDistortion {
+  /// member by member
+  bool operator==(const NoDistortion&) const = default;
+};
 
 /// Radial-tangential ("plumb bob"): k1, k2, p1, p2 as in EuRoC and OpenCV.
 struct RadialTangential {
   /// [-]
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0;
+  /// member by member
+  bool operator==(const RadialTangential&) const = default;
 };
 
 /// Equidistant ("fisheye", Kannala-Brandt): theta_d = theta (1 + k1 theta^2 + ... + k4 theta^8).
 struct Equidistant {
   /// [-]
   double k1 = 0.0, k2 = 0.0, k3 = 0.0, k4 = 0.0;
+  /// member by member
+  bool operator==(const Equidistant&) const = default;
 };
 
 /// Radial-tangential with OpenCV's five (k3; KITTI's D) or eight coefficients (its rational model): radially
@@ -31,6 +38,8 @@ struct Equidistant {
 struct Rational {
   /// [-]
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0, k4 = 0.0, k5 = 0.0, k6 = 0.0;
+  /// member by member
+  bool operator==(const Rational&) const = default;
 };
 
 /// Unified (Mei's; Kalibr's omni): radial-tangential distortion of (x, y) / (z + xi |X|), times 1 + xi. So
@@ -38,6 +47,8 @@ struct Rational {
 struct Omni {
   /// [-]
   double xi = 0.0, k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0;
+  /// member by member
+  bool operator==(const Omni&) const = default;
 };
 
 /// How a lens departs from a pinhole.
