@@ -34,6 +34,12 @@ before(async () => {
 });
 after(() => browser.close());
 
+/** A page behind another one is drawn when the browser has nothing else to do. */
+async function inFront(page) {
+  await page.bringToFront();
+  return page;
+}
+
 /** Draws a figure and returns its curves as Plotly holds them. */
 async function curvesOf(page, id) {
   return page.evaluate(async (figure) => {
@@ -50,7 +56,7 @@ const layoutOf = (page, id, key) => page.evaluate(
   }, [id, key]);
 
 test('the report of a run has every figure, and each can be drawn', async () => {
-  const page = runPage;
+  const page = await inFront(runPage);
   assert.match(await page.title(), /lcekf on /);
   const drawn = await page.evaluate(async () => {
     const ids = window.limberReport.document.sections.flatMap((s) => s.blocks).filter((b) => b.type === 'figure').map((b) => b.id);
@@ -64,7 +70,7 @@ test('the report of a run has every figure, and each can be drawn', async () => 
 });
 
 test('the curves of a run are those of its files', async () => {
-  const page = runPage;
+  const page = await inFront(runPage);
   const estimate = readTable(join(folder, 'run/trajectory.csv'), ',');
   const truth = readTable(join(folder, 'run/truth.tum'), ' ');
   const frames = readTable(join(folder, 'run/frames.csv'), ',');
@@ -109,7 +115,7 @@ test('the curves of a run are those of its files', async () => {
 });
 
 test('several runs lie over each other, the table first', async () => {
-  const page = comparisonPage;
+  const page = await inFront(comparisonPage);
   assert.equal(await page.title(), '3 runs on recording');
   const rows = await page.evaluate(() => [...document.querySelectorAll('#comparison .table:first-child tbody tr')].map((tr) => tr.cells[0].textContent));
   assert.deepEqual(rows, ['ekf', 'lcekf', 'adaptive']);
@@ -136,6 +142,7 @@ test('several runs lie over each other, the table first', async () => {
 test('a page opens on the answer: its light, why, and what to do', async () => {
   for (const size of [{ width: 1280, height: 800 }, { width: 390, height: 844 }]) {
     for (const page of [runPage, comparisonPage, studyPage]) {
+    await page.bringToFront();
       await page.setViewportSize(size);
       await page.evaluate(() => window.scrollTo({ top: 0, behavior: 'instant' }));
       const seen = await page.evaluate(() => {
@@ -158,6 +165,7 @@ test('a page opens on the answer: its light, why, and what to do', async () => {
   assert.match(answer.paragraphs[2], /^What to do: /);
   assert.equal(answer.paragraphs.length, 2 + written.sentences.length);
   for (const page of [runPage, comparisonPage, studyPage]) {
+    await page.bringToFront();
     await page.setViewportSize({ width: 1280, height: 900 });
   }
 });
@@ -174,7 +182,7 @@ const markIn = (page, id) => page.evaluate((figure) => {
 const settled = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))));
 
 test('the pointer in one figure marks its instant in all of them and on the path', async () => {
-  const page = runPage;
+  const page = await inFront(runPage);
   for (const id of ['path', 'path-3d', 'position-error', 'attitude-error', 'velocity-error', 'bias-gyro', 'nis']) {
     await page.evaluate((figure) => window.limberReport.draw(figure), id);
   }
@@ -211,7 +219,7 @@ test('the pointer in one figure marks its instant in all of them and on the path
 });
 
 test('the slider, keys and Off move the instant and take it away', async () => {
-  const page = runPage;
+  const page = await inFront(runPage);
   await page.locator('.cursor-bar input').focus();
   await page.evaluate(() => window.limberReport.mark(1));
   await settled(page);
@@ -262,7 +270,7 @@ test('relative errors stand over the lengths that limber evaluate has', async ()
 });
 
 test('a figure can be zoomed, and a double click shows all again', async () => {
-  const page = runPage;
+  const page = await inFront(runPage);
   await curvesOf(page, 'nis');
   const box = await page.locator('#nis .nsewdrag').boundingBox();
   const [from, to] = [0.25, 0.75].map((share) => [box.x + share * box.width, box.y + share * box.height]);
@@ -286,7 +294,7 @@ test('a figure can be zoomed, and a double click shows all again', async () => {
 });
 
 test('the log switch turns the axis, and back', async () => {
-  const page = studyPage;
+  const page = await inFront(studyPage);
   const id = await page.evaluate(() => document.querySelector('figure[id$="-position"]').id);
   await curvesOf(page, id);
   const button = page.locator(`#${id} button.log`);
@@ -301,7 +309,7 @@ test('the log switch turns the axis, and back', async () => {
 });
 
 test('a variant hides the curves it names, and the legend brings one back', async () => {
-  const page = studyPage;
+  const page = await inFront(studyPage);
   const id = await page.evaluate(() => document.querySelector('figure[id$="-position"]').id);
   const shown = async () => (await curvesOf(page, id)).filter((t) => t.visible).map((t) => t.name);
   assert.ok((await shown()).includes('ekf'));
@@ -314,7 +322,7 @@ test('a variant hides the curves it names, and the legend brings one back', asyn
 });
 
 test('dark and light can be switched, and a method keeps its own colour in each', async () => {
-  const page = studyPage;
+  const page = await inFront(studyPage);
   const ids = await page.evaluate(() => [...document.querySelectorAll('figure[id$="-position"], figure[id$="-attitude"]')].map((f) => f.id));
   const look = async () => page.evaluate(async (figures) => {
     const lines = [];
@@ -347,7 +355,7 @@ test('random walks of one method can be told apart by colour', async () => {
 });
 
 test('the path in space is drawn and can be turned', async () => {
-  const page = runPage;
+  const page = await inFront(runPage);
   await page.locator('#path-3d').scrollIntoViewIfNeeded();
   await page.waitForSelector('#path-3d canvas');
   const eye = () => page.evaluate(() => ({ ...window.limberReport.plot('path-3d')._fullLayout.scene._scene.getCamera().eye }));
@@ -375,7 +383,7 @@ test('the path in space is drawn and can be turned', async () => {
 });
 
 test('a figure is saved as SVG and PNG, black on white with its legend', async () => {
-  const page = runPage;
+  const page = await inFront(runPage);
   await page.locator('#theme').click();
   await curvesOf(page, 'position-error');
   await page.locator('#position-error').scrollIntoViewIfNeeded();
@@ -396,7 +404,7 @@ test('a figure is saved as SVG and PNG, black on white with its legend', async (
 });
 
 test('the curves of a study are the moments in its database', async () => {
-  const page = studyPage;
+  const page = await inFront(studyPage);
   const curves = readCurves(join(folder, 'study_curves.csv'));
   const cases = await page.evaluate(() => [...document.querySelectorAll('section[id^="case-"]')].map((s) => s.id));
   assert.equal(cases.length, 2);
@@ -434,6 +442,7 @@ test('a study shows the claims of the paper that it can judge, and folds the oth
 
 test('a desktop screen shows every table and verdict whole', async () => {
   for (const page of [runPage, studyPage, comparisonPage]) {
+    await page.bringToFront();
     const hidden = await page.evaluate(() => [
       ...[...document.querySelectorAll('.scroll')].filter((e) => e.scrollWidth > e.clientWidth),
       ...[...document.querySelectorAll('.verdict')].filter((e) => e.getBoundingClientRect().right > document.documentElement.clientWidth),
@@ -444,6 +453,7 @@ test('a desktop screen shows every table and verdict whole', async () => {
 
 test('nothing sticks out of a phone screen, and print is white', async () => {
   for (const page of [runPage, studyPage, comparisonPage]) {
+    await page.bringToFront();
     await page.setViewportSize({ width: 390, height: 844 });
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
     await page.emulateMedia({ colorScheme: 'dark' });
