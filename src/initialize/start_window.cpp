@@ -24,8 +24,7 @@ constexpr int kStartIterations = 25;
 constexpr int kCleanings = 10;
 constexpr int kMoreIterations = 75;      // of a solution that fits and has not settled
 constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
-constexpr double kFits =
-    1.0;  // cost per degree of freedom (expected: 1/2) up to which no other guess is tried
+constexpr double kFits = 1.0;            // cost over the expected one
 
 /// What of theta a method leaves free: nothing if it trusts the rig.
 MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibration& calibration) {
@@ -45,6 +44,18 @@ MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibratio
   ConstraintSet all;
   all.kind = has_scale(options.motion) ? ConstraintSet::Kind::kFull : ConstraintSet::Kind::kRotationDirection;
   return constraint_directions(all, calibration.theta);
+}
+
+/// The residuals are no larger than the noise; no other guess is tried then.
+bool fits(const WindowModel& model, const WindowState& state, const WindowNormal& normal) {
+  return normal.cost < kFits * expected_cost(model, state) + 10.0;
+}
+
+/// A solution that fits may take its time until it has settled; others are left.
+WindowNormal settled_window(const WindowModel& model, WindowState& state) {
+  WindowNormal out = solve_window(model, state, kStartIterations);
+  return fits(model, state, out) && out.left > kSettled ? solve_window(model, state, kMoreIterations)
+                                                        : std::move(out);
 }
 
 /// Which way is ahead is a convention, and has to be the same in each solution: all is turned about the
@@ -199,16 +210,12 @@ void StartWindow::solve() {
     if (model.options.motion == MotionModel::kImu) {
       model.R_first = start.frames.front().nav.T_world_body.R;
     }
-    WindowNormal there = solve_window(model, start, kStartIterations);
-    const double fits = kFits * expected_cost(model, start) + 10.0;
-    if (there.cost < fits && there.left > kSettled) {
-      there = solve_window(model, start, kMoreIterations);
-    }
+    WindowNormal there = settled_window(model, start);
     if (!solution || there.cost < normal.cost) {
       normal = std::move(there);
       solution = std::move(start);
     }
-    if (normal.cost < fits) {
+    if (fits(model, *solution, normal)) {
       break;
     }
   }
@@ -220,7 +227,7 @@ void StartWindow::solve() {
   normal = linearise(model, *solution);
   normal.left = left;
   for (int round = 0; round < kCleanings && drop_mismatches(model, *solution) > 0; ++round) {
-    normal = solve_window(model, *solution, kStartIterations);
+    normal = settled_window(model, *solution);
   }
   covariance = frame_covariance(normal);
   if (covariance.size() == 0) {

@@ -15,6 +15,8 @@ namespace {
 constexpr double kGross = 6.0;
 constexpr double kMedianOfNorm = 1.1774;  // of a two-dimensional Gaussian of unit variance
 constexpr double kNotProjected = 1e9;
+// Inverse depths times the baseline: nearer than it, or that far behind the camera, is no point.
+constexpr double kNearestPoint = 1.0, kFarBehind = -0.1;
 
 /// One pixel that may be dropped.
 struct View {
@@ -54,6 +56,13 @@ bool is_seen(const WindowModel& model, const WindowPoint& point) {
   });
 }
 
+/// Of mismatches alone points can be made that fit, somewhere: they tell nothing, and make the equations
+/// singular.
+bool can_be(const WindowPoint& point, double baseline) {
+  const double disparity = point.landmark.value.z() * baseline;
+  return disparity > kFarBehind && disparity < kNearestPoint;
+}
+
 }  // namespace
 
 std::size_t drop_mismatches(const WindowModel& model, WindowState& state) {
@@ -73,7 +82,10 @@ std::size_t drop_mismatches(const WindowModel& model, WindowState& state) {
       ++dropped;
     }
   }
-  std::erase_if(state.points, [&](const WindowPoint& point) { return !is_seen(model, point); });
+  const double baseline = model.calibration.baseline();
+  dropped += std::erase_if(state.points, [&](const WindowPoint& point) {
+    return !is_seen(model, point) || !can_be(point, baseline);
+  });
   return dropped;
 }
 

@@ -100,8 +100,8 @@ struct WindowNormal {
                                                               std::size_t frame);
 
 /// @brief Takes out of a solution the pixels that are mismatched: the robust loss bounds what each pulls, but
-/// they still pull, and count as information. Points of which nothing is left go.
-/// @return how many pixels
+/// they still pull, and count as information. Points of which nothing is left go, and those that can be none.
+/// @return how many pixels and points
 std::size_t drop_mismatches(const WindowModel& model, WindowState& state);
 
 /// A solution in which the biases step once.

@@ -21,7 +21,9 @@ namespace {
 
 constexpr double kDampingStart = 1e-4;
 constexpr double kDampingMost = 1e8;
-constexpr double kMoreDamping = 10.0, kLessDampingWhereStraight = 1e3;
+constexpr double kMoreDamping = 10.0;
+/// Where the valley is straight and no step has failed yet.
+constexpr double kLessDamping = 1e3;
 /// Decrease of the cost below which it stops: half of chi-square, so that no unknown is still off by more
 /// than some hundredths of its standard deviation. Only of a step that damping hardly shortens: along what is
 /// weakly known every other one is short.
@@ -166,6 +168,7 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
   WindowNormal normal = linearise(model, state);
   double damping = kDampingStart;
   std::optional<Taken> before;
+  bool failed = false;
   for (int i = 0; i < iterations && damping < kDampingMost; ++i) {
     std::optional<Step> step = step_of(normal, damping);
     if (!step) {
@@ -178,6 +181,7 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
     if (!(gained > 0.0)) {
       damping *= before ? 1.0 : kMoreDamping;
       before.reset();
+      failed = true;
       continue;
     }
     before.reset();
@@ -193,7 +197,7 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
         return normal;
       }
     }
-    damping = std::max(damping / (next.straight ? kLessDampingWhereStraight : kMoreDamping), kDampingLeast);
+    damping = std::max(damping / (next.straight && !failed ? kLessDamping : kMoreDamping), kDampingLeast);
   }
   normal.left = promised_decrease(normal);
   return normal;

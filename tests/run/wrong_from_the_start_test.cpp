@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numbers>
 
+#include "limber/core/angle.hpp"
 #include "limber/core/time.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/simulate/scenario_file.hpp"
@@ -20,9 +20,8 @@ constexpr double kFastest = 4.0;  // [m/s], the figure eight is flown at 2 to 3
 Recording bent_drone() {
   Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
   scenario.duration = 5.0;
-  constexpr double kDegree = std::numbers::pi / 180.0;
   RigParameters error;
-  error << 1.2 * kDegree, 3.0 * kDegree, 1.2 * kDegree, 0.024, 0.0024, 0.0024;
+  error << 1.2 / kToDegrees, 3.0 / kToDegrees, 1.2 / kToDegrees, 0.024, 0.0024, 0.0024;
   scenario.decalibration = {{error, ConstantShape{}}};
   return simulate(scenario, 21);
 }
