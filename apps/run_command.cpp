@@ -93,7 +93,7 @@ void require_place_of_page(const RunArguments& arguments) {
 
 /// run_recording with what the command shows meanwhile; `readout` sees the frames as they come.
 RunRecord run_and_show(const Recording& recording, const RunOptions& options, const ImageFrames& source,
-                       LiveView* view, ReadoutWatch& readout) {
+                       LiveView* view, ReadoutWatch& readout, SharedStarts& starts) {
   Progress progress(to_string(options.method), frame_count(recording));
   const FrameSource watched = [&](std::size_t n) {
     StereoFrame frame = source.frames(n);
@@ -111,7 +111,7 @@ RunRecord run_and_show(const Recording& recording, const RunOptions& options, co
     callbacks.observe = [view](const ObservedFrame& frame) { view->show(frame); };
   }
   try {
-    RunRecord record = run_recording(recording, options, watched, callbacks);
+    RunRecord record = run_recording(recording, options, watched, callbacks, &starts);
     if (source.record) add_frontend(*source.record, record);
     add_damaged(source, record);
     if (view != nullptr) record.elapsed_s -= view->held_s();
@@ -122,13 +122,14 @@ RunRecord run_and_show(const Recording& recording, const RunOptions& options, co
   }
 }
 
-void run_on(const Recording& recording, const RepeatedFrames& frames, const RunArguments& arguments) {
+void run_on(const Recording& recording, const RepeatedFrames& frames, const RunArguments& arguments,
+            SharedStarts& starts) {
   const RunOptions options = to_options(arguments, recording);
   const ImageFrames source = frames();
   const std::unique_ptr<LiveView> view =
       open_live_view(arguments.view, recording, options, source.record, Interrupt::asked);
   ReadoutWatch readout(corrected(recording.calibration, options.assume_error));
-  RunRecord record = run_and_show(recording, options, source, view.get(), readout);
+  RunRecord record = run_and_show(recording, options, source, view.get(), readout, starts);
   if (record.frames.empty()) {
     throw std::runtime_error("stopped before the first frame: nothing is written");
   }
@@ -162,8 +163,9 @@ void run(const RunArguments& arguments) {
   require_place_of_page(arguments);
   const Interrupt interrupt;
   const Recording recording = open_recording(arguments);
+  SharedStarts own;
   run_on(
-      recording, [&] { return image_frames(recording, arguments.frontend); }, arguments);
+      recording, [&] { return image_frames(recording, arguments.frontend); }, arguments, own);
 }
 
 /// The recording is opened, and its images are read and tracked, once.
@@ -175,6 +177,7 @@ void run_each(const RunArguments& arguments) {
   }
   std::optional<Recording> recording;
   RepeatedFrames frames;
+  SharedStarts starts;
   run_methods(
       methods, arguments.out, arguments.force,
       [&](const std::string& method, const std::filesystem::path& folder, std::vector<std::string>& notes) {
@@ -187,7 +190,7 @@ void run_each(const RunArguments& arguments) {
           recording = open_recording(arguments);
           frames = repeated_frames(*recording, arguments.frontend);
         }
-        run_on(*recording, frames, one);
+        run_on(*recording, frames, one, starts);
       });
 }
 

@@ -8,8 +8,8 @@
 #
 #   scripts/test.sh [--full]
 #
-# --full, before a release or a large change: the sanitizers in every room, the benchmarks built, and what compiles limber
-# anew for its users (label `full`).
+# --full, before a release or a large change: the sanitizers in every room, the benchmarks built, what compiles limber
+# anew for its users (label `full`), and all of it compiled by GCC, as packages are.
 set -euo pipefail
 
 usage="usage: scripts/test.sh [--full]"
@@ -50,6 +50,9 @@ cmake --build --preset asan --target test_programs
 ctest --preset asan --label-exclude 'slow|consumer|page|docs'
 
 if $full; then
+  echo "== GCC"
+  cmake --preset gcc >/dev/null
+  cmake --build --preset gcc
   echo "limber: every test passed, in Release and under the sanitizers"
 else
   echo "limber: the tests passed, in Release and under the sanitizers (scripts/test.sh --full: all there are)"
