@@ -14,7 +14,7 @@ namespace {
 constexpr int kBorder = 12;                ///< [px] along the edges of the image where nothing is followed
 constexpr double kMaxCoarseShiftPx = 6.0;  ///< on each level of the pyramid
 constexpr std::size_t kLongLag = 8;        ///< [frames] over which slow sliding shows
-constexpr double kMostRest = 2.0;          ///< times what most first views leave unexplained
+constexpr double kMostRest = 3.0;          ///< times what most first views leave unexplained
 constexpr double kLeastRest = 1.0;         ///< [grey levels]; what is below is taken for rounding
 constexpr double kMaxAlignShiftPx = 3.0;   ///< between the search and the final alignment
 
