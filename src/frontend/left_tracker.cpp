@@ -6,6 +6,7 @@
 
 #include "frontend/corners.hpp"
 #include "frontend/epipolar.hpp"
+#include "limber/core/median.hpp"
 
 namespace limber::frontend {
 namespace {
@@ -13,6 +14,8 @@ namespace {
 constexpr int kBorder = 12;                ///< [px] along the edges of the image where nothing is followed
 constexpr double kMaxCoarseShiftPx = 6.0;  ///< on each level of the pyramid
 constexpr std::size_t kLongLag = 8;        ///< [frames] over which slow sliding shows
+constexpr double kMostRest = 3.0;          ///< times what most first views leave unexplained
+constexpr double kLeastRest = 1.0;         ///< [grey levels]; what is below is taken for rounding
 constexpr double kMaxAlignShiftPx = 3.0;   ///< between the search and the final alignment
 
 }  // namespace
@@ -27,6 +30,7 @@ void LeftTracker::follow(const Pyramid& image) {
   }
   tracks_ = std::move(kept);
   image_ = image;
+  drop_changed();
   drop_contradicted(1, motion_);
   drop_contradicted(kLongLag, long_motion_);
   drop_crowded();
@@ -69,9 +73,20 @@ bool LeftTracker::advance(LeftTrack& track, const Eigen::Vector2d& start, const 
   if (!fit || fit->ncc < options_.min_ncc) return false;
   if (!in_image(camera_, fit->uv, kBorder)) return false;
   track.shape = fit->A;
+  track.rest = fit->rest;
   track.path.push_back(fit->uv);
   if (track.path.size() > kLongLag + 1) track.path.erase(track.path.begin());
   return true;
+}
+
+/// Drops the tracks that look less like their first view than most do: their patch shows things at different
+/// distances, which move against each other, and no shape of it holds the point in place.
+void LeftTracker::drop_changed() {
+  std::vector<double> rests;
+  for (const LeftTrack& track : tracks_) rests.push_back(track.rest);
+  if (rests.empty()) return;
+  const double most = kMostRest * std::max(upper_median(std::move(rests)), kLeastRest);
+  std::erase_if(tracks_, [most](const LeftTrack& track) { return track.rest > most; });
 }
 
 /// Drops the tracks that disagree with the camera motion that most of them show over `lag` frames.

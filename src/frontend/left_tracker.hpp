@@ -20,6 +20,7 @@ struct LeftTrack {
   std::vector<Eigen::Vector2d> path;                    ///< [px] in the latest frames, this one last
   std::shared_ptr<const Patch> reference;               ///< what it looked like at first
   Eigen::Matrix2d shape = Eigen::Matrix2d::Identity();  ///< of the reference in this frame
+  double rest = 0.0;  ///< what the reference does not explain in this frame, rms [grey levels]
 
   [[nodiscard]] const Eigen::Vector2d& uv() const { return path.back(); }
 };
@@ -41,6 +42,7 @@ class LeftTracker {
   [[nodiscard]] Eigen::Vector2d expected_flow(const LeftTrack& track) const;
   [[nodiscard]] Eigen::Vector2d coarse_place(const LeftTrack& track, const Pyramid& next) const;
   [[nodiscard]] bool advance(LeftTrack& track, const Eigen::Vector2d& start, const Pyramid& next) const;
+  void drop_changed();
   void drop_contradicted(std::size_t lag, std::optional<EpipolarGeometry>& motion);
   void drop_crowded();
   void add_corners();

@@ -231,6 +231,7 @@ std::optional<PatchFit> BasicPatch<Columns>::find(const GreyImage& image, const 
     const auto is_alike = [&fit](float gain, float contrast_squared) {
       if (gain <= 0.0f || contrast_squared < kMinTexture * kArea) return false;
       fit.ncc = gain / std::sqrt(contrast_squared);
+      fit.rest = std::sqrt(std::max(0.0f, contrast_squared - gain * gain) / kArea);
       return true;
     };
     double largest_step = 0.0;

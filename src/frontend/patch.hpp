@@ -13,7 +13,8 @@ namespace limber::frontend {
 struct PatchFit {
   Eigen::Vector2d uv;
   Eigen::Matrix2d A = Eigen::Matrix2d::Identity();
-  double ncc = 0.0;  ///< normalised cross-correlation there, in [-1, 1]
+  double ncc = 0.0;   ///< normalised cross-correlation there, in [-1, 1]
+  double rest = 0.0;  ///< what the patch does not explain there, root mean square [grey levels]
 };
 
 /// What may happen to a patch from one image to the other.
