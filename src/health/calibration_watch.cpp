@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
-#include "limber/core/chi_square.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
+#include "limber/health/drift_test.hpp"
 
 namespace limber {
 
@@ -109,15 +108,6 @@ NormalEquations::Matrix drift_not_looked_for(NormalEquations::Matrix epipolar, c
   return Cholesky(information).inverse();
 }
 
-/// The least p-value of the ways, times their number.
-double chance_of_trend(const BetaEstimate& change, std::size_t windows, const RigParameters& theta,
-                       bool metric, const Tolerance& tolerance) {
-  const ChangeWays ways = ways_of_change(change.epipolar, theta, metric, tolerance);
-  Scatters scatters;
-  scatters.fill({1.0, static_cast<double>(windows) - 1.0});
-  return static_cast<double>(ways.size()) * least_chance(change, ways, scatters);
-}
-
 /// No more degrees of freedom than windows are left, without a state each, and two of expected scatter.
 Scatters of_windows(Scatters scatters, std::size_t windows, std::size_t states) {
   for (Scatter& scatter : scatters) {
@@ -135,18 +125,25 @@ Scatters worse(const Scatters& a, const Scatters& b) {
   return out;
 }
 
-/// The error at the end of windows that are enough for a line.
-/// @param drift  set where there is one
-BetaEstimate estimate_at_end(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
-                             const WatchOptions& options, std::optional<RigDrift>& drift) {
+/// The drift that is no chance, of windows that are enough for a line.
+std::optional<RigDrift> drift_of(const std::vector<RigEvidence>& windows, const RigParameters& theta,
+                                 bool metric, const WatchOptions& options) {
   const BetaTrend trend = robust_trend(windows, theta, metric);
-  const double chance = chance_of_trend(trend.change, windows.size(), theta, metric, options.tolerance);
-  if (chance < kDrifts * alarms_of_window(options)) {
-    drift = RigDrift{trend.change.rig(theta), trend.seconds, 0};
+  const double chance = chance_of_drift(windows, trend, theta, metric, options.tolerance);
+  if (drift_tests_of_window(windows.size()) * chance < kDrifts * alarms_of_window(options)) {
+    return RigDrift{trend.change.rig(theta), trend.seconds, 0};
   }
-  return chance < kDoubt ? trend.now
-                         : with_drift_within(trend, drift_not_looked_for(trend.change.epipolar, theta, metric,
-                                                                         options.tolerance));
+  return std::nullopt;
+}
+
+/// The error at the end of windows that are enough for a line.
+BetaEstimate estimate_at_end(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
+                             const WatchOptions& options) {
+  const BetaTrend trend = robust_trend(windows, theta, metric);
+  return chance_of_drift(windows, trend, theta, metric, options.tolerance) < kDoubt
+             ? trend.now
+             : with_drift_within(
+                   trend, drift_not_looked_for(trend.change.epipolar, theta, metric, options.tolerance));
 }
 
 }  // namespace
@@ -159,7 +156,7 @@ std::size_t CalibrationState::moving_axis() const {
 }
 
 CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
-                          const WatchOptions& options) {
+                          const WatchOptions& options, std::size_t chosen) {
   CalibrationState out;
   out.from_ns = windows.front().from_ns;
   out.to_ns = windows.back().to_ns;
@@ -172,8 +169,12 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
   }
   const BetaEstimate estimate = windows.size() < kFewestOfADrift
                                     ? robust_estimate(windows, theta, metric)
-                                    : estimate_at_end(windows, theta, metric, options, out.drift);
+                                    : estimate_at_end(windows, theta, metric, options);
   judge_estimate(estimate, theta, metric, options.tolerance, out);
+  if (windows.size() >= chosen + kFewestOfADrift) {
+    out.drift = drift_of({windows.begin() + static_cast<std::ptrdiff_t>(chosen), windows.end()}, theta,
+                         metric, options);
+  }
   if (out.drift) {
     out.drift->named = static_cast<std::size_t>(most_likely_axis(out.drift->change, out.bands));
   }
@@ -331,16 +332,14 @@ std::vector<std::size_t> CalibrationWatch::changes() {
   for (std::size_t k = 0; k < looked_at.size(); ++k) {
     earlier_.add(kShortestStep + k, looked_at[k]);
   }
-  if (!out.empty() && chance_of_trend(robust_trend(windows_, theta_, metric_).change, n, theta_, metric_,
-                                      options_.tolerance) < least) {
-    return {};
-  }
-  return out;
+  const bool drifts = !out.empty() && chance_of_drift(windows_, robust_trend(windows_, theta_, metric_),
+                                                      theta_, metric_, options_.tolerance) < least;
+  return drifts ? std::vector<std::size_t>{} : out;
 }
 
 void CalibrationWatch::end_window(const RigEvidence& evidence) {
   const auto judged = [&](const std::vector<RigEvidence>& windows) {
-    return state_of(windows, theta_, metric_, options_);
+    return state_of(windows, theta_, metric_, options_, std::min(chosen_, windows.size()));
   };
   auto report = std::make_shared<CalibrationReport>();
   report->window = judged({evidence});
@@ -350,10 +349,12 @@ void CalibrationWatch::end_window(const RigEvidence& evidence) {
     report->past.push_back(judged({windows_.begin() + static_cast<std::ptrdiff_t>(from),
                                    windows_.begin() + static_cast<std::ptrdiff_t>(first) - 1}));
     from = first;
+    chosen_ = windows_.size() - first;
   }
   windows_.erase(windows_.begin(), windows_.begin() + static_cast<std::ptrdiff_t>(from));
   if (windows_.size() > kMostWindows) {
     halve(windows_);
+    chosen_ = (chosen_ + 1) / 2;
   }
   report->state = judged(windows_);
   report_ = std::move(report);

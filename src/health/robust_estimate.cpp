@@ -2,7 +2,9 @@
 #include "limber/health/robust_estimate.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <span>
 
 #include "limber/core/factors.hpp"
@@ -155,6 +157,24 @@ BetaTrend robust_trend(const std::vector<RigEvidence>& windows, const RigParamet
           {found.x.tail<kSize>(), found.covariance.bottomRightCorner<kSize, kSize>(), epipolar},
           found.covariance.topRightCorner<kSize, kSize>(),
           last - first};
+}
+
+std::vector<BetaEstimate> robust_waves(const std::vector<RigEvidence>& windows, std::size_t count) {
+  const std::int64_t origin = windows.front().from_ns;
+  const double end = seconds_between(origin, windows.back().to_ns);
+  const NormalEquations::Matrix epipolar = mean_epipolar(windows);
+  std::vector<BetaEstimate> out;
+  for (std::size_t k = 0; k < count; ++k) {
+    std::vector<VectorXd> basis;
+    for (const RigEvidence& window : windows) {
+      const double t = middle(window, origin) / end;
+      basis.emplace_back(
+          Eigen::Vector3d(1.0, t, std::cos(std::numbers::pi * static_cast<double>(k + 2) * t)));
+    }
+    const Fit found = fit(windows, basis);
+    out.push_back({found.x.tail<kSize>(), found.covariance.bottomRightCorner<kSize, kSize>(), epipolar});
+  }
+  return out;
 }
 
 BetaEstimate with_drift_within(const BetaTrend& trend, const NormalEquations::Matrix& expected) {

@@ -153,6 +153,31 @@ TEST(CalibrationWatch, ASoundRigDoesNotDrift) {
   }
 }
 
+/// The first windows of a state that begins by chance differ, and those after them are back again.
+TEST(CalibrationWatch, TheWayBackFromWindowsThatWereChosenIsNoDrift) {
+  const auto windows_off = [](std::initializer_list<double> nods) {
+    std::vector<RigEvidence> out;
+    for (const double nod : nods) {
+      RigEvidence& window = out.emplace_back();
+      window.from_ns = static_cast<std::int64_t>(out.size()) * 2'500'000'000;
+      window.to_ns = window.from_ns + 2'500'000'000;
+      window.all.information = 1e4 * NormalEquations::Matrix::Identity();
+      window.all.vector = 1e4 * nod * NormalEquations::Vector::Unit(0);
+      window.tracks = window.both = window.all.information;
+      window.epipolar = NormalEquations::Matrix::Zero();
+      window.epipolar(0, 0) = 64.0;  // px a plausible error, squared
+      window.points = 1;
+    }
+    return out;
+  };
+  const RigParameters theta = testing::world_calibration().theta;
+  const std::vector<RigEvidence> windows = windows_off({0.4, 0.4, 0.2, 0.0, 0.0, 0.0, 0.0});
+  WatchOptions options;
+  options.false_alarms_per_hour = 20.0;
+  EXPECT_TRUE(state_of(windows, theta, true, options).drift);
+  EXPECT_FALSE(state_of(windows, theta, true, options, 2).drift);
+}
+
 TEST(CalibrationWatch, StandingStillItCannotTell) {
   WorldOptions options = with_step(0.0, 0.0);
   options.speed = 0.0;

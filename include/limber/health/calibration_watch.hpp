@@ -66,8 +66,10 @@ struct CalibrationState {
 /// any rate, where that explains the windows better (p < 1 %) and by more than half of what the tolerance
 /// calls ok; else of one that changes it by no more than that. It is said to drift where that is no chance
 /// (`false_alarms_per_hour`).
+/// @param chosen  first windows by which a change was found: they were chosen for being different, so that
+///                their way back would look like a drift. They say nothing of one
 [[nodiscard]] CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta,
-                                        bool metric, const WatchOptions& options);
+                                        bool metric, const WatchOptions& options, std::size_t chosen = 0);
 
 /// @brief Fills in what follows from an estimate: effect, bands and verdicts. With fewer than 30 tracks
 /// (`out.tracks`) nothing can be told.
@@ -139,6 +141,7 @@ class CalibrationWatch {
   std::size_t looks_ = 0;                              // at the first window
   std::optional<Pending> pending_;                     // what the last window, or the last look, says
   std::vector<RigEvidence> windows_;                   // since the last change
+  std::size_t chosen_ = 0;                             // of these, by which that change was found
   EarlierSteps earlier_;                               // of this state and those before
   std::shared_ptr<const CalibrationReport> report_;
   /// What report_ becomes by what is pending, where that was asked for.

@@ -56,6 +56,13 @@ struct BetaTrend {
 [[nodiscard]] BetaTrend robust_trend(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                                      bool metric);
 
+/// @brief Waves of 1, 3/2, 2, ... periods over all windows, each fitted beside a line: how windows vary
+/// slowly without drifting.
+/// @param windows  at least four
+/// @return the amplitudes, the slowest first
+[[nodiscard]] std::vector<BetaEstimate> robust_waves(const std::vector<RigEvidence>& windows,
+                                                     std::size_t count);
+
 /// @brief Where the rig is at the end, if it drifts by no more than is to be expected.
 /// @param expected  covariance of the change over the windows, before they are seen. Zero: a constant error
 [[nodiscard]] BetaEstimate with_drift_within(const BetaTrend& trend, const NormalEquations::Matrix& expected);
