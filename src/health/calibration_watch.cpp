@@ -56,10 +56,6 @@ void halve(std::vector<RigEvidence>& windows) {
   windows = std::move(out);
 }
 
-}  // namespace
-
-namespace {
-
 RigParameters px_by_axis(const BetaEstimate& estimate, const RigParameters& theta) {
   const NormalEquations::Vector px = estimate.epipolar.diagonal().cwiseMax(0.0).cwiseSqrt();
   return px.head<6>().cwiseQuotient(plausible_error(theta.tail<3>().norm()));
