@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <iterator>
+#include <map>
+#include <utility>
 
 #include "window_problem.hpp"
 
@@ -15,6 +16,7 @@ constexpr double kBetter = 0.08;      // of the cost, that steps anywhere have t
 constexpr double kPromises = 0.02;    // of the cost, by one linearisation: else it is not looked for
 constexpr double kOneExplains = 0.7;  // of what they explain
 constexpr int kIterations = 25;
+constexpr std::size_t kTried = 2;  // intervals, of those that a linearisation each chooses
 
 double change(const WindowState& state, std::size_t k, Eigen::Vector3d NavigationState::*bias) {
   return (state.frames[k].nav.*bias - state.frames[k - 1].nav.*bias).norm();
@@ -29,12 +31,35 @@ std::size_t most(const WindowState& state, Eigen::Vector3d NavigationState::*bia
   return out;
 }
 
-/// One step, which solutions with steps of some size everywhere have smeared over neighbours.
-std::optional<BiasStep> with_step(const WindowModel& model, WindowState state, std::size_t k) {
-  if (k == 0 || k >= state.frames.size()) {
-    return std::nullopt;
-  }
+WindowState opened(WindowState state, std::size_t k) {
   open_biases(state.frames[k]);
+  return state;
+}
+
+/// The intervals in which one step of the biases promises most. Solutions with steps of some size everywhere
+/// have smeared it over neighbours.
+std::vector<std::size_t> best_intervals(const WindowModel& model, const WindowState& state,
+                                        const WindowState& anywhere) {
+  std::map<std::size_t, double> promises;
+  for (const std::size_t middle :
+       {most(anywhere, &NavigationState::bias_gyro), most(anywhere, &NavigationState::bias_accel)}) {
+    for (std::size_t k = middle - 1; k <= middle + 1; ++k) {
+      if (k > 0 && k < state.frames.size() && !promises.contains(k)) {
+        promises[k] = promised_decrease(linearise(model, opened(state, k)));
+      }
+    }
+  }
+  std::vector<std::size_t> out;
+  for (const auto& [k, promise] : promises) {
+    out.push_back(k);
+  }
+  std::stable_sort(out.begin(), out.end(), [&](auto a, auto b) { return promises[a] > promises[b]; });
+  out.resize(std::min(out.size(), kTried));
+  return out;
+}
+
+BiasStep with_step(const WindowModel& model, WindowState state, std::size_t k) {
+  state = opened(std::move(state), k);
   BiasStep out;
   out.before_ns = state.frames[k].nav.t_ns;
   out.normal = solve_window(model, state, kIterations);
@@ -77,13 +102,10 @@ std::optional<BiasStep> find_bias_step(const WindowModel& model, const WindowSta
     return std::nullopt;
   }
   std::optional<BiasStep> best;
-  for (const std::size_t middle :
-       {most(anywhere, &NavigationState::bias_gyro), most(anywhere, &NavigationState::bias_accel)}) {
-    for (std::size_t k = middle - 1; k <= middle + 1; ++k) {
-      std::optional<BiasStep> step = with_step(model, state, k);
-      if (step && (!best || step->normal.cost < best->normal.cost)) {
-        best = std::move(step);
-      }
+  for (const std::size_t k : best_intervals(model, state, anywhere)) {
+    BiasStep step = with_step(model, state, k);
+    if (!best || step.normal.cost < best->normal.cost) {
+      best = std::move(step);
     }
   }
   if (!best || !(normal.cost - best->normal.cost > kOneExplains * explained)) {
