@@ -93,7 +93,7 @@ void require_place_of_page(const RunArguments& arguments) {
 
 /// run_recording with what the command shows meanwhile; `readout` sees the frames as they come.
 RunRecord run_and_show(const Recording& recording, const RunOptions& options, const ImageFrames& source,
-                       LiveView* view, ReadoutWatch& readout, SharedStarts& starts) {
+                       LiveView* view, ReadoutWatch& readout, SharedStarts* starts) {
   Progress progress(to_string(options.method), frame_count(recording));
   const FrameSource watched = [&](std::size_t n) {
     StereoFrame frame = source.frames(n);
@@ -111,7 +111,7 @@ RunRecord run_and_show(const Recording& recording, const RunOptions& options, co
     callbacks.observe = [view](const ObservedFrame& frame) { view->show(frame); };
   }
   try {
-    RunRecord record = run_recording(recording, options, watched, callbacks, &starts);
+    RunRecord record = run_recording(recording, options, watched, callbacks, starts);
     if (source.record) add_frontend(*source.record, record);
     add_damaged(source, record);
     if (view != nullptr) record.elapsed_s -= view->held_s();
@@ -123,7 +123,7 @@ RunRecord run_and_show(const Recording& recording, const RunOptions& options, co
 }
 
 void run_on(const Recording& recording, const RepeatedFrames& frames, const RunArguments& arguments,
-            SharedStarts& starts) {
+            SharedStarts* starts = nullptr) {
   const RunOptions options = to_options(arguments, recording);
   const ImageFrames source = frames();
   const std::unique_ptr<LiveView> view =
@@ -163,9 +163,8 @@ void run(const RunArguments& arguments) {
   require_place_of_page(arguments);
   const Interrupt interrupt;
   const Recording recording = open_recording(arguments);
-  SharedStarts own;
   run_on(
-      recording, [&] { return image_frames(recording, arguments.frontend); }, arguments, own);
+      recording, [&] { return image_frames(recording, arguments.frontend); }, arguments);
 }
 
 /// The recording is opened, and its images are read and tracked, once.
@@ -190,7 +189,7 @@ void run_each(const RunArguments& arguments) {
           recording = open_recording(arguments);
           frames = repeated_frames(*recording, arguments.frontend);
         }
-        run_on(*recording, frames, one, starts);
+        run_on(*recording, frames, one, &starts);
       });
 }
 

@@ -121,25 +121,34 @@ Scatters worse(const Scatters& a, const Scatters& b) {
   return out;
 }
 
-/// The drift that is no chance, of windows that are enough for a line.
-std::optional<RigDrift> drift_of(const std::vector<RigEvidence>& windows, const RigParameters& theta,
-                                 bool metric, const WatchOptions& options) {
+/// The line through windows that are enough for one.
+struct Line {
+  BetaTrend trend;
+  double chance = 0.0;
+  std::size_t windows = 0;
+};
+
+Line line_through(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
+                  const Tolerance& tolerance) {
   const BetaTrend trend = robust_trend(windows, theta, metric);
-  const double chance = chance_of_drift(windows, trend, theta, metric, options.tolerance);
-  if (drift_tests_of_window(windows.size()) * chance < kDrifts * alarms_of_window(options)) {
-    return RigDrift{trend.change.rig(theta), trend.seconds, 0};
+  return {trend, chance_of_drift(windows, trend, theta, metric, tolerance), windows.size()};
+}
+
+/// The drift that is no chance.
+std::optional<RigDrift> drift_of(const Line& line, const RigParameters& theta, const WatchOptions& options) {
+  if (drift_tests_of_window(line.windows) * line.chance < kDrifts * alarms_of_window(options)) {
+    return RigDrift{line.trend.change.rig(theta), line.trend.seconds, 0};
   }
   return std::nullopt;
 }
 
-/// The error at the end of windows that are enough for a line.
-BetaEstimate estimate_at_end(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
-                             const WatchOptions& options) {
-  const BetaTrend trend = robust_trend(windows, theta, metric);
-  return chance_of_drift(windows, trend, theta, metric, options.tolerance) < kDoubt
-             ? trend.now
-             : with_drift_within(
-                   trend, drift_not_looked_for(trend.change.epipolar, theta, metric, options.tolerance));
+/// The error at the end.
+BetaEstimate estimate_at_end(const Line& line, const RigParameters& theta, bool metric,
+                             const Tolerance& tolerance) {
+  const BetaTrend& trend = line.trend;
+  return line.chance < kDoubt ? trend.now
+                              : with_drift_within(trend, drift_not_looked_for(trend.change.epipolar, theta,
+                                                                              metric, tolerance));
 }
 
 }  // namespace
@@ -163,13 +172,19 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
     out.deep += window.deep;
     out.deep_tracks += window.deep_tracks;
   }
-  const BetaEstimate estimate = windows.size() < kFewestOfADrift
-                                    ? robust_estimate(windows, theta, metric)
-                                    : estimate_at_end(windows, theta, metric, options);
+  std::optional<Line> line;
+  if (windows.size() >= kFewestOfADrift) {
+    line = line_through(windows, theta, metric, options.tolerance);
+  }
+  const BetaEstimate estimate = line ? estimate_at_end(*line, theta, metric, options.tolerance)
+                                     : robust_estimate(windows, theta, metric);
   judge_estimate(estimate, theta, metric, options.tolerance, out);
   if (windows.size() >= chosen + kFewestOfADrift) {
-    out.drift = drift_of({windows.begin() + static_cast<std::ptrdiff_t>(chosen), windows.end()}, theta,
-                         metric, options);
+    if (chosen > 0) {
+      line = line_through({windows.begin() + static_cast<std::ptrdiff_t>(chosen), windows.end()}, theta,
+                          metric, options.tolerance);
+    }
+    out.drift = drift_of(*line, theta, options);
   }
   if (out.drift) {
     out.drift->named = static_cast<std::size_t>(most_likely_axis(out.drift->change, out.bands));
@@ -328,8 +343,8 @@ std::vector<std::size_t> CalibrationWatch::changes() {
   for (std::size_t k = 0; k < looked_at.size(); ++k) {
     earlier_.add(kShortestStep + k, looked_at[k]);
   }
-  const bool drifts = !out.empty() && chance_of_drift(windows_, robust_trend(windows_, theta_, metric_),
-                                                      theta_, metric_, options_.tolerance) < least;
+  const bool drifts =
+      !out.empty() && line_through(windows_, theta_, metric_, options_.tolerance).chance < least;
   return drifts ? std::vector<std::size_t>{} : out;
 }
 

@@ -8,7 +8,7 @@ namespace detail {
 
 const SensorWindow* KeptStarts::find(const RunSetup& setup) const {
   for (const KeptStart& start : starts) {
-    if (same_start(start.navigator, start.calibration, setup.navigator, setup.calibration)) {
+    if (same_start(start.setup.navigator, start.setup.calibration, setup.navigator, setup.calibration)) {
       return &start.window;
     }
   }
@@ -16,7 +16,7 @@ const SensorWindow* KeptStarts::find(const RunSetup& setup) const {
 }
 
 void KeptStarts::keep(const RunSetup& setup, const SensorWindow& window) {
-  starts.push_back({setup.navigator, setup.calibration, window});
+  starts.push_back({setup, window});
 }
 
 }  // namespace detail

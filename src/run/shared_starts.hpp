@@ -9,8 +9,7 @@ namespace limber::detail {
 
 /// A start and who asked for it.
 struct KeptStart {
-  NavigatorOptions navigator;
-  StereoCalibration calibration;
+  RunSetup setup;
   SensorWindow window;
 };
 

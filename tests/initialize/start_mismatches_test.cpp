@@ -65,7 +65,7 @@ TEST_P(StartMismatches, LeaveTheStartWhereItIsWithoutThem) {
     const Started sound = testing::start(scene, options);
     const Started found = testing::start(mismatched(scene, GetParam()), options);
     ASSERT_TRUE(found.result.solved) << seed;
-    EXPECT_LT(tilt_apart(sound, found), 3.0 * sound.result.report.tilt_sigma) << seed;
+    EXPECT_LT(tilt_apart(sound, found), 0.01) << seed;
     EXPECT_LT(found.result.report.tilt_sigma, 2.0 * sound.result.report.tilt_sigma) << seed;
     EXPECT_LT(turn_apart(sound, found), 0.003) << seed;
     const auto speed = [](const Started& s) { return s.result.initial.nav.v_world_body.norm(); };

@@ -142,7 +142,7 @@ test('several runs lie over each other, the table first', async () => {
 test('a page opens on the answer: its light, why, and what to do', async () => {
   for (const size of [{ width: 1280, height: 800 }, { width: 390, height: 844 }]) {
     for (const page of [runPage, comparisonPage, studyPage]) {
-    await page.bringToFront();
+      await page.bringToFront();
       await page.setViewportSize(size);
       await page.evaluate(() => window.scrollTo({ top: 0, behavior: 'instant' }));
       const seen = await page.evaluate(() => {
