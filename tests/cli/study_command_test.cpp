@@ -8,18 +8,11 @@
 
 #include "cli/child_process.hpp"
 #include "cli/run_program.hpp"
+#include "sanitized.hpp"
 #include "study/tiny_study.hpp"
 
 namespace limber {
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__)  // GCC
-constexpr bool kSanitized = true;
-#elif defined(__has_feature)  // Clang
-constexpr bool kSanitized = __has_feature(address_sanitizer);
-#else
-constexpr bool kSanitized = false;
-#endif
 
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
@@ -28,6 +21,7 @@ using testing::ChildProcess;
 using testing::content_of;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::kSanitized;
 using testing::rows_of;
 using testing::run_command;
 using testing::run_limber;
@@ -157,13 +151,17 @@ TEST_F(StudyCommand, GivesTheSameBitsAfterBeingKilledAgainAndAgain) {
   constexpr int kRuns = 120, kRows = 2 * 3 * kRuns;
   EXPECT_EQ(run_limber(study("whole.sqlite", kRuns)).exit_code, 0);
   int kills = 0;
-  for (bool alive = true; alive && kills < 3; kills += alive ? 1 : 0) {
-    const int before = finished("killed.sqlite");
-    ChildProcess child(study("killed.sqlite", kRuns));
-    wait_for("killed.sqlite", before + 12);
-    child.signal(SIGKILL);
-    alive = child.wait() == -SIGKILL;  // on a busy machine it may be done before it is hit
-    EXPECT_GE(finished("killed.sqlite"), std::min(before + 12, kRows));
+  for (int begun = 0; begun < 5 && kills == 0;
+       ++begun) {  // on a busy machine it may be done before it is hit
+    fs::remove(path("killed.sqlite"));
+    for (bool alive = true; alive && kills < 3; kills += alive ? 1 : 0) {
+      const int before = finished("killed.sqlite");
+      ChildProcess child(study("killed.sqlite", kRuns));
+      wait_for("killed.sqlite", before + 12);
+      child.signal(SIGKILL);
+      alive = child.wait() == -SIGKILL;
+      EXPECT_GE(finished("killed.sqlite"), std::min(before + 12, kRows));
+    }
   }
   EXPECT_GE(kills, 1);
   const auto result = run_limber(study("killed.sqlite", kRuns));

@@ -27,8 +27,8 @@ cv::Mat1b two_walls(int k) {
     for (int u = 0; u < camera.width; ++u) {
       const bool is_near = u >= edge(k);
       const double x = is_near ? u - kSpeed * k : u;
-      const double grey = 128.0 + 60.0 * testing::detail::lattice_noise(is_near, x / 15.0, v / 15.0) +
-                          40.0 * testing::detail::lattice_noise(2 + is_near, x / 5.0, v / 5.0);
+      const double grey = 128.0 + 60.0 * testing::lattice_noise(is_near, x / 15.0, v / 15.0) +
+                          40.0 * testing::lattice_noise(2 + is_near, x / 5.0, v / 5.0);
       image(v, u) = cv::saturate_cast<std::uint8_t>(grey + noise(generator));
     }
   }

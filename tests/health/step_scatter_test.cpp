@@ -10,6 +10,8 @@
 #include <random>
 #include <vector>
 
+#include "sanitized.hpp"
+
 namespace limber {
 namespace {
 
@@ -133,6 +135,9 @@ Windows with_bad_windows(std::mt19937& random) {
 }
 
 TEST(StepScatter, AsManyAlarmsAsAskedFor) {
+  if (testing::kSanitized) {
+    GTEST_SKIP() << "a long statistic of what the other tests run, too";
+  }
   const std::array flights{independent, neighbours_alike, laps, with_bad_windows};
   for (std::size_t k = 0; k < flights.size(); ++k) {
     SCOPED_TRACE(k);  // 58 alarms are asked for, seed 71; chance alone makes 38 to 80 of them (99.9 %)
