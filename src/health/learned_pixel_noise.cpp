@@ -20,11 +20,10 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double kLeast_px = 0.05, kMost_px = 5.0;
-/// What lasts is as alike from frame to frame, and weighs as long, as docs/evidence/realistic-pixels.md has
-/// it: a correlation of 0.93, over some ten frames.
+/// What lasts is as alike from frame to frame as docs/evidence/realistic-pixels.md has it, and weighs as long
+/// as a point is seen, ten frames at least: its place in the image errs for the next one, too.
 constexpr double kLasting = 0.93;
-constexpr double kMemory = 0.9;
-constexpr double kLastingFactor = (1.0 + kLasting * kMemory) / (1.0 - kLasting * kMemory);
+constexpr double kFewestFrames = 10.0;
 /// Before frames have told: two thirds of the variance last.
 constexpr double kPriorCorrelation = 2.0 / 3.0 * kLasting;
 constexpr double kPriorPairs = 100.0, kEnoughPairs = 300.0;
@@ -95,7 +94,10 @@ LearnedPixelNoise::LearnedPixelNoise(const PixelNoise& begin, const StereoCalibr
 void LearnedPixelNoise::see(const StereoFrame& frame) {
   std::map<std::int64_t, double> now = epipolar_errors(frame, calibration_);
   for (const auto& [id, error] : now) {
-    if (const auto known = before_.find(id); known != before_.end()) {
+    ++seen_;
+    if (const auto known = before_.find(id); known == before_.end()) {
+      ++tracks_;
+    } else {
       products_ += error * known->second;
       squares_ += 0.5 * (error * error + known->second * known->second);
     }
@@ -107,7 +109,9 @@ double LearnedPixelNoise::correlation() const { return std::clamp(products_ / sq
 
 double LearnedPixelNoise::persistence() const {
   const double lasting = std::min(correlation() / kLasting, 1.0);
-  return 1.0 - lasting + lasting * kLastingFactor;
+  const double frames = tracks_ > 0.0 ? std::max(seen_ / tracks_, kFewestFrames) : kFewestFrames;
+  const double alike = kLasting * (1.0 - 1.0 / frames);
+  return 1.0 - lasting + lasting * (1.0 + alike) / (1.0 - alike);
 }
 
 PixelNoiseReport LearnedPixelNoise::report() const { return {root_mean_square(sigma_px()), correlation()}; }

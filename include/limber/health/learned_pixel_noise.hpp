@@ -21,8 +21,9 @@ struct PixelNoiseReport {
 /// A filter takes errors for white. Those of real tracks are not: most of them stays while the track lives
 /// and does not average out. So two things are learned. How alike a point's errors are from frame to frame:
 /// from its distance to the epipolar line, without what a quadratic over the image explains (a wrong rig, a
-/// lens). And how large innovations are beside what the filter expected of them: NIS per degree of freedom
-/// has to be 1 for white errors, and 1 / `persistence()` for lasting ones.
+/// lens); what lasts weighs as many frames as a point is seen. And how large innovations are beside what the
+/// filter expected of them: NIS per degree of freedom has to be 1 for white errors, and 1 / `persistence()`
+/// for lasting ones.
 /// @note docs/evidence/realistic-pixels.md
 class LearnedPixelNoise {
  public:
@@ -49,6 +50,7 @@ class LearnedPixelNoise {
   double share_ = 1.0;  // of begin_
   double updates_ = 0.0;
   double products_, squares_;
+  double seen_ = 0.0, tracks_ = 0.0;       // stereo points of all frames, and how many of them were new
   std::map<std::int64_t, double> before_;  // each track's error in the last frame, in its rms
 };
 
