@@ -29,7 +29,8 @@ cmake --build "$work" -j2
 "$work/core_test"
 rm -rf "$work/data"
 mkdir "$work/data"
-sed 's/^duration:.*/duration: 10/' scenarios/drone_none.yaml >"$work/data/room.yaml"
+# Long enough: limber run starts by the middle of a recording, the node cannot know where that is.
+sed 's/^duration:.*/duration: 20/' scenarios/drone_none.yaml >"$work/data/room.yaml"
 { cat "$work/data/room.yaml"; echo "use_imu: false"; echo "odometry: {rate: 50}"; } >"$work/data/wheels.yaml"
 for recording in room wheels; do
   build/release/limber simulate "$work/data/$recording.yaml" --images --out "$work/data/$recording"
