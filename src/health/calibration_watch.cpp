@@ -134,9 +134,11 @@ Line line_through(const std::vector<RigEvidence>& windows, const RigParameters& 
   return {trend, chance_of_drift(windows, trend, theta, metric, tolerance), windows.size()};
 }
 
-/// The drift that is no chance.
-std::optional<RigDrift> drift_of(const Line& line, const RigParameters& theta, const WatchOptions& options) {
-  if (drift_tests_of_window(line.windows) * line.chance < kDrifts * alarms_of_window(options)) {
+/// The drift that is no chance; or one that was none a window ago, and is still reckoned with.
+std::optional<RigDrift> drift_of(const Line& line, const RigParameters& theta, const WatchOptions& options,
+                                 bool drifts) {
+  const double limit = kDrifts * alarms_of_window(options) / drift_tests_of_window(line.windows);
+  if (line.chance < (drifts ? std::max(limit, kDoubt) : limit)) {
     return RigDrift{line.trend.change.rig(theta), line.trend.seconds, 0};
   }
   return std::nullopt;
@@ -161,7 +163,7 @@ std::size_t CalibrationState::moving_axis() const {
 }
 
 CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric,
-                          const WatchOptions& options, std::size_t chosen) {
+                          const WatchOptions& options, std::size_t chosen, bool drifts) {
   CalibrationState out;
   out.from_ns = windows.front().from_ns;
   out.to_ns = windows.back().to_ns;
@@ -184,7 +186,7 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
       line = line_through({windows.begin() + static_cast<std::ptrdiff_t>(chosen), windows.end()}, theta,
                           metric, options.tolerance);
     }
-    out.drift = drift_of(*line, theta, options);
+    out.drift = drift_of(*line, theta, options, drifts);
   }
   if (out.drift) {
     out.drift->named = static_cast<std::size_t>(most_likely_axis(out.drift->change, out.bands));
@@ -349,8 +351,9 @@ std::vector<std::size_t> CalibrationWatch::changes() {
 }
 
 void CalibrationWatch::end_window(const RigEvidence& evidence) {
+  bool drifts = report_ && report_->state.drift;
   const auto judged = [&](const std::vector<RigEvidence>& windows) {
-    return state_of(windows, theta_, metric_, options_, std::min(chosen_, windows.size()));
+    return state_of(windows, theta_, metric_, options_, std::min(chosen_, windows.size()), drifts);
   };
   auto report = std::make_shared<CalibrationReport>();
   report->window = judged({evidence});
@@ -361,6 +364,7 @@ void CalibrationWatch::end_window(const RigEvidence& evidence) {
                                    windows_.begin() + static_cast<std::ptrdiff_t>(first) - 1}));
     from = first;
     chosen_ = windows_.size() - first;
+    drifts = false;  // of the state before
   }
   windows_.erase(windows_.begin(), windows_.begin() + static_cast<std::ptrdiff_t>(from));
   if (windows_.size() > kMostWindows) {

@@ -130,6 +130,29 @@ TEST(RigWindow, ErrorsThatTracksAndPlacesShareMakeItAsUnsureAsItIs) {
   EXPECT_GT(naive, 5.0);
 }
 
+/// Ten tracks are hardly more than the seven unknowns, which follow them: what is left of their errors would
+/// make the covariance too small, and a rig be said to change wherever few points are in sight.
+TEST(RigWindow, AFewTracksMakeItAsUnsureAsItIs) {
+  double z2 = 0.0;
+  constexpr int kSeeds = 40;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    WorldOptions options;
+    options.seconds = 2.5;
+    options.speed = 0.3;  // the same ones all the time
+    options.points = 10;
+    options.per_track_px = 0.4;
+    options.seed = seed;
+    const World world = fly_past(options);
+    const std::vector<RigEvidence> windows = windows_of(world);
+    const BetaEstimate found = robust_estimate(windows, world.assumed.theta, true);
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      z2 += found.beta(k) * found.beta(k) / found.covariance(k, k) / (3.0 * kSeeds);
+    }
+  }
+  EXPECT_LT(z2, 1.0);
+  EXPECT_GT(z2, 0.05);
+}
+
 TEST(RigWindow, WithTooFewPointsSaysNothing) {
   WorldOptions options;
   options.seconds = 0.5;

@@ -65,11 +65,13 @@ struct CalibrationState {
 /// @brief The state at the end of a stretch of windows. With five or more the error is a line over time: of
 /// any rate, where that explains the windows better (p < 1 %) and by more than half of what the tolerance
 /// calls ok; else of one that changes it by no more than that. It is said to drift where that is no chance
-/// (`false_alarms_per_hour`).
+/// (`false_alarms_per_hour`), and goes on being said while its line explains the windows better.
 /// @param chosen  first windows by which a change was found: they were chosen for being different, so that
 ///                their way back would look like a drift. They say nothing of one
+/// @param drifts  it was said to a window ago
 [[nodiscard]] CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigParameters& theta,
-                                        bool metric, const WatchOptions& options, std::size_t chosen = 0);
+                                        bool metric, const WatchOptions& options, std::size_t chosen = 0,
+                                        bool drifts = false);
 
 /// @brief Fills in what follows from an estimate: effect, bands and verdicts. With fewer than 30 tracks
 /// (`out.tracks`) nothing can be told.
