@@ -9,6 +9,7 @@
 
 #include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
+#include "limber/core/so3.hpp"
 #include "limber/measure/epipolar.hpp"
 
 namespace limber {
@@ -37,8 +38,53 @@ constexpr Index kTerms = 6;  // of a quadratic in two variables
 constexpr std::size_t kFewestForAFit = 4 * kTerms;
 constexpr double kFarOff = 3.0;           // of the errors' size: mismatched
 constexpr double kSizeOfMedian = 1.4826;  // standard deviation over median of the magnitude, of a Gaussian
+constexpr int kFits = 4;                  // of the rig to a frame: 10 degrees are settled after three
+constexpr Index kBends = 5;               // a rotation, and the direction of the baseline
+constexpr double kRounding = 1e-3;        // [px]
+constexpr double kStep = 1e-6;            // [rad], of a numerical derivative
+constexpr double kPlausibleBend = 0.1;    // [rad], where the points do not tell
 
 double root_mean_square(const PixelNoise& sigma) { return std::sqrt(sigma.squaredNorm() / 4.0); }
+
+double size_of(const VectorXd& errors) {
+  const VectorXd magnitude = errors.cwiseAbs();
+  return kSizeOfMedian *
+         upper_median(std::vector<double>(magnitude.data(), magnitude.data() + magnitude.size()));
+}
+
+VectorXd errors_of(const std::vector<StereoBearings>& points, const Pose& rig) {
+  VectorXd out(static_cast<Index>(points.size()));
+  for (Index k = 0; k < out.size(); ++k) {
+    out(k) = detail::epipolar_error(points[static_cast<std::size_t>(k)], rig);
+  }
+  return out;
+}
+
+/// The rig turned by the first three [rad], its baseline by the others.
+Pose bent(const Pose& rig, const Eigen::Matrix<double, kBends, 1>& by) {
+  const Eigen::Vector3d across = rig.p.unitOrthogonal(), up = rig.p.normalized().cross(across);
+  return {so3_exp(by.head<3>()) * rig.R, so3_exp(by(3) * across + by(4) * up) * rig.p};
+}
+
+/// The rig whose epipolar lines the points are nearest to. What depends on depth in the errors of a rig that
+/// is off by degrees would be taken for errors that last as long as the tracks.
+Pose nearest_rig(const std::vector<StereoBearings>& points, Pose rig, double pixel) {
+  using Bend = Eigen::Matrix<double, kBends, 1>;
+  for (int fit = 0; fit < kFits; ++fit) {
+    const VectorXd errors = errors_of(points, rig);
+    MatrixXd J(errors.size(), kBends);
+    for (Index i = 0; i < kBends; ++i) {
+      J.col(i) = (errors_of(points, bent(rig, kStep * Bend::Unit(i))) - errors) / kStep;
+    }
+    const double far_off = std::max(kFarOff * size_of(errors), kRounding * pixel);
+    const VectorXd weights = far_off * errors.cwiseAbs().cwiseMax(far_off).cwiseInverse();
+    const MatrixXd WJ = weights.asDiagonal() * J;
+    MatrixXd A = WJ.transpose() * J;
+    A.diagonal().array() += (pixel / kPlausibleBend) * (pixel / kPlausibleBend);
+    rig = bent(rig, solve_symmetric(A, VectorXd(-WJ.transpose() * errors)));
+  }
+  return rig;
+}
 
 /// What a quadratic over the image leaves.
 VectorXd without_quadratic(const std::vector<StereoBearings>& points, const VectorXd& errors) {
@@ -50,30 +96,25 @@ VectorXd without_quadratic(const std::vector<StereoBearings>& points, const Vect
   return errors - A * pseudo_inverse(A, errors).x;
 }
 
-/// Each point's distance from its epipolar line, without what a quadratic over the image explains, in units
-/// of the frame's own size; without mismatches.
+/// Each point's distance from its epipolar line, of the rig that explains the frame best and without what a
+/// quadratic over the image explains, in units of the frame's own size; without mismatches.
 std::map<std::int64_t, double> epipolar_errors(const StereoFrame& frame,
                                                const StereoCalibration& calibration) {
-  const Pose T_cam1_cam0 = pose_from_rig(calibration.theta);
   std::vector<std::int64_t> ids;
   std::vector<StereoBearings> points;
-  std::vector<double> errors;
   for (const StereoObservation& o : frame.observations) {
     if (const auto pair = detail::bearings(calibration, o)) {
       ids.push_back(o.track_id);
       points.push_back(*pair);
-      errors.push_back(detail::epipolar_error(*pair, T_cam1_cam0));
     }
   }
   std::map<std::int64_t, double> out;
   if (points.size() < kFewestForAFit) {
     return out;
   }
-  const VectorXd rest =
-      without_quadratic(points, VectorXd::Map(errors.data(), static_cast<Index>(errors.size())));
-  const VectorXd magnitude = rest.cwiseAbs();
-  const double size = kSizeOfMedian * upper_median(std::vector<double>(magnitude.data(),
-                                                                       magnitude.data() + magnitude.size()));
+  const Pose rig = nearest_rig(points, pose_from_rig(calibration.theta), 1.0 / calibration.cam1.fu);
+  const VectorXd rest = without_quadratic(points, errors_of(points, rig));
+  const double size = size_of(rest);
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const double error = rest(static_cast<Index>(k));
     if (size > 0.0 && std::abs(error) <= kFarOff * size) {

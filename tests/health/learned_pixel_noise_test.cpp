@@ -56,6 +56,15 @@ TEST(LearnedPixelNoise, TakesAWrongRigForNoError) {
   EXPECT_LT(after_seeing(fly_past(options)).report().correlation, 0.2);
 }
 
+TEST(LearnedPixelNoise, TakesARigThatIsOffByDegreesForNoErrorBesideSmallOnes) {
+  WorldOptions options;
+  options.white_px = 0.05;
+  for (const double sign : {-1.0, 1.0}) {
+    options.error = [sign](double) { return RigParameters(0.02 * sign, 0.05, 0.02, 0.0, 0.01, 0.01 * sign); };
+    EXPECT_LT(after_seeing(fly_past(options)).report().correlation, 0.1) << sign;
+  }
+}
+
 TEST(LearnedPixelNoise, IsNotMisledByMismatches) {
   WorldOptions options;
   options.mismatches = 0.2;
