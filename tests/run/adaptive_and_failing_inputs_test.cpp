@@ -4,6 +4,7 @@
 
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
+#include "limber/run/shared_starts.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
@@ -21,10 +22,12 @@ Recording drone_with(const char* fault, std::uint64_t seed) {
   return simulate(scenario, seed);
 }
 
-RunSummary run(const Recording& recording, Method method) {
+/// Methods share the start, which is bit by bit their own (run_recording_test.cpp).
+RunSummary run(const Recording& recording, Method method, SharedStarts& starts) {
   RunOptions options;
   options.method = method;
-  return summarize(recording, options, run_recording(recording, options, matched_frames(recording)));
+  return summarize(recording, options,
+                   run_recording(recording, options, matched_frames(recording), {}, &starts));
 }
 
 /// It ended 12 m off with seed 45, exit 0: the alarm of the trusting filter went back in time, and what the
@@ -32,7 +35,8 @@ RunSummary run(const Recording& recording, Method method) {
 TEST(AdaptiveAndFailingInputs, ABiasThatStepsCostsNoMoreThanItCostsLcekf) {
   for (const std::uint64_t seed : {43, 45}) {
     const Recording recording = drone_with("accel-bias-step=8:0.5", seed);
-    const auto ate = [&](Method method) { return run(recording, method).ate_se3_m.value(); };
+    SharedStarts starts;
+    const auto ate = [&](Method method) { return run(recording, method, starts).ate_se3_m.value(); };
     EXPECT_LT(ate(Method::kAdaptive), 2.0 * ate(Method::kLcekf)) << seed;
   }
 }
@@ -42,8 +46,9 @@ TEST(AdaptiveAndFailingInputs, ABiasThatStepsCostsNoMoreThanItCostsLcekf) {
 TEST(FailingInputs, ImagesAloneCarryTheStateThroughAGapOfTheImu) {
   for (const std::uint64_t seed : {43, 46}) {
     const Recording recording = drone_with("imu-gap=8:5", seed);
+    SharedStarts starts;
     for (const Method method : {Method::kLcekf, Method::kAdaptive}) {
-      const RunSummary found = run(recording, method);
+      const RunSummary found = run(recording, method, starts);
       EXPECT_LT(found.ate_se3_m.value(), 0.1) << to_string(method) << ", seed " << seed;
       EXPECT_LT(found.anees.value(), 4.0) << to_string(method) << ", seed " << seed;
     }
@@ -55,7 +60,8 @@ TEST(FailingInputs, ImagesAloneCarryTheStateThroughAGapOfTheImu) {
 TEST(FailingInputs, AStartIsRightAboutInputsThatFailMeanwhile) {
   for (const char* fault : {"imu-stuck=2:1", "imu-spike=2:1000", "imu-saturation=100:40", "imu-gap=2:5",
                             "gyro-bias-step=1.7:0.05", "accel-bias-step=1.7:0.5"}) {
-    const RunSummary found = run(drone_with(fault, 47), Method::kLcekf);
+    SharedStarts alone;
+    const RunSummary found = run(drone_with(fault, 47), Method::kLcekf, alone);
     EXPECT_LT(found.ate_se3_m.value(), 0.05) << fault;
     EXPECT_LT(found.anees.value(), 3.0) << fault;
     EXPECT_FALSE(found.inputs.events.empty()) << fault;
