@@ -260,7 +260,7 @@ void WindowFit::sum_up() {
       ++out.points;
     }
   }
-  sum_up_tracks(tracks, normal_equations().information, out);
+  sum_up_tracks(tracks, kPrior * Matrix::Identity() + out.all.information, out);
   out.deep_tracks = deep.size();
 }
 

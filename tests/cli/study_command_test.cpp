@@ -151,8 +151,8 @@ TEST_F(StudyCommand, GivesTheSameBitsAfterBeingKilledAgainAndAgain) {
   constexpr int kRuns = 120, kRows = 2 * 3 * kRuns;
   EXPECT_EQ(run_limber(study("whole.sqlite", kRuns)).exit_code, 0);
   int kills = 0;
-  for (int begun = 0; begun < 5 && kills == 0;
-       ++begun) {  // on a busy machine it may be done before it is hit
+  // On a busy machine it may be done before it is hit: then once more from the beginning.
+  for (int begun = 0; begun < 5 && kills == 0; ++begun) {
     fs::remove(path("killed.sqlite"));
     for (bool alive = true; alive && kills < 3; kills += alive ? 1 : 0) {
       const int before = finished("killed.sqlite");
