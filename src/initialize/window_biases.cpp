@@ -50,11 +50,10 @@ std::vector<std::size_t> best_intervals(const WindowModel& model, const WindowSt
     }
   }
   std::vector<std::size_t> out;
-  for (const auto& [k, promise] : promises) {
-    out.push_back(k);
+  for (; out.size() < kTried && !promises.empty(); promises.erase(out.back())) {
+    out.push_back(
+        std::ranges::max_element(promises, {}, &std::pair<const std::size_t, double>::second)->first);
   }
-  std::stable_sort(out.begin(), out.end(), [&](auto a, auto b) { return promises[a] > promises[b]; });
-  out.resize(std::min(out.size(), kTried));
   return out;
 }
 
