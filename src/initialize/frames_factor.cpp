@@ -14,10 +14,25 @@ namespace {
 
 constexpr Index kFramesAtATime = 8;  // of a product: wide enough to be fast, narrow enough to leave zeros out
 
-/// Row and column in the lower triangle of all unknowns of what stands in row i, column j of the rest.
-std::pair<Index, Index> in_lower(const std::vector<Index>& rest, Index i, Index j) {
-  const auto [low, high] = std::minmax(rest[static_cast<std::size_t>(i)], rest[static_cast<std::size_t>(j)]);
-  return {high, low};
+/// Rest by rest, the lower triangle of what A holds of it.
+MatrixXd of_the_rest(const MatrixXd& A, const FrameLayout& layout) {
+  const Index p = layout.pose, t = layout.theta, size = layout.size();
+  MatrixXd out(layout.rest_size(), layout.rest_size());
+  for (Index l = 0; l < layout.frames; ++l) {
+    const Index pose_l = l * size, theta_l = pose_l + size - t;
+    for (Index k = 0; k < layout.frames; ++k) {
+      const Index pose_k = k * size, theta_k = pose_k + size - t;
+      auto theta_pose = out.block(layout.theta_in_rest(k), layout.pose_in_rest(l), t, p);
+      if (k < l) {
+        theta_pose = A.block(pose_l, theta_k, p, t).transpose();
+        continue;
+      }
+      theta_pose = A.block(theta_k, pose_l, t, p);
+      out.block(layout.pose_in_rest(k), layout.pose_in_rest(l), p, p) = A.block(pose_k, pose_l, p, p);
+      out.block(layout.theta_in_rest(k), layout.theta_in_rest(l), t, t) = A.block(theta_k, theta_l, t, t);
+    }
+  }
+  return out;
 }
 
 /// `count` unknowns of each frame, the first of them given.
@@ -54,14 +69,9 @@ FramesFactor::FramesFactor(const MatrixXd& A, double damping, const MatrixXd& of
       return;
     }
   }
-  const Index n = layout.rest_size();
-  MatrixXd D(n, n);
-  for (Index j = 0; j < n; ++j) {
-    for (Index i = j; i < n; ++i) {
-      const auto [row, col] = in_lower(rest_, i, j);
-      D(i, j) = A(row, col) * (i == j ? 1.0 + damping : 1.0) - of_rest(i, j);
-    }
-  }
+  MatrixXd D = of_the_rest(A, layout);
+  D.diagonal() *= 1.0 + damping;
+  D.triangularView<Eigen::Lower>() -= of_rest;
   for (Index k = 0; k < layout.frames; k += kFramesAtATime) {
     const Index count = std::min(kFramesAtATime, layout.frames - k);
     const Index filled = std::min(k + count + 1, layout.frames) * layout.pose;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "limber/core/factors.hpp"
 #include "limber/core/so3.hpp"
@@ -205,6 +206,17 @@ void add_free_theta(const WindowModel& model, const WindowState& state, WindowNo
   }
 }
 
+/// A := 0, n×n. Nothing ever writes above the blocks of the diagonal: what is zero there stays so.
+void clear_lower(Index n, Index block, MatrixXd& A) {
+  if (A.rows() != n) {
+    A.setZero(n, n);
+    return;
+  }
+  for (Index at = 0; at < n; at += block) {
+    A.block(at, at, n - at, block).setZero();
+  }
+}
+
 /// Moves the depth in a straight line, where the step is no longer than half of it: then what scales a map
 /// moves frames and points alike straight on, however far. By inverse depths it would be a bent valley.
 double moved_inverse_depth(double rho, double step) {
@@ -267,13 +279,14 @@ MountedRig rig_at(const WindowModel& model, const WindowFrame& frame) {
   return rig;
 }
 
-WindowNormal linearise(const WindowModel& model, const WindowState& state) {
+WindowNormal linearise(const WindowModel& model, const WindowState& state, WindowNormal memory) {
   const Index n = static_cast<Index>(state.frames.size()) * model.frame_size();
   const auto points = static_cast<Index>(3 * state.points.size());
-  WindowNormal out;
+  WindowNormal out = std::move(memory);
+  out.cost = out.left = 0.0;
   out.layout = model.layout(state.frames.size());
-  out.A = MatrixXd::Zero(n, n);
-  out.W = MatrixXd::Zero(out.layout.rest_size(), points);
+  clear_lower(n, model.frame_size(), out.A);
+  out.W.setZero(out.layout.rest_size(), points);
   out.V.assign(state.points.size(), Matrix3d::Zero());
   out.g = VectorXd::Zero(n);
   out.g_points = VectorXd::Zero(points);

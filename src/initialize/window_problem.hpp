@@ -92,7 +92,9 @@ struct WindowNormal {
   Eigen::VectorXd g, g_points;
 };
 
-[[nodiscard]] WindowNormal linearise(const WindowModel& model, const WindowState& state);
+/// @param memory normal equations that are of no use any more: what they hold is written over
+[[nodiscard]] WindowNormal linearise(const WindowModel& model, const WindowState& state,
+                                     WindowNormal memory = {});
 
 /// Where a camera of the rig sees a point in a frame; nothing where it cannot.
 [[nodiscard]] std::optional<PointProjection> project_sighting(const WindowState& state, const MountedRig& rig,

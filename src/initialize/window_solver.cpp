@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -129,8 +130,8 @@ struct Trial {
   bool straight = true;  ///< the step gained what it promised
 };
 
-Trial trial_at(const WindowModel& model, WindowState state) {
-  WindowNormal normal = linearise(model, state);
+Trial trial_at(const WindowModel& model, WindowState state, WindowNormal& spare) {
+  WindowNormal normal = linearise(model, state, std::exchange(spare, {}));
   return {std::move(state), std::move(normal)};
 }
 
@@ -141,20 +142,27 @@ double lowest_along(double promised, double gained) {
 
 /// Where a step leads: as it is, or further on where the cost still falls there, or with the points fitted
 /// anew where it is not as low as promised.
+/// @param spare memory for normal equations
 Trial best_after(const WindowModel& model, const WindowState& state, const WindowNormal& normal,
-                 const Step& step) {
+                 const Step& step, std::array<WindowNormal, 2>& spare) {
   const double promised = promised_decrease(normal, step);
-  Trial out = trial_at(model, moved(model, state, step.frames, step.points));
+  Trial out = trial_at(model, moved(model, state, step.frames, step.points), spare[0]);
   const double gained = normal.cost - out.normal.cost;
   out.straight = gained >= kStraight * promised;
   const double length = out.straight ? lowest_along(promised, gained) : 1.0;
   if (out.straight && length < kLonger) {
     return out;
   }
-  Trial other = trial_at(model, out.straight ? moved(model, state, length * step.frames, length * step.points)
-                                             : points_refitted(model, out.state, out.normal));
+  Trial other = trial_at(model,
+                         out.straight ? moved(model, state, length * step.frames, length * step.points)
+                                      : points_refitted(model, out.state, out.normal),
+                         spare[1]);
   other.straight = out.straight;
-  return other.normal.cost < out.normal.cost ? std::move(other) : std::move(out);
+  if (other.normal.cost < out.normal.cost) {
+    std::swap(out, other);
+  }
+  spare[1] = std::move(other.normal);
+  return out;
 }
 
 }  // namespace
@@ -168,6 +176,7 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
   WindowNormal normal = linearise(model, state);
   double damping = kDampingStart;
   std::optional<Taken> before;
+  std::array<WindowNormal, 2> spare;
   bool failed = false;
   for (int i = 0; i < iterations && damping < kDampingMost; ++i) {
     std::optional<Step> step = step_of(normal, damping);
@@ -176,11 +185,12 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
       continue;
     }
     Step direction = conjugate(normal, *step, before);
-    Trial next = best_after(model, state, normal, direction);
+    Trial next = best_after(model, state, normal, direction, spare);
     const double gained = normal.cost - next.normal.cost;
     if (!(gained > 0.0)) {
       damping *= before ? 1.0 : kMoreDamping;
       before.reset();
+      spare[0] = std::move(next.normal);
       failed = true;
       continue;
     }
@@ -190,7 +200,7 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
       before = Taken{*std::move(step), std::move(direction), promised};
     }
     state = std::move(next.state);
-    normal = std::move(next.normal);
+    spare[0] = std::exchange(normal, std::move(next.normal));
     if (gained < kPays) {
       normal.left = promised_decrease(normal);
       if (damping <= kUndamped || normal.left < kPays) {
