@@ -29,7 +29,8 @@ struct SmoothArguments : RecordingArguments {
   std::filesystem::path out;
   std::string theta = "free", loss = "huber", guess = "auto";
   std::uint64_t seed = 0, run = 0;
-  bool force = false;
+  double window_s = 2.0;
+  bool causal = false, force = false;
 };
 
 RobustLoss loss_from(const std::string& name) {
@@ -45,6 +46,9 @@ SmoothOptions to_options(const SmoothArguments& arguments, const Recording& reco
   options.rig = theta.rig;
   options.piece_s = theta.piece_s;
   options.loss = loss_from(arguments.loss);
+  if (arguments.causal) {
+    options.causal_window_s = arguments.window_s;
+  }
   if (arguments.guess != "auto") {
     options.guess = method_from_string(arguments.guess);
   }
@@ -68,7 +72,7 @@ void smooth(const SmoothArguments& arguments) {
   }
   add_damaged(images, record);
   RunSummary summary = summarize(recording, options.run, record);
-  summary.method = "smooth-" + to_string(options.rig);
+  summary.method = to_string(options);
   {
     const Uninterrupted until_written;
     write_run_output(arguments.out, options.run, record, summary);
@@ -99,6 +103,15 @@ void add_smooth_command(CLI::App& app) {
       ->add_option("--theta", arguments->theta,
                    "What the rig does: trusted, constant, piecewise:SECONDS, walk, or free in every frame")
       ->check(parsed_by(rig_model_from_string))
+      ->capture_default_str();
+  CLI::Option* causal =
+      command->add_flag("--causal", arguments->causal,
+                        "Each state from the frames up to it alone, as a filter has it: one problem a frame");
+  command
+      ->add_option("--window", arguments->window_s,
+                   "With --causal: how long before a frame all is solved anew with it [s]")
+      ->needs(causal)
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--loss", arguments->loss, "Of pixels: huber, cauchy or none (none refuses no pixel)")
       ->transform(one_of({"huber", "cauchy", "none"}))

@@ -89,16 +89,19 @@ def run(recording, method="lcekf", *, observe=None, **options):
     return _limber.run_recording(recording, RunOptions(recording, method, **options), observe)
 
 
-def smooth(recording, theta="free", *, threads=1, **options):
+def smooth(recording, theta="free", *, causal=False, window=2.0, threads=1, **options):
     """Least squares over the whole recording, as `limber smooth` does: every state from what all frames say.
 
     theta: what the rig does: trusted, constant, piecewise:SECONDS, walk, or free in every frame
+    causal: every state from the frames up to it alone, one problem a frame
+    window: with causal, how long before a frame all is solved anew with it [s]
     options: those of RunOptions
     """
     if not hasattr(_limber, "smooth_recording"):
         raise RuntimeError("this build has no smoother: it was made without Ceres (LIMBER_BUILD_SMOOTH)")
     recording = _recording(recording)
-    return _limber.smooth_recording(recording, RunOptions(recording, **options), theta, threads)
+    return _limber.smooth_recording(recording, RunOptions(recording, **options), theta,
+                                    window if causal else None, threads)
 
 
 class Health(dict):

@@ -130,19 +130,20 @@ Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, 
 
 #ifdef LIMBER_WITH_SMOOTHER
 Run smooth(const std::shared_ptr<Recording>& recording, const RunOptions& run_options,
-           const std::string& theta, int threads) {
+           const std::string& theta, std::optional<double> causal_window_s, int threads) {
   SmoothOptions options;
   options.run = run_options;
   const RigModelText model = rig_model_from_string(theta);
   options.rig = model.rig;
   options.piece_s = model.piece_s;
+  options.causal_window_s = causal_window_s;
   options.threads = threads;
   const app::ImageFrames images = on_this_thread(*recording);
   RunRecord record =
       smooth_recording(*recording, options, images.frames, [](std::size_t) { check_signals(); });
   app::add_damaged(images, record);
   RunSummary summary = summarize(*recording, options.run, record);
-  summary.method = "smooth-" + to_string(options.rig);
+  summary.method = to_string(options);
   return {recording, options.run, std::move(record), std::move(summary)};
 }
 
@@ -344,7 +345,8 @@ void bind_running(py::module_& module) {
              py::call_guard<py::gil_scoped_release>(), DOC(run_recording));
 #ifdef LIMBER_WITH_SMOOTHER
   module.def("smooth_recording", &smooth, py::arg("recording"), py::arg("options"), py::arg("theta") = "free",
-             py::arg("threads") = 1, py::call_guard<py::gil_scoped_release>(), DOC(smooth_recording));
+             py::arg("causal_window_s") = py::none(), py::arg("threads") = 1,
+             py::call_guard<py::gil_scoped_release>(), DOC(smooth_recording));
 #endif
   module.def(
       "diagnose_recording",

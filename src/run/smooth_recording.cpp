@@ -19,6 +19,8 @@
 #include "limber/clean/frame_cleaner.hpp"
 #include "limber/core/chi_square.hpp"
 #include "limber/core/nearest_word.hpp"
+#include "limber/core/time.hpp"
+#include "limber/smooth/causal_smoother.hpp"
 #include "run/smooth_setup.hpp"
 
 namespace limber {
@@ -28,6 +30,7 @@ using detail::Guess, detail::KeptFrames;
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Told = std::function<void(std::size_t)>;  // of work, in per cent
 
 /// Frames that one problem may have: beyond, its covariance alone takes gigabytes.
 constexpr std::size_t kMostFrames = 2500;
@@ -41,13 +44,13 @@ InitialState prior_of(const Guess& guess, const RunOptions& options) {
              : detail::without_data(guess.states.front(), guess.record.motion);
 }
 
-CalibrationRow calibration_row(const SmoothedFrame& frame, const SmootherResult& result,
-                               const StereoCalibration& given, const SmootherOptions& options) {
+CalibrationRow calibration_row(const SmoothedFrame& frame, const StereoCalibration& given,
+                               const SmootherOptions& options) {
   CalibrationRow row;
   row.t_ns = frame.nav.t_ns;
-  row.estimate.error = result.error;
-  row.estimate.sigma = result.error_sigma;
-  row.estimate.parameters = parameters_of(result.error_sigma);
+  row.estimate.error = frame.error;
+  row.estimate.sigma = frame.error_sigma;
+  row.estimate.parameters = parameters_of(frame.error_sigma);
   if (options.rig != RigModel::kTrusted) {
     row.estimate.parameters |= parameters_of(ParameterBlock::kTheta);
     row.estimate.error.head<6>() = frame.theta - given.theta;
@@ -90,7 +93,7 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
   for (const SmoothedFrame& frame : result.frames) {
     out.trajectory.push_back(row_of(frame, options.motion));
     out.frames.push_back(frame_report(frame, dof_per_row));
-    const CalibrationRow row = calibration_row(frame, result, given, options);
+    const CalibrationRow row = calibration_row(frame, given, options);
     if (row.estimate.parameters.any()) {
       out.calibration.push_back(row);
     }
@@ -108,6 +111,81 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
         misfit, std::sqrt(misfit)));
   }
   return out;
+}
+
+/// The filters' trajectory that explains the pixels best.
+/// @throws std::runtime_error if no filter has one
+Guess best_guess(const Recording& recording, const SmoothOptions& options, const RunSetup& setup,
+                 const SmootherOptions& how, KeptFrames& kept, const Told& told) {
+  std::vector<Method> methods = {Method::kEkf, Method::kLcekf};
+  if (options.guess) {
+    methods = {*options.guess};
+  }
+  std::optional<Guess> best;
+  std::optional<double> best_cost;
+  std::string failures;
+  for (std::size_t k = 0; k < methods.size(); ++k) {
+    try {
+      Guess guess = detail::guess_by(methods[k], recording, options.run, kept, [&](std::size_t n) {
+        told(kShareOfGuess * (k * frame_count(recording) + n) / (methods.size() * frame_count(recording)));
+      });
+      const std::vector<StereoFrame> frames = kept.from(guess.record.trajectory.front().t_ns);
+      const double cost = cost_of_start(
+          {frames, recording.imu, recording.odometry, guess.states, prior_of(guess, options.run)},
+          setup.calibration, how);
+      if (!best_cost || cost < *best_cost) {
+        best_cost = cost;
+        best = std::move(guess);
+      }
+    } catch (const std::runtime_error& error) {
+      failures += std::string(failures.empty() ? "" : "; ") + error.what();
+    }
+  }
+  if (!best) {
+    throw std::runtime_error("smooth: no first guess: " + failures);
+  }
+  return *std::move(best);
+}
+
+/// Frames of the largest problem.
+std::size_t most_at_once(const std::vector<StereoFrame>& frames, const SmoothOptions& options) {
+  if (!options.causal_window_s) {
+    return frames.size();
+  }
+  std::size_t most = 0, oldest = 0;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    while (seconds_between(frames[oldest].t_ns, frames[k].t_ns) > *options.causal_window_s) {
+      ++oldest;
+    }
+    most = std::max(most, k - oldest + 1);
+  }
+  return most;
+}
+
+std::string frames_at_once(const std::vector<StereoFrame>& frames, const SmoothOptions& options) {
+  return options.causal_window_s
+             ? fmt::format("the {} s before each of {} frames", *options.causal_window_s, frames.size())
+             : fmt::format("all {} frames at once", frames.size());
+}
+
+SmootherResult solve(const Recording& recording, const std::vector<StereoFrame>& frames, const Guess& guess,
+                     const SmoothOptions& options, const SmootherOptions& how,
+                     const StereoCalibration& calibration, const Told& told) {
+  if (const std::size_t found = most_at_once(frames, options); found > kMostFrames) {
+    throw std::invalid_argument(
+        fmt::format("smooth: expected at most {} frames in one problem, found {}", kMostFrames, found));
+  }
+  const SmootherInput input{frames, recording.imu, recording.odometry, guess.states,
+                            prior_of(guess, options.run)};
+  constexpr std::size_t kRest = kShareOfAll - kShareOfGuess;
+  if (options.causal_window_s) {
+    const std::size_t start = guess.record.frames_of_start;
+    return smooth_causally(input, calibration, how, {start > 0 ? start - 1 : 0, *options.causal_window_s},
+                           [&](std::size_t n) { told(kShareOfGuess + kRest * n / frames.size()); });
+  }
+  return smooth(input, calibration, how, [&](int iteration) {
+    told(kShareOfAll - kRest * 10 / (10 + static_cast<std::size_t>(iteration)));
+  });
 }
 
 }  // namespace
@@ -148,6 +226,10 @@ std::string to_string(RigModel rig) {
   return "free";
 }
 
+std::string to_string(const SmoothOptions& options) {
+  return "smooth-" + to_string(options.rig) + (options.causal_window_s ? "-causal" : "");
+}
+
 RunRecord smooth_recording(const Recording& recording, const SmoothOptions& options,
                            const FrameSource& source, const std::function<void(std::size_t)>& progress) {
   const auto begin = Clock::now();
@@ -164,60 +246,24 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
     }
   };
 
-  std::vector<Method> methods = {Method::kEkf, Method::kLcekf};
-  if (options.guess) {
-    methods = {*options.guess};
-  }
-  std::optional<Guess> best;
-  std::optional<double> best_cost;
-  std::string failures;
-  for (std::size_t k = 0; k < methods.size(); ++k) {
-    try {
-      Guess guess = detail::guess_by(methods[k], recording, options.run, kept, [&](std::size_t n) {
-        told(kShareOfGuess * (k * frame_count(recording) + n) / (methods.size() * frame_count(recording)));
-      });
-      const std::vector<StereoFrame> frames = kept.from(guess.record.trajectory.front().t_ns);
-      const double cost = cost_of_start(
-          {frames, recording.imu, recording.odometry, guess.states, prior_of(guess, options.run)},
-          setup.calibration, how);
-      if (!best_cost || cost < *best_cost) {
-        best_cost = cost;
-        best = std::move(guess);
-      }
-    } catch (const std::runtime_error& error) {
-      failures += std::string(failures.empty() ? "" : "; ") + error.what();
-    }
-  }
-  if (!best) {
-    throw std::runtime_error("smooth: no first guess: " + failures);
-  }
-
-  const std::vector<StereoFrame> frames = kept.from(best->record.trajectory.front().t_ns);
-  if (frames.size() > kMostFrames) {
-    throw std::invalid_argument(fmt::format("smooth: expected at most {} frames in one problem, found {}",
-                                            kMostFrames, frames.size()));
-  }
-  const InitialState prior = prior_of(*best, options.run);
-  const SmootherResult result = smooth(
-      {frames, recording.imu, recording.odometry, best->states, prior}, setup.calibration, how,
-      [&](int iteration) {
-        told(kShareOfAll - (kShareOfAll - kShareOfGuess) * 10 / (10 + static_cast<std::size_t>(iteration)));
-      });
+  const Guess guess = best_guess(recording, options, setup, how, kept, told);
+  const std::vector<StereoFrame> frames = kept.from(guess.record.trajectory.front().t_ns);
+  const SmootherResult result = solve(recording, frames, guess, options, how, setup.calibration, told);
   if (!result.converged) {
     throw std::runtime_error(fmt::format("smooth: no solution after {} iterations", result.iterations));
   }
   RunRecord record = to_record(result, setup.calibration, how);
   record.recording_partial = recording.partial;
   record.frames_of_recording = frame_count(recording);
-  notes.push_back(fmt::format("smoothed over all {} frames at once, theta {}: {} iterations", frames.size(),
+  notes.push_back(fmt::format("smoothed over {}, theta {}: {} iterations", frames_at_once(frames, options),
                               to_string(options.rig), result.iterations));
   notes.insert(notes.end(), record.notes.begin(), record.notes.end());
   record.notes = std::move(notes);
   record.cleaning = cleaner.report();
   const std::vector<std::string> removed = in_words(record.cleaning);
   record.notes.insert(record.notes.end(), removed.begin(), removed.end());
-  record.start = best->record.start;
-  record.source_ms = best->record.source_ms;
+  record.start = guess.record.start;
+  record.source_ms = guess.record.source_ms;
   const double source_ms = std::accumulate(record.source_ms.begin(), record.source_ms.end(), 0.0);
   const double spent_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   record.frame_ms.assign(frames.size(),

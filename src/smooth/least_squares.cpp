@@ -3,6 +3,7 @@
 
 #include <ceres/manifold.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "factors.hpp"
@@ -62,7 +63,35 @@ BodyMotion motion_of(const NavigationState& state, bool in_body_axes) {
           state.omega_body};
 }
 
+/// How a state lies in its blocks: how wide they are, and their values one behind the other.
+std::vector<int> sizes_of_state(MotionModel motion) {
+  std::vector<int> out = {kPoseBlock};
+  if (const int extra = motion_size(motion); extra > 0) {
+    out.push_back(extra);
+  }
+  return out;
+}
+
+VectorXd state_in_blocks(MotionModel motion, const NavigationState& nav) {
+  const int extra = motion_size(motion);
+  VectorXd out(kPoseBlock + extra);
+  write_pose(nav.T_world_body, out.data());
+  const MotionBlock block = motion_block_of(motion, nav);
+  std::copy_n(block.begin(), extra, out.data() + kPoseBlock);
+  return out;
+}
+
 }  // namespace
+
+std::vector<Index> free_parameters(const SmootherOptions& options) {
+  std::vector<Index> out;
+  for (Index k = 0; k < kMoreParameters; ++k) {
+    if (options.estimated(kBlockSize + k) > 0.0) {
+      out.push_back(k);
+    }
+  }
+  return out;
+}
 
 RigParameters sigma_of_rig(const SmootherOptions& options, double baseline) {
   if (options.rig == RigModel::kFree) {
@@ -95,22 +124,29 @@ void Rigs::PrepareForEvaluation(bool /*evaluate_jacobians*/, bool new_evaluation
 
 LeastSquares::LeastSquares(const SmootherInput& input, const StereoCalibration& calibration,
                            const SmootherOptions& options, std::span<const MotionBetween> between,
-                           Unknowns& unknowns, std::vector<Track>& tracks, RobustLoss loss)
+                           Unknowns& unknowns, std::vector<Track>& tracks, RobustLoss loss,
+                           const KnownState* known)
     : calibration_(calibration),
       options_(options),
       unknowns_(unknowns),
       tracks_(tracks),
+      known_(known),
       with_theta_(options.rig != RigModel::kTrusted),
       with_more_(!options.estimated.tail<kMoreParameters>().isZero(0.0)),
       rigs_(calibration, unknowns, with_more_),
       loss_(make_loss(loss)),
       problem_(std::make_unique<ceres::Problem>(problem_options(&rigs_))) {
-  add_states(input, between);
+  add_states(between);
   if (with_theta_) {
     add_rigs(input.frames);
   }
   if (with_more_) {
     add_parameters();
+  }
+  if (known_ != nullptr) {
+    add_known();
+  } else {
+    add_prior(input.prior);
   }
   for (Track& track : tracks_) {
     if (track.used() >= 2) {
@@ -119,39 +155,67 @@ LeastSquares::LeastSquares(const SmootherInput& input, const StereoCalibration& 
   }
 }
 
-void LeastSquares::add_states(const SmootherInput& input, std::span<const MotionBetween> between) {
+std::vector<double*> LeastSquares::blocks_of(std::size_t frame) {
+  std::vector<double*> out = {unknowns_.pose[frame].data()};
+  if (motion_size(options_.motion) > 0) {
+    out.push_back(unknowns_.motion[frame].data());
+  }
+  return out;
+}
+
+void LeastSquares::add_states(std::span<const MotionBetween> between) {
   const int extra = motion_size(options_.motion);
-  for (std::size_t k = 0; k < unknowns_.pose.size(); ++k) {
+  const std::size_t frames = unknowns_.pose.size();
+  for (std::size_t k = 0; k < frames; ++k) {
     problem_->AddParameterBlock(unknowns_.pose[k].data(), kPoseBlock, new PoseManifold);
     columns_.kept.push_back(unknowns_.pose[k].data());
     if (extra > 0) {
       problem_->AddParameterBlock(unknowns_.motion[k].data(), extra);
-      columns_.chain.push_back(unknowns_.motion[k].data());
+      (k + 1 < frames ? columns_.chain : columns_.kept).push_back(unknowns_.motion[k].data());
     }
   }
-  const auto blocks_of = [&](std::size_t k) {
-    std::vector<double*> out = {unknowns_.pose[k].data()};
-    if (extra > 0) {
-      out.push_back(unknowns_.motion[k].data());
-    }
-    return out;
-  };
-  for (std::size_t k = 0; k + 1 < unknowns_.pose.size(); ++k) {
+  for (std::size_t k = 0; k + 1 < frames; ++k) {
     std::vector<double*> blocks = blocks_of(k);
     const std::vector<double*> next = blocks_of(k + 1);
     blocks.insert(blocks.end(), next.begin(), next.end());
     problem_->AddResidualBlock(new MotionFactor(between[k], options_.gravity), nullptr, blocks);
   }
-  VectorXd x0(kPoseBlock + extra);
-  write_pose(input.prior.nav.T_world_body, x0.data());
-  const MotionBlock motion = motion_block_of(options_.motion, input.prior.nav);
-  std::copy_n(motion.begin(), extra, x0.data() + kPoseBlock);
-  std::vector<int> sizes = {kPoseBlock};
-  if (extra > 0) {
-    sizes.push_back(extra);
+}
+
+void LeastSquares::add_prior(const InitialState& prior) {
+  const MatrixXd A = whitener_of(prior.body_covariance);
+  problem_->AddResidualBlock(
+      new BlockPrior(sizes_of_state(options_.motion), state_in_blocks(options_.motion, prior.nav), A,
+                     VectorXd::Zero(A.rows())),
+      nullptr, blocks_of(0));
+}
+
+void LeastSquares::add_known() {
+  std::vector<double*> blocks = blocks_of(0);
+  std::vector<int> sizes = sizes_of_state(options_.motion);
+  VectorXd x0 = state_in_blocks(options_.motion, known_->nav);
+  const auto append = [&](double* block, const VectorXd& value) {
+    blocks.push_back(block);
+    sizes.push_back(static_cast<int>(value.size()));
+    x0.conservativeResize(x0.size() + value.size());
+    x0.tail(value.size()) = value;
+  };
+  const MatrixXd whitener = whitener_of(known_->covariance);
+  MatrixXd A = whitener;
+  if (outlives_a_frame(options_.rig)) {
+    append(unknowns_.theta.front().data(), known_->theta);
   }
-  const MatrixXd A = whitener_of(input.prior.body_covariance);
-  problem_->AddResidualBlock(new BlockPrior(sizes, x0, A, VectorXd::Zero(A.rows())), nullptr, blocks_of(0));
+  if (with_more_) {
+    append(unknowns_.more.data(), known_->more);
+    const std::vector<Index> free = free_parameters(options_);
+    const Index before = whitener.cols() - static_cast<Index>(free.size());
+    A = MatrixXd::Zero(whitener.rows(), before + kMoreParameters);
+    A.leftCols(before) = whitener.leftCols(before);
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      A.col(before + free[i]) = whitener.col(before + static_cast<Index>(i));
+    }
+  }
+  problem_->AddResidualBlock(new BlockPrior(sizes, x0, A, VectorXd::Zero(A.rows())), nullptr, blocks);
 }
 
 void LeastSquares::add_rigs(std::span<const StereoFrame> frames) {
@@ -166,7 +230,7 @@ void LeastSquares::add_rigs(std::span<const StereoFrame> frames) {
       const double dt = seconds_between(frames[k - 1].t_ns, frames[k].t_ns);
       problem_->AddResidualBlock(new WalkFactor((dt * options_.rig_walk).cwiseSqrt()), nullptr,
                                  unknowns_.theta[k - 1].data(), theta);
-    } else {
+    } else if (k > 0 || known_ == nullptr || !outlives_a_frame(options_.rig)) {
       problem_->AddResidualBlock(
           new BlockPrior({kBlockSize}, calibration_.theta, A, VectorXd::Zero(A.rows())), nullptr, theta);
       vague_rows_ += static_cast<int>(kBlockSize);
@@ -183,12 +247,12 @@ void LeastSquares::add_rigs(std::span<const StereoFrame> frames) {
 }
 
 void LeastSquares::add_parameters() {
-  const auto sigma = options_.estimated.tail<kMoreParameters>();
+  const std::vector<Index> free = free_parameters(options_);
   std::vector<int> fixed;
   MatrixXd A = MatrixXd::Zero(kMoreParameters, kMoreParameters);
   for (Index k = 0; k < kMoreParameters; ++k) {
-    if (sigma(k) > 0.0) {
-      A(k, k) = 1.0 / sigma(k);
+    if (std::find(free.begin(), free.end(), k) != free.end()) {
+      A(k, k) = 1.0 / options_.estimated(kBlockSize + k);
     } else {
       fixed.push_back(static_cast<int>(k));
     }
@@ -198,10 +262,13 @@ void LeastSquares::add_parameters() {
   if (!fixed.empty()) {
     problem_->SetManifold(unknowns_.more.data(), new ceres::SubsetManifold(kSize, fixed));
   }
+  columns_.kept.push_back(unknowns_.more.data());
+  if (known_ != nullptr) {
+    return;
+  }
   problem_->AddResidualBlock(new BlockPrior({kSize}, VectorXd::Zero(kSize), A, VectorXd::Zero(kSize)),
                              nullptr, unknowns_.more.data());
   vague_rows_ += kSize;
-  columns_.kept.push_back(unknowns_.more.data());
 }
 
 void LeastSquares::add_track(Track& track, const SmootherInput& input) {

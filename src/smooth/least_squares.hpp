@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "blocks.hpp"
+#include "known_state.hpp"
 #include "limber/smooth/smoother.hpp"
 #include "tracks.hpp"
 
@@ -44,7 +45,7 @@ struct Columns {
   std::vector<double*> landmarks;  ///< three wide, independent of each other
   std::vector<int> cells;          ///< of each landmark: part of the left image that it was first seen in
   std::vector<double*> chain;      ///< velocities, biases: each coupled with its neighbours alone
-  std::vector<double*> kept;       ///< poses, theta, other parameters
+  std::vector<double*> kept;       ///< poses, the last motion, theta, other parameters
   const double* rig = nullptr;     ///< theta, where it is one of all frames
 };
 
@@ -52,9 +53,10 @@ struct Columns {
 class LeastSquares {
  public:
   /// @param between  what lies between frame k and k + 1
+  /// @param known    what is known of the first frame, in the place of all priors of it; may be null
   LeastSquares(const SmootherInput& input, const StereoCalibration& calibration,
                const SmootherOptions& options, std::span<const MotionBetween> between, Unknowns& unknowns,
-               std::vector<Track>& tracks, RobustLoss loss);
+               std::vector<Track>& tracks, RobustLoss loss, const KnownState* known = nullptr);
 
   [[nodiscard]] ceres::Problem& problem() { return *problem_; }
   [[nodiscard]] const Columns& columns() const { return columns_; }
@@ -64,15 +66,19 @@ class LeastSquares {
   void judge_pixels();
 
  private:
-  void add_states(const SmootherInput& input, std::span<const MotionBetween> between);
+  void add_states(std::span<const MotionBetween> between);
+  void add_prior(const InitialState& prior);
+  void add_known();
   void add_rigs(std::span<const StereoFrame> frames);
   void add_parameters();
+  [[nodiscard]] std::vector<double*> blocks_of(std::size_t frame);
   void add_track(Track& track, const SmootherInput& input);
 
   const StereoCalibration& calibration_;
   const SmootherOptions& options_;
   Unknowns& unknowns_;
   std::vector<Track>& tracks_;
+  const KnownState* known_;
   bool with_theta_, with_more_;
   Rigs rigs_;
   std::unique_ptr<ceres::LossFunction> loss_;
@@ -81,6 +87,9 @@ class LeastSquares {
   Columns columns_;
   int vague_rows_ = 0;
 };
+
+/// Which of the parameters beyond theta are estimated, counted from the first of these.
+[[nodiscard]] std::vector<Eigen::Index> free_parameters(const SmootherOptions& options);
 
 /// Standard deviation of theta before anything is seen, as the options have it.
 [[nodiscard]] RigParameters sigma_of_rig(const SmootherOptions& options, double baseline);

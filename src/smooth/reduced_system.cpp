@@ -255,6 +255,22 @@ MatrixXd Marginals::of(const double* block, int size) const {
   return scale.asDiagonal() * multiply(transposed(part), part) * scale.asDiagonal();
 }
 
+MatrixXd Marginals::of(const std::vector<Block>& blocks) const {
+  Index size = 0;
+  for (const Block& block : blocks) {
+    size += block.size;
+  }
+  MatrixXd columns(inverse_factor_.rows(), size);
+  VectorXd scale(size);
+  Index at = 0;
+  for (const Block& block : blocks) {
+    columns.middleCols(at, block.size) = inverse_factor_.middleCols(system_.at(block.at), block.size);
+    scale.segment(at, block.size) = scale_.segment(system_.at(block.at), block.size);
+    at += block.size;
+  }
+  return scale.asDiagonal() * multiply(transposed(columns), columns) * scale.asDiagonal();
+}
+
 std::vector<MatrixXd> Marginals::of_chain(Index width) const {
   if (system_.chain.rows() == 0) {
     return {};

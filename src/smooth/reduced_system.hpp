@@ -35,12 +35,20 @@ struct ReducedSystem {
 /// @throws UnsolvableError if what is eliminated is not determined
 [[nodiscard]] ReducedSystem reduce(ceres::Problem& problem, const Columns& columns);
 
+/// A parameter block and how wide its tangent is.
+struct Block {
+  const double* at = nullptr;
+  int size = 0;
+};
+
 /// Blocks on the diagonal of the covariance of what is kept, each as wide as its tangent.
 /// @throws UnsolvableError if something kept is not determined
 class Marginals {
  public:
   explicit Marginals(ReducedSystem system);
   [[nodiscard]] Eigen::MatrixXd of(const double* block, int size) const;
+  /// Of several blocks together.
+  [[nodiscard]] Eigen::MatrixXd of(const std::vector<Block>& blocks) const;
   /// Those of the chain's blocks, all of one width, in their order. Takes as long as the construction.
   [[nodiscard]] std::vector<Eigen::MatrixXd> of_chain(Eigen::Index width) const;
   /// Part of a block in the covariance times a gradient of what is kept.

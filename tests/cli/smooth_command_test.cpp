@@ -3,11 +3,13 @@
 
 #include "cli/small_log.hpp"
 #include "limber/datasets/trajectory_files.hpp"
+#include "limber/run_files/calibration_file.hpp"
 
 namespace limber {
 namespace {
 
 using ::testing::Contains;
+using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
 using ::testing::Not;
 using Json = nlohmann::json;
@@ -55,6 +57,19 @@ TEST_F(SmoothCommand, IsNoWorseThanTheFilterItBeganWith) {
   EXPECT_LE(smoothed, summary()["position_rmse_m"].get<double>());
 }
 
+TEST_F(SmoothCommand, AnswersEachFrameByWhatCameUntilThenIfAsked) {
+  ASSERT_EQ(smooth({"--theta", "constant", "--init", "groundtruth", "--causal", "--window", "0.6"}).exit_code,
+            0);
+  EXPECT_EQ(read_trajectory_csv(out() / "trajectory.csv").size(), 41u);
+  EXPECT_EQ(summary()["method"], "smooth-constant-causal");
+  EXPECT_THAT(summary()["notes"].dump(), HasSubstr("smoothed over the 0.6 s before each of 41 frames"));
+  const std::vector<CalibrationRow> rows = read_calibration_csv(out() / "calibration.csv");
+  ASSERT_EQ(rows.size(), 41u);
+  EXPECT_LT(rows.back().estimate.sigma(0), rows[1].estimate.sigma(0)) << "known ever better";
+  const Json tx = summary()["estimated"]["tx"];
+  EXPECT_NEAR(tx["error"].get<double>(), 0.1, 4.0 * tx["sigma"].get<double>());
+}
+
 TEST_F(SmoothCommand, KeepsOtherPeoplesFilesUnlessForced) {
   write_text(out() / "frames.csv", "mine");
   expect_refused(smooth({}), 1, "frames.csv: expected no file of this name");
@@ -67,6 +82,8 @@ TEST_F(SmoothCommand, RefusesWhatItDoesNotKnow) {
   expect_refused(smooth({"--theta", "piecewise:0"}), 2, "piecewise:SECONDS");
   expect_refused(smooth({"--guess", "oracular"}), 2, "lcekf");
   expect_refused(smooth({"--soften", "theta"}), 2, "--soften");
+  expect_refused(smooth({"--window", "2"}), 2, "--causal");
+  expect_refused(smooth({"--causal", "--window", "0"}), 2, "--window");
 }
 
 }  // namespace

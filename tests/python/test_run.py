@@ -160,6 +160,11 @@ def test_smoothing_uses_the_whole_recording():
     assert smoothed.method == "smooth-constant"
     of = [limber.evaluate(run, recording)["ate_m"]["se3"] for run in (smoothed, filtered)]
     assert of[0] < of[1]
+    causal = limber.smooth(recording, "constant", causal=True, window=0.3, init="groundtruth")
+    assert causal.method == "smooth-constant-causal" and len(causal.t_ns) == len(smoothed.t_ns)
+    assert not np.array_equal(causal.p, smoothed.p)
+    with pytest.raises(ValueError, match="window"):
+        limber.smooth(recording, "constant", causal=True, window=0.0, init="groundtruth")
 
 
 def test_a_study_is_a_table(tmp_path):

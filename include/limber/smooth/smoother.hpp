@@ -86,11 +86,14 @@ struct SmoothedFrame {
   /// of gyro [rad/s] and accelerometer [m/s²], or the rate [rad/s]; empty with odometry or without
   /// covariances
   Eigen::MatrixXd motion_covariance;
-  RigParameters theta = RigParameters::Zero();   ///< the rig in this frame
-  Eigen::Matrix<double, 6, 6> theta_covariance;  ///< zero where it is trusted
-  std::size_t observed = 0, used = 0;            ///< points
-  double squared_residuals = 0.0;                ///< of the whitened pixels used [-]
-  std::size_t rows = 0;                          ///< of them
+  RigParameters theta = RigParameters::Zero();      ///< the rig in this frame
+  Eigen::Matrix<double, 6, 6> theta_covariance;     ///< zero where it is trusted
+  ParameterVector error = ParameterVector::Zero();  ///< true minus given, beyond theta
+  /// standard deviation of `error`; zero where it is not estimated
+  ParameterVector error_sigma = ParameterVector::Zero();
+  std::size_t observed = 0, used = 0;  ///< points
+  double squared_residuals = 0.0;      ///< of the whitened pixels used [-]
+  std::size_t rows = 0;                ///< of them
 };
 
 /// A pixel that was left out.
@@ -109,9 +112,6 @@ struct SmootherResult {
   /// one per frame of the input
   std::vector<SmoothedFrame> frames;
   std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< p_world_landmark [m]
-  ParameterVector error = ParameterVector::Zero();    ///< true minus given, beyond theta
-  /// standard deviation of `error`; zero where it is not estimated
-  ParameterVector error_sigma = ParameterVector::Zero();
   /// Of a constant rig, by image_cell of a point's first left pixel.
   std::map<int, CellScore> theta_scores;
   /// pixels that were left out
