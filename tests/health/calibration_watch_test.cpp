@@ -169,7 +169,8 @@ std::vector<RigEvidence> windows_off(const std::vector<double>& nods) {
     window.to_ns = window.from_ns + 2'500'000'000;
     window.all.information = 1e4 * NormalEquations::Matrix::Identity();
     window.all.vector = 1e4 * nod * NormalEquations::Vector::Unit(0);
-    window.tracks = window.both = window.all.information;
+    window.products.tracks = window.products.both = window.products.of_a_pixel[0] = window.all.information;
+    window.errors.squares[0] = window.errors.weights[0] = 1.0;
     window.epipolar = NormalEquations::Matrix::Zero();
     window.epipolar(0, 0) = 64.0;  // px a plausible error, squared
     window.points = 1;
