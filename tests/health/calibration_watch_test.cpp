@@ -78,8 +78,8 @@ TEST(CalibrationWatch, AnErrorThatIsOverIsOver) {
 }
 
 TEST(CalibrationWatch, AShortErrorOfDepthIsOver) {
-  // Its end is known by three windows on either side, too few to be always beyond doubt: 8 of these seeds
-  // miss it, 15 of the first 60; of a chance of a quarter more than 10 of 24 do so once in eighty times.
+  // Its end is known by three windows on either side. None of the first 60 seeds misses it; with degrees of
+  // freedom by the number of windows alone, as if clusters said nothing, half of them do.
   int missed = 0;
   for (unsigned seed = 1; seed <= 24; ++seed) {
     WorldOptions options;
@@ -101,7 +101,7 @@ TEST(CalibrationWatch, AShortErrorOfDepthIsOver) {
     EXPECT_EQ(judged.past[1].named, 1u);
     EXPECT_NEAR(seconds_between(judged.begin_ns, judged.last->state.from_ns), 18.0, 2.6);
   }
-  EXPECT_LE(missed, 10);
+  EXPECT_LE(missed, 1);
 }
 
 /// Nod that grows from 0 to so many degrees over the whole recording.
