@@ -23,39 +23,6 @@ constexpr double kDoubt = 0.01;                               // p-value of a dr
 constexpr std::array kEarlyLooks = {0.2, 0.4, 0.7};           // at the first window, as shares of its length
 constexpr double kLargestScale = 0.5;  // relative error of a metre: no sensor is believed to be worse
 
-void merge(const RigEvidence& other, RigEvidence& into) {
-  into.to_ns = other.to_ns;
-  into.all += other.all;
-  for (const auto& [cell, sums] : other.cells) {
-    into.cells[cell] += sums;
-  }
-  into.tracks += other.tracks;
-  into.both += other.both;
-  into.epipolar += other.epipolar;
-  into.points += other.points;
-  into.track_count += other.track_count;
-  into.deep += other.deep;
-  into.deep_tracks += other.deep_tracks;
-  into.scale_sigma = std::max(into.scale_sigma, other.scale_sigma);
-  for (std::size_t k = 0; k < into.blocks.size() && k < other.blocks.size(); ++k) {
-    into.blocks[k] += other.blocks[k];
-  }
-  for (std::size_t k = 0; k < into.depth_blocks.size() && k < other.depth_blocks.size(); ++k) {
-    into.depth_blocks[k] += other.depth_blocks[k];
-  }
-}
-
-void halve(std::vector<RigEvidence>& windows) {
-  std::vector<RigEvidence> out;
-  for (std::size_t k = 0; k < windows.size(); k += 2) {
-    out.push_back(windows[k]);
-    if (k + 1 < windows.size()) {
-      merge(windows[k + 1], out.back());
-    }
-  }
-  windows = std::move(out);
-}
-
 RigParameters px_by_axis(const BetaEstimate& estimate, const RigParameters& theta) {
   const NormalEquations::Vector px = estimate.epipolar.diagonal().cwiseMax(0.0).cwiseSqrt();
   return px.head<6>().cwiseQuotient(plausible_error(theta.tail<3>().norm()));
@@ -104,10 +71,16 @@ NormalEquations::Matrix drift_not_looked_for(NormalEquations::Matrix epipolar, c
   return Cholesky(information).inverse();
 }
 
-/// No more degrees of freedom than windows are left, without a state each, and two of expected scatter.
-Scatters of_windows(Scatters scatters, std::size_t windows, std::size_t states) {
-  for (Scatter& scatter : scatters) {
-    scatter.dof = std::min(scatter.dof, static_cast<double>(windows + 3 - 2 * states));
+/// What windows vary by is known with no more degrees of freedom than windows are left, without a state each,
+/// and two of expected scatter. That limits those of the variance by the share that it has in it.
+Scatters of_windows(Scatters scatters, const BetaEstimate& step, const ChangeWays& ways, std::size_t windows,
+                    std::size_t states) {
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    const NormalEquations::Vector& along = ways[k].along;
+    const double share =
+        along.dot(step.between * along) / std::max(along.dot(step.covariance * along), 1e-30);
+    const auto left = static_cast<double>(windows + 3 - 2 * states);
+    scatters[k].dof = std::min(scatters[k].dof, left / std::max(share * share, 1e-6));
   }
   return scatters;
 }
@@ -322,7 +295,8 @@ std::vector<std::size_t> CalibrationWatch::changes() {
   for (std::size_t last = kShortestStep; last <= kLongestStep && last + 1 + kShortestStep <= n; ++last) {
     const BetaEstimate step = looked_at.emplace_back(steps_at({n - last}).front());
     if (matters(step, *ways)) {
-      const Scatters scatters = of_windows(scatter->before(last + 1)[last - kShortestStep], n, 2);
+      const Scatters scatters =
+          of_windows(scatter->before(last + 1)[last - kShortestStep], step, *ways, n, 2);
       // Two windows before it may be two states: as careful as with two moments.
       const double places = n - last - 1 > kShortestStep ? 1.0 : kPlaces;
       consider(kTestsOfAWindow * places * least_chance(step, *ways, scatters), {n - last});
@@ -333,10 +307,11 @@ std::vector<std::size_t> CalibrationWatch::changes() {
         continue;  // one state less would do
       }
       const ScattersByLength& scatters = scatter->before(last + middle + 2);
-      const Scatters of_middle = of_windows(scatters[middle - kShortestStep], n, 3);
+      const Scatters of_middle = of_windows(scatters[middle - kShortestStep], steps.front(), *ways, n, 3);
+      const Scatters of_last = of_windows(scatters[last - kShortestStep], steps.back(), *ways, n, 3);
       constexpr double kTests = kTestsOfAWindow * kPlaces;
       if (kTests * least_chance(steps.front(), *ways, of_middle) < kDoubt) {
-        consider(kTests * least_chance(steps.back(), *ways, worse(of_middle, scatters[last - kShortestStep])),
+        consider(kTests * least_chance(steps.back(), *ways, worse(of_middle, of_last)),
                  {n - last - 1 - middle, n - last});
       }
     }
@@ -357,7 +332,7 @@ void CalibrationWatch::end_window(const RigEvidence& evidence) {
   };
   auto report = std::make_shared<CalibrationReport>();
   report->window = judged({evidence});
-  windows_.push_back(evidence);
+  append(evidence, windows_);
   std::size_t from = 0;
   for (const std::size_t first : changes()) {
     report->past.push_back(judged({windows_.begin() + static_cast<std::ptrdiff_t>(from),

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostSteps = 240;  // that are kept of a length
 /// What is believed before there are earlier steps, and how many of them that is worth: that covariances are
 /// right; that all ways are alike; how far the tails reach beyond Gaussian ones (Student's with 24 degrees).
-constexpr double kWorthCovariance = 1.0, kWorthAlike = 8.0;
+constexpr double kWorthCovariance = 1.0, kWorthAlike = 24.0;
 constexpr double kExcess = 0.3, kWorthExcess = 200.0;
 constexpr double kLeastExcess = 0.02;  // kurtosis less than Gaussian is none
 constexpr double kLargest = 25.0;      // square by its robust mean: larger ones count as this

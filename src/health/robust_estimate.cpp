@@ -20,6 +20,9 @@ using Eigen::VectorXd;
 constexpr Index kSize = NormalEquations::kSize;
 /// What a window is taken to vary by, in variances within it, and how many windows that belief is worth.
 constexpr double kOfAWindow = 3.0, kWorthWindows = 2.0;
+/// Of the covariance by tracks, the share that is by their weights and a common variance, not by the score of
+/// each.
+constexpr double kByWeights = 0.5;
 constexpr double kUnknownScale = 0.25;  // variance of the relative length of a metre that no input knows
 constexpr double kLeastScale = 0.01;    // relative error of a metre: no sensor is believed to know it better
 
@@ -32,24 +35,21 @@ MatrixXd positive_part(const MatrixXd& M) {
 /// The larger of two covariances in every direction: a + positive part of (b − a).
 MatrixXd larger(const MatrixXd& a, const MatrixXd& b) { return a + positive_part(b - a); }
 
-/// Errors of a window: beta = sum over p of basis(p) x_p. Kronecker products with its basis.
-MatrixXd spread(const VectorXd& basis, const NormalEquations::Matrix& M) {
-  const Index n = basis.size();
-  MatrixXd out(n * kSize, n * kSize);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      out.block<kSize, kSize>(i * kSize, j * kSize) = basis(i) * basis(j) * M;
+/// Errors of a window: beta = sum over p of basis(p) x_p. Adds a Kronecker product with the bases of two.
+void add_spread(const VectorXd& a, const VectorXd& b, const NormalEquations::Matrix& M, MatrixXd& sum) {
+  for (Index i = 0; i < a.size(); ++i) {
+    for (Index j = 0; j < b.size(); ++j) {
+      if (const double share = a(i) * b(j); share != 0.0) {
+        sum.block<kSize, kSize>(i * kSize, j * kSize) += share * M;
+      }
     }
   }
-  return out;
 }
 
-VectorXd spread(const VectorXd& basis, const NormalEquations::Vector& v) {
-  VectorXd out(basis.size() * kSize);
+void add_spread(const VectorXd& basis, const NormalEquations::Vector& v, VectorXd& sum) {
   for (Index i = 0; i < basis.size(); ++i) {
-    out.segment<kSize>(i * kSize) = basis(i) * v;
+    sum.segment<kSize>(i * kSize) += basis(i) * v;
   }
-  return out;
 }
 
 NormalEquations::Vector at(const VectorXd& basis, const VectorXd& x) {
@@ -62,21 +62,61 @@ NormalEquations::Vector at(const VectorXd& basis, const VectorXd& x) {
 
 struct Fit {
   VectorXd x;
-  MatrixXd covariance;
+  MatrixXd covariance, between;  // the second: part of the first that windows show, and clusters do not
 };
+
+/// Sums over clusters of score scoreᵀ.
+struct Clusters {
+  MatrixXd tracks, both;
+};
+
+/// What windows have to do with each other that see the same tracks.
+enum class SharedTracks { kLeftOut, kCounted };
+
+/// Few tracks may by chance have small scores: half of what counts is what they would be expected to have,
+/// were errors of tracks alike.
+Clusters by_track(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& basis,
+                  SharedTracks shared) {
+  TrackErrors errors;
+  for (const RigEvidence& window : windows) {
+    errors += window.errors;
+  }
+  const auto counted = [&](const ScoreProducts& products) -> NormalEquations::Matrix {
+    NormalEquations::Matrix out = (1.0 - kByWeights) * products.tracks;
+    for (std::size_t kind = 0; kind < kKinds; ++kind) {
+      out += kByWeights * errors.variance(kind) * products.of_a_pixel[kind];
+    }
+    return out;
+  };
+  const Index size = basis.front().size() * kSize;
+  Clusters out{MatrixXd::Zero(size, size), MatrixXd::Zero(size, size)}, between = out;
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    add_spread(basis[k], basis[k], counted(windows[k].products), out.tracks);
+    add_spread(basis[k], basis[k], windows[k].products.both, out.both);
+    const std::size_t lags =
+        shared == SharedTracks::kCounted ? std::min(windows[k].with_earlier.size(), k) : 0;
+    for (std::size_t lag = 1; lag <= lags; ++lag) {
+      const ScoreProducts& products = windows[k].with_earlier[lag - 1];
+      add_spread(basis[k], basis[k - lag], counted(products), between.tracks);
+      add_spread(basis[k], basis[k - lag], products.both, between.both);
+    }
+  }
+  out.tracks += between.tracks + between.tracks.transpose();
+  out.both += between.both + between.both.transpose();
+  return out;
+}
 
 /// Scores summed over clusters, V_track + V_cell − V_both, and windows as clusters as they become many.
 /// @param basis  of each window; all alike in size. Zero: the window counts for nothing
-Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& basis) {
+Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& basis,
+        SharedTracks shared = SharedTracks::kLeftOut) {
   const Index size = basis.front().size() * kSize;
   const MatrixXd prior = NormalEquations::kPrior * MatrixXd::Identity(size, size);
-  MatrixXd information = prior, tracks = MatrixXd::Zero(size, size), both = tracks;
+  MatrixXd information = prior;
   VectorXd vector = VectorXd::Zero(size);
   for (std::size_t k = 0; k < windows.size(); ++k) {
-    information += spread(basis[k], windows[k].all.information);
-    vector += spread(basis[k], windows[k].all.vector);
-    tracks += spread(basis[k], windows[k].tracks);
-    both += spread(basis[k], windows[k].both);
+    add_spread(basis[k], basis[k], windows[k].all.information, information);
+    add_spread(basis[k], windows[k].all.vector, vector);
   }
   const MatrixXd inverse = Cholesky(information).inverse();
   const VectorXd x = inverse * vector;
@@ -88,19 +128,24 @@ Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& ba
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const NormalEquations::Vector beta = at(basis[k], x);
     for (const auto& [cell, sums] : windows[k].cells) {
-      cells.try_emplace(cell, VectorXd::Zero(size)).first->second += spread(basis[k], sums.score(beta));
+      VectorXd& sum = cells[cell];
+      sum.conservativeResizeLike(VectorXd::Zero(size));
+      add_spread(basis[k], sums.score(beta), sum);
     }
-    const VectorXd score = spread(basis[k], windows[k].all.score(beta));
+    VectorXd score = VectorXd::Zero(size);
+    add_spread(basis[k], windows[k].all.score(beta), score);
     by_window += n / std::max(dof, 1.0) * score * score.transpose();
   }
   const auto count = static_cast<double>(cells.size());
   for (const auto& [cell, score] : cells) {
     by_cell += count / std::max(count - 1.0, 1.0) * score * score.transpose();
   }
-  const MatrixXd within = positive_part(larger(tracks, tracks + by_cell - both));
+  const Clusters clusters = by_track(windows, basis, shared);
+  const MatrixXd within = positive_part(larger(clusters.tracks, clusters.tracks + by_cell - clusters.both));
   const MatrixXd expected = kOfAWindow * within;
   const MatrixXd meat = larger(within, (kWorthWindows * expected + dof * by_window) / (kWorthWindows + dof));
-  return {x, multiply(multiply(inverse, meat + prior), inverse)};
+  return {x, multiply(multiply(inverse, meat + prior), inverse),
+          multiply(multiply(inverse, meat - within), inverse)};
 }
 
 /// Mean of J Jᵀ over the points seen.
@@ -199,12 +244,13 @@ std::vector<BetaEstimate> robust_steps(const std::vector<RigEvidence>& windows,
     }
     basis.push_back(std::move(steps));
   }
-  const Fit found = fit(windows, basis);
+  const Fit found = fit(windows, basis, SharedTracks::kCounted);
   const NormalEquations::Matrix epipolar = mean_epipolar(windows);
   std::vector<BetaEstimate> out;
   for (Index k = 1; k < states; ++k) {
     out.push_back({found.x.segment<kSize>(k * kSize),
-                   found.covariance.block<kSize, kSize>(k * kSize, k * kSize), epipolar});
+                   found.covariance.block<kSize, kSize>(k * kSize, k * kSize), epipolar,
+                   found.between.block<kSize, kSize>(k * kSize, k * kSize)});
     if (metric) {
       const auto at = static_cast<std::size_t>(k - 1);
       const std::size_t from = at == 0 ? 0 : firsts[at - 1];

@@ -39,24 +39,30 @@ Vector solve(const NormalEquations& normal) { return Cholesky(normal.information
 /// Of the rows of one track.
 struct TrackSums {
   Matrix information = Matrix::Zero();
-  std::map<int, Vector> scores;  // by cell
+  TrackScores scores;
+  std::array<double, kKinds> weight{}, off{};  // sums of weights, and of weighted residuals
 };
 
 /// A fit follows each of its tracks, which leaves them too small a score. Taken is what a track has in a fit
 /// without it (a jackknife): of a hundred tracks little more, of ten several times as much.
-void sum_up_tracks(const std::map<std::int64_t, TrackSums>& tracks, const Matrix& information,
-                   RigEvidence& out) {
-  for (const auto& [id, track] : tracks) {
+void sum_up_tracks(std::map<std::int64_t, TrackSums>& tracks, const Matrix& information, RigEvidence& out) {
+  for (auto& [id, track] : tracks) {
     const Cholesky others(information - track.information);
-    Vector sum = Vector::Zero();
-    for (const auto& [cell, score] : track.scores) {
-      const Vector without = information * others.solve(score);
-      out.both.noalias() += without * without.transpose();
-      sum += without;
+    Vector moved = Vector::Zero();  // the estimate, by the track
+    for (auto& [cell, score] : track.scores.cells) {
+      const Vector by_cell = others.solve(score);
+      moved += by_cell;
+      score = information * by_cell;
     }
-    out.tracks.noalias() += sum * sum.transpose();
+    for (std::size_t kind = 0; kind < kKinds; ++kind) {
+      const double without = track.off[kind] + track.scores.of_a_pixel[kind].dot(moved);
+      out.errors.squares[kind] += track.off[kind] * without / std::max(track.weight[kind], 1e-30);
+      out.errors.weights[kind] += track.weight[kind];
+    }
+    out.tracks.emplace_hint(out.tracks.end(), id, std::move(track.scores));
   }
-  out.track_count = tracks.size();
+  out.products = products_of(out.tracks, out.tracks);
+  out.track_count = out.tracks.size();
 }
 
 }  // namespace
@@ -247,7 +253,10 @@ void WindowFit::sum_up() {
     out.cells[row.cell] += one;
     TrackSums& track = tracks[row.track];
     track.information += one.information;
-    track.scores.try_emplace(row.cell, Vector::Zero()).first->second += one.score(beta_);
+    track.scores.cells.try_emplace(row.cell, Vector::Zero()).first->second += one.score(beta_);
+    track.scores.of_a_pixel[row.along] += row.weight * row.J;
+    track.weight[row.along] += row.weight;
+    track.off[row.along] += row.weight * (row.y - row.J.dot(beta_));
     if (row.along) {
       ++out.deep;
       if (row.weight > 0.0) {

@@ -78,8 +78,8 @@ TEST(CalibrationWatch, AnErrorThatIsOverIsOver) {
 }
 
 TEST(CalibrationWatch, AShortErrorOfDepthIsOver) {
-  // Its end is known by three windows on either side, too few to be always beyond doubt: 8 of these seeds
-  // miss it, 15 of the first 60; of a chance of a quarter more than 10 of 24 do so once in eighty times.
+  // Its end is known by three windows on either side. None of the first 60 seeds misses it; with degrees of
+  // freedom by the number of windows alone, as if clusters said nothing, half of them do.
   int missed = 0;
   for (unsigned seed = 1; seed <= 24; ++seed) {
     WorldOptions options;
@@ -101,7 +101,7 @@ TEST(CalibrationWatch, AShortErrorOfDepthIsOver) {
     EXPECT_EQ(judged.past[1].named, 1u);
     EXPECT_NEAR(seconds_between(judged.begin_ns, judged.last->state.from_ns), 18.0, 2.6);
   }
-  EXPECT_LE(missed, 10);
+  EXPECT_LE(missed, 1);
 }
 
 /// Nod that grows from 0 to so many degrees over the whole recording.
@@ -169,7 +169,8 @@ std::vector<RigEvidence> windows_off(const std::vector<double>& nods) {
     window.to_ns = window.from_ns + 2'500'000'000;
     window.all.information = 1e4 * NormalEquations::Matrix::Identity();
     window.all.vector = 1e4 * nod * NormalEquations::Vector::Unit(0);
-    window.tracks = window.both = window.all.information;
+    window.products.tracks = window.products.both = window.products.of_a_pixel[0] = window.all.information;
+    window.errors.squares[0] = window.errors.weights[0] = 1.0;
     window.epipolar = NormalEquations::Matrix::Zero();
     window.epipolar(0, 0) = 64.0;  // px a plausible error, squared
     window.points = 1;

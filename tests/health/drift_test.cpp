@@ -25,7 +25,8 @@ std::vector<RigEvidence> windows_of(const std::vector<NormalEquations::Vector>& 
     window.to_ns = window.from_ns + kWindow_ns;
     window.all.information = NormalEquations::Matrix::Identity() / kVariance;
     window.all.vector = error[k] / std::sqrt(kVariance);
-    window.tracks = window.both = window.all.information;
+    window.products.tracks = window.products.both = window.products.of_a_pixel[0] = window.all.information;
+    window.errors.squares[0] = window.errors.weights[0] = 1.0;
     window.epipolar = NormalEquations::Matrix::Identity();
     window.points = 1;
   }

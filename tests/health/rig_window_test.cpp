@@ -31,7 +31,7 @@ std::vector<RigEvidence> windows_of(const World& world, std::size_t frames = 50)
     window.add(world.frames[k], world.poses[k], true);
     if ((k + 1) % frames == 0) {
       if (const auto evidence = evidence_of(window.close())) {
-        out.push_back(*evidence);
+        append(*evidence, out);
       }
     }
   }
@@ -151,6 +151,70 @@ TEST(RigWindow, AFewTracksMakeItAsUnsureAsItIs) {
   }
   EXPECT_LT(z2, 1.0);
   EXPECT_GT(z2, 0.05);
+}
+
+/// Mean square of z of steps of the last three of ten windows, on three axes: 1 if the covariance is right.
+/// @param shared  the windows know what tracks they share
+double square_of_steps(bool shared) {
+  constexpr unsigned kSeeds = 100;
+  double out = 0.0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    WorldOptions options;
+    options.seconds = 25.0;
+    options.points = 12;
+    options.per_track_px = 0.4;
+    options.seed = seed;
+    const World world = fly_past(options);
+    std::vector<RigEvidence> windows = windows_of(world);
+    for (RigEvidence& window : windows) {
+      if (!shared) {
+        window.with_earlier.clear();
+      }
+    }
+    const BetaEstimate step = robust_steps(windows, {windows.size() - 3}, world.assumed.theta, true).front();
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      out += step.beta(k) * step.beta(k) / step.covariance(k, k) / (3.0 * kSeeds);
+    }
+  }
+  return out;
+}
+
+/// A track that is in sight for seconds has one error in several windows, which are not independent.
+TEST(RigWindow, TracksThatStayMakeAStepAsUnsureAsItIs) {
+  EXPECT_NEAR(square_of_steps(true), 1.0, 0.2);
+  EXPECT_GT(square_of_steps(false), 1.3);
+}
+
+/// Scores that tracks have, and those that they are expected to have by their weights and a common variance.
+TEST(RigWindow, ErrorsOfTracksAreAsLargeAsTheirScores) {
+  double had = 0.0, expected = 0.0;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    WorldOptions options;
+    options.seconds = 2.5;
+    options.per_track_px = 0.4;
+    options.seed = seed;
+    const RigEvidence window = windows_of(fly_past(options)).front();
+    const NormalEquations::Matrix inverse = window.all.information.inverse();
+    had += (inverse * window.products.tracks).trace();
+    for (std::size_t kind = 0; kind < kKinds; ++kind) {
+      expected += window.errors.variance(kind) * (inverse * window.products.of_a_pixel[kind]).trace();
+    }
+  }
+  EXPECT_NEAR(expected / had, 1.0, 0.2);
+}
+
+/// A handful of tracks may by chance agree far better than their errors are small.
+TEST(RigWindow, TracksThatAgreeByChanceAreBelievedByHalf) {
+  RigEvidence window;
+  window.all.information = 1e4 * NormalEquations::Matrix::Identity();
+  window.products.of_a_pixel[0] = window.all.information;
+  window.errors.squares[0] = window.errors.weights[0] = 1.0;
+  const auto variance = [&](double share) {
+    window.products.tracks = window.products.both = share * window.all.information;
+    return robust_estimate({window}, testing::world_calibration().theta, true).covariance(0, 0);
+  };
+  EXPECT_NEAR(variance(0.0) / variance(1.0), 0.5, 0.01);
+  EXPECT_NEAR(variance(3.0) / variance(1.0), 2.0, 0.01);
 }
 
 TEST(RigWindow, WithTooFewPointsSaysNothing) {

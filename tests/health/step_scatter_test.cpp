@@ -152,7 +152,7 @@ TEST(StepScatter, BeforeThereAreEarlierStepsCovariancesAreBelieved) {
   for (const Scatters& of_length : scatters) {
     for (const Scatter& scatter : of_length) {
       EXPECT_DOUBLE_EQ(scatter.factor, 1.0);
-      EXPECT_NEAR(scatter.dof, 6.0, 0.1);  // eight steps and tails of Student's t with 24
+      EXPECT_NEAR(scatter.dof, 12.0, 0.1);  // 24 steps and tails of Student's t with 24
     }
   }
 }

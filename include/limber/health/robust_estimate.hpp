@@ -29,6 +29,8 @@ struct BetaEstimate {
   NormalEquations::Matrix covariance = NormalEquations::Matrix::Zero();
   /// betaᵀ epipolar beta: mean square of the distance to the epipolar line [px^2].
   NormalEquations::Matrix epipolar = NormalEquations::Matrix::Zero();
+  /// Part of the covariance of a step: what windows vary by beyond what their clusters say.
+  NormalEquations::Matrix between = NormalEquations::Matrix::Zero();
 
   /// The six of the rig in units of theta: without the lens.
   /// @param theta  assumed, tells one plausible error
@@ -68,7 +70,7 @@ struct BetaTrend {
 [[nodiscard]] BetaEstimate with_drift_within(const BetaTrend& trend, const NormalEquations::Matrix& expected);
 
 /// @brief By how much the rig changed at moments between which it is constant: what lenses do wrong is the
-/// same before and after, and cancels.
+/// same before and after, and cancels. What windows share that see the same tracks is in the covariance.
 /// @param firsts  window after each moment, increasing. The one before it holds the moment and is left out;
 /// at
 ///                least one is left of each state
