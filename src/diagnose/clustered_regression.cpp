@@ -15,7 +15,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kHuber = 2.0;  // robust standard deviations
-constexpr double kMadToSigma = 1.4826;
 constexpr int kReweightings = 5;
 
 /// Sums of Z Aᵀ and Z times the residual.
@@ -34,7 +33,7 @@ double robust_sigma(std::vector<double> residuals) {
   for (double& r : residuals) {
     r = std::abs(r);
   }
-  return kMadToSigma * upper_median(std::move(residuals));
+  return sigma_of_magnitudes(std::move(residuals));
 }
 
 /// The equations of a change of x, with the weights that x gives.

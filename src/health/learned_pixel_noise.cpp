@@ -36,20 +36,18 @@ constexpr double kLargestStep = 4.0;
 constexpr double kFewestRows = 20.0;
 constexpr Index kTerms = 6;  // of a quadratic in two variables
 constexpr std::size_t kFewestForAFit = 4 * kTerms;
-constexpr double kFarOff = 3.0;           // of the errors' size: mismatched
-constexpr double kSizeOfMedian = 1.4826;  // standard deviation over median of the magnitude, of a Gaussian
-constexpr int kFits = 4;                  // of the rig to a frame: 10 degrees are settled after three
-constexpr Index kBends = 5;               // a rotation, and the direction of the baseline
-constexpr double kRounding = 1e-3;        // [px]
-constexpr double kStep = 1e-6;            // [rad], of a numerical derivative
-constexpr double kPlausibleBend = 0.1;    // [rad], where the points do not tell
+constexpr double kFarOff = 3.0;         // of the errors' size: mismatched
+constexpr int kFits = 4;                // of the rig to a frame: 10 degrees are settled after three
+constexpr Index kBends = 5;             // a rotation, and the direction of the baseline
+constexpr double kRounding = 1e-3;      // [px]
+constexpr double kStep = 1e-6;          // [rad], of a numerical derivative
+constexpr double kPlausibleBend = 0.1;  // [rad], where the points do not tell
 
 double root_mean_square(const PixelNoise& sigma) { return std::sqrt(sigma.squaredNorm() / 4.0); }
 
 double size_of(const VectorXd& errors) {
   const VectorXd magnitude = errors.cwiseAbs();
-  return kSizeOfMedian *
-         upper_median(std::vector<double>(magnitude.data(), magnitude.data() + magnitude.size()));
+  return sigma_of_magnitudes({magnitude.data(), magnitude.data() + magnitude.size()});
 }
 
 VectorXd errors_of(const std::vector<StereoBearings>& points, const Pose& rig) {

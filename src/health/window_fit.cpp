@@ -216,7 +216,7 @@ void WindowFit::weigh() {
     }
     std::array<double, 2> noise{};
     for (std::size_t k = 0; k < 2; ++k) {
-      noise[k] = off[k].empty() ? 1.0 : std::max(1.4826 * upper_median(off[k]), kLeastNoise_px);
+      noise[k] = off[k].empty() ? 1.0 : std::max(sigma_of_magnitudes(off[k]), kLeastNoise_px);
     }
     for (Row& row : rows_) {
       const double sigma = noise[row.along] * row.noise;

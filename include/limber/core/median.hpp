@@ -32,6 +32,13 @@ template <typename T>
   return order_statistic(std::move(values), middle);
 }
 
+/// Standard deviation of normal numbers of mean zero, from the median of their magnitudes, which no share of
+/// wild ones below a half can move far. @param magnitudes  not empty
+[[nodiscard]] inline double sigma_of_magnitudes(std::vector<double> magnitudes) {
+  constexpr double kSigmaOverMedian = 1.4826;
+  return kSigmaOverMedian * upper_median(std::move(magnitudes));
+}
+
 /// The middle value; of an even count the mean of the two in the middle (the larger one if that is infinite):
 /// for what is shown. @param values  not empty
 [[nodiscard]] inline double median(std::vector<double> values) {
