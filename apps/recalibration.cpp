@@ -71,6 +71,7 @@ RecalibrationOutcome recalibrate(const Recording& recording, const RecalibrateOp
 
 void require_replaceable_recalibration(const fs::path& folder, bool force,
                                        const std::vector<fs::path>& inputs) {
+  require_no_recording(folder);
   const fs::path report = folder / kRecalibrationFile;
   require_replaceable(report, kRecalibrationMark, force, inputs);
   const std::string_view mark = fs::exists(report) ? "" : kRecalibrationMark;

@@ -38,7 +38,14 @@ void require_replaceable(const std::filesystem::path& file, std::string_view mar
 void require_remakable(const std::filesystem::path& made, std::string_view mark,
                        const std::filesystem::path& results, bool force);
 
-/// The results of a run and its page. @throws DataError
+/// Results beside the files of a recording would be taken for what belongs to it.
+/// @throws DataError if the folder is that of a recording, or lies in a mav0
+void require_no_recording(const std::filesystem::path& folder);
+
+/// The other way round. @throws DataError if the folder holds the results of a run
+void require_no_run(const std::filesystem::path& folder);
+
+/// The results of a run and its page, and no recording beside them. @throws DataError
 void require_replaceable_run(const std::filesystem::path& folder, bool force);
 
 /// What export_csv or export_json write beside a database.

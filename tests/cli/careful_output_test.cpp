@@ -209,6 +209,54 @@ TEST_F(CarefulOutput, ReplacesNothingOfOthersInARecordingOfItsOwn) {
   }
 }
 
+TEST_F(CarefulOutput, PutsNoResultsBesideARecording) {
+  const auto before = testing::files_below(log());
+  for (const fs::path& place : {log(), mav0(), mav0() / "tracks0", mav0() / "run", log() / "../log"}) {
+    for (const char* const command : {"run", "smooth", "health", "recalibrate"}) {
+      expect_refused(run_limber({command, (folder() / "other").string(), "--out", place.string(), "--force"}),
+                     1,
+                     place.string() + ": expected a folder for the results alone, such as " +
+                         fs::canonical(log()).string() + "-results, found ");
+    }
+    expect_refused(run_into(place, {"--methods", "ekf,lcekf"}), 1, "a folder for the results alone");
+  }
+  for (const char* const file : {"kitti/image_0/000000.png", "day/drive/image_00/timestamps.txt",
+                                 "bag/metadata.yaml", "flat/tracks0/data.csv"}) {
+    write_text(folder() / file, "x");
+    const fs::path place = folder() / *fs::path(file).begin();
+    expect_refused(run_into(place), 1, "found that of a recording");
+  }
+  EXPECT_EQ(testing::files_below(log()), before);
+  EXPECT_EQ(run_into(log() / "run").exit_code, 0) << "a folder of its own within may be";
+  EXPECT_EQ(run_into(out()).exit_code, 0) << "and the recording is read as before";
+}
+
+TEST_F(CarefulOutput, PutsNoRecordingBesideResults) {
+  ASSERT_EQ(run().exit_code, 0);
+  for (const auto& result :
+       {run_limber({"simulate", scenario().string(), "--out", out().string(), "--force"}),
+        run_limber({"convert", log().string(), "--out", out().string(), "--force"})}) {
+    expect_refused(result, 1, out().string() + ": expected a folder for the recording alone");
+  }
+  EXPECT_FALSE(fs::exists(out() / "mav0"));
+}
+
+/// Programs before this one wrote a run into the folder of its recording.
+TEST_F(CarefulOutput, TakesNoResultsForTheRecordingThatTheyLieBeside) {
+  ASSERT_EQ(run().exit_code, 0);
+  for (const char* const name : {"summary.json", "trajectory.csv", "truth.csv"}) {
+    fs::copy_file(out() / name, log() / name);
+  }
+  const std::string estimate = (out() / "trajectory.csv").string();
+  const auto evaluated = run_limber({"evaluate", estimate, log().string()});
+  EXPECT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  EXPECT_THAT(evaluated.out, HasSubstr((mav0() / "state_groundtruth_estimate0/data.csv").string()));
+  const fs::path copy = folder() / "copy";
+  EXPECT_EQ(run_limber({"convert", log().string(), "--out", copy.string()}).exit_code, 0);
+  EXPECT_EQ(read_text(copy / "mav0/tracks0/data.csv"), read_text(mav0() / "tracks0/data.csv"));
+  EXPECT_THAT(run_limber({"info", log().string()}).out, HasSubstr("log: track log"));
+}
+
 TEST_F(CarefulOutput, EndsInOrderWhereMessagesCannotBeWritten) {
   const std::string limber = testing::limber_command({"run", "/nowhere", "--out", out().string()});
   for (const char* const err : {"2>/dev/full", "2>&-", "1>&- 2>&-"}) {

@@ -95,7 +95,7 @@ TEST_F(RecalibrateCommand, ReplacesNothingOfOthers) {
   fs::create_directories(log() / "mav0");
   std::vector<std::string> into = {"recalibrate", log().string(), "--out", (log() / "mav0").string(),
                                    "--force"};
-  expect_refused(run_limber(into), 1, "sensor.yaml");
+  expect_refused(run_limber(into), 1, "a folder for the results alone");
 }
 
 }  // namespace
