@@ -11,6 +11,7 @@
 #include "limber/run_files/run_output.hpp"
 #include "limber/run_files/run_results.hpp"
 #include "report_files.hpp"
+#include "uninterrupted.hpp"
 
 namespace limber::app {
 namespace {
@@ -122,6 +123,13 @@ void require_replaceable_run(const fs::path& folder, bool force) {
     refuse(folder / there, kForeign);
   }
   require_replaceable(folder / "report.html", kPageMark, force);
+}
+
+void write_run(const fs::path& folder, bool force, const RunOptions& options, const RunRecord& record,
+               const RunSummary& summary) {
+  const Uninterrupted until_written;
+  require_replaceable_run(folder, force);
+  write_run_output(folder, options, record, summary);
 }
 
 void require_replaceable_export(const fs::path& database, std::string_view format, bool force) {

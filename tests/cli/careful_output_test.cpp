@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "cli/child_process.hpp"
 #include "cli/small_log.hpp"
 #include "limber/report/write_report.hpp"
 
@@ -159,6 +160,17 @@ TEST_F(CarefulOutput, AReportIsDrawnAnewInItsPlaceButNotElsewhere) {
   ASSERT_EQ(run_limber({"report", out().string(), "--out", elsewhere}).exit_code, 0);
   expect_refused(run_limber({"report", out().string(), "--out", elsewhere}), 1, "--force replaces it");
   EXPECT_EQ(run_limber({"report", out().string(), "--out", elsewhere, "--force"}).exit_code, 0);
+}
+
+TEST_F(CarefulOutput, KeepsWhatAnotherProgramWroteDuringTheRun) {
+  testing::ChildProcess limber({"run", log().string(), "--methods", "lcekf,ekf", "--out", out().string()});
+  for (int k = 0; k < 30'000 && !fs::exists(out() / "lcekf/summary.json"); ++k) {
+    usleep(1000);
+  }
+  const fs::path other = write_text(out() / "ekf/trajectory.csv", "mine");
+  EXPECT_EQ(limber.wait(), 1);
+  EXPECT_THAT(limber.err(), HasSubstr("ekf/trajectory.csv: expected no file of this name"));
+  EXPECT_EQ(read_text(other), "mine");
 }
 
 TEST_F(CarefulOutput, LeavesDevicesAndPipesAlone) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <nlohmann/json.hpp>
 
+#include "cli/child_process.hpp"
 #include "cli/small_log.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/track_log.hpp"
@@ -86,6 +87,15 @@ TEST_F(RecalibrateCommand, LeavesNoOlderFileThatCannotSayTheLens) {
   EXPECT_FALSE(fs::exists(out() / "calib_cam_to_cam.txt"));
   EXPECT_THAT(read_text(out() / "camchain.yaml"), HasSubstr("omni"));
   EXPECT_TRUE(fs::exists(out() / "notes.txt")) << "no file of ours";
+}
+
+TEST_F(RecalibrateCommand, LeavesNothingWhereThereIsNoRoomForAllFiles) {
+  constexpr rlim_t kOneFileAtMost = 700;  // [bytes]: enough for a camera's sensor.yaml
+  testing::ChildProcess limber({"recalibrate", log().string(), "--out", out().string(), "--write-anyway"},
+                               kOneFileAtMost);
+  EXPECT_EQ(limber.wait(), 1);
+  EXPECT_THAT(limber.err(), HasSubstr("expected room to write the file"));
+  EXPECT_FALSE(fs::exists(out()));
 }
 
 TEST_F(RecalibrateCommand, ReplacesNothingOfOthers) {
