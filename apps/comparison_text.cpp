@@ -170,7 +170,7 @@ std::string to_json(const RunComparison& comparison) {
   for (const RunDifference& difference : comparison.differences) {
     json["differences"].push_back(json_of(difference, comparison));
   }
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 }  // namespace limber::app

@@ -119,6 +119,7 @@ void require_free(const ConvertArguments& arguments) {
     throw DataError(out.string(), 0, "a name for the result that is not also the input", "what is converted");
   }
   if (is_folder(out)) {
+    require_no_run(out);
     require_place_for_mav0(out, arguments.force);
   } else {
     require_replaceable(out, kNoMark, arguments.force, {in.dataset, in.calibration, in.imu});
@@ -261,9 +262,12 @@ void convert_trajectory(const ConvertArguments& arguments) {
   }
 }
 
+/// In a folder that holds both, the recording counts, as for limber run.
+bool is_run_alone(const fs::path& path) { return is_run_folder(path) && !holds_recording(path); }
+
 /// Nothing: what is converted is no run and no trajectory file.
 std::optional<RunResults> results_of(const fs::path& path) {
-  if (is_run_folder(path)) {
+  if (is_run_alone(path)) {
     return read_run_results(path);
   }
   if (!fs::is_regular_file(path) || !is_trajectory(path)) {
@@ -280,7 +284,7 @@ void convert(const ConvertArguments& arguments) {
   require_known_ending(arguments.out);
   require_free(arguments);
   const std::optional<BagOutput> bag = bag_output_of(arguments);
-  if (is_folder(arguments.out) && is_run_folder(arguments.recording.dataset)) {
+  if (is_folder(arguments.out) && is_run_alone(arguments.recording.dataset)) {
     throw CLI::ValidationError("--out",
                                fmt::format("a run becomes {}, not a folder of a recording", kEndings));
   }

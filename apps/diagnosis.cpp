@@ -245,7 +245,7 @@ std::string to_json(const Diagnosis& diagnosis) {
                                          : Json(nullptr)},
       {"failure", diagnosis.failure.empty() ? Json(nullptr) : Json(diagnosis.failure)},
       {"advice", advice(diagnosis)}};
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 }  // namespace limber::app

@@ -9,6 +9,7 @@
 #include "evaluation_report.hpp"
 #include "limber/io/atomic_file.hpp"
 #include "messages.hpp"
+#include "ordered_json.hpp"
 #include "replaceable.hpp"
 #include "trajectory_input.hpp"
 #include "validators.hpp"
@@ -37,7 +38,7 @@ void evaluate(const EvaluateOptions& options) {
   }
   const EvaluationReport report =
       limber::app::evaluate(estimate, truth, options.max_time_difference, options.settings);
-  const std::string json = to_json(report).dump(2) + "\n";
+  const std::string json = json_text(to_json(report));
   if (!options.out.empty()) {
     write_file_atomically(options.out, json);
   }

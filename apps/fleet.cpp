@@ -125,7 +125,7 @@ std::string fleet_json(const std::vector<FleetRow>& rows) {
       out[k]["trend"] = to_json(trend);
     }
   }
-  return out.dump(2) + "\n";
+  return json_text(out);
 }
 
 }  // namespace limber::app

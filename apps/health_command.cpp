@@ -21,14 +21,12 @@
 #include "limber/core/divergence_error.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/run_files/health_state.hpp"
-#include "limber/run_files/run_output.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
 #include "replaceable.hpp"
 #include "report_files.hpp"
-#include "uninterrupted.hpp"
 #include "validators.hpp"
 
 namespace limber::app {
@@ -59,10 +57,7 @@ void report_run(const HealthArguments& arguments, const RunOptions& options, con
     }
   }
   if (!arguments.out.empty()) {
-    {
-      const Uninterrupted until_written;
-      write_run_output(arguments.out, options, record, summary);
-    }
+    write_run(arguments.out, arguments.force, options, record, summary);
     make_report_beside(arguments.out);
   }
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -93,6 +94,9 @@ int run(CLI::App& app, int argc, char** argv) {
     return report_usage(app, error);
   } catch (const std::bad_alloc&) {
     print_error("not enough memory: fewer points a frame or a smaller --max-landmarks need less");
+    return limber::app::kExitFailed;
+  } catch (const std::filesystem::filesystem_error& error) {
+    print_error(error.path1().string() + ": " + error.code().message());
     return limber::app::kExitFailed;
   } catch (const std::exception& error) {
     print_error(error.what());

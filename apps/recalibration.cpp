@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "frame_source.hpp"
+#include "limber/core/errors.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/io/atomic_file.hpp"
 #include "limber/rig_files/write_rig_files.hpp"
@@ -71,6 +72,7 @@ RecalibrationOutcome recalibrate(const Recording& recording, const RecalibrateOp
 
 void require_replaceable_recalibration(const fs::path& folder, bool force,
                                        const std::vector<fs::path>& inputs) {
+  require_no_recording(folder);
   const fs::path report = folder / kRecalibrationFile;
   require_replaceable(report, kRecalibrationMark, force, inputs);
   const std::string_view mark = fs::exists(report) ? "" : kRecalibrationMark;
@@ -81,14 +83,26 @@ void require_replaceable_recalibration(const fs::path& folder, bool force,
 
 void write_recalibration(const fs::path& folder, const RecalibrationOutcome& outcome,
                          const Recording& recording, bool rig) {
-  fs::create_directories(folder);
-  std::vector<std::string> files;
-  if (rig) {
-    files = write_rig_files(folder, outcome.found.fitted, recording.imu_noise);
-    remove_older(folder, files);
+  try {
+    const FolderUnlessEmpty outer(folder);
+    StagedFolder staged(folder / "calibration");
+    std::vector<std::string> files;
+    if (rig) {
+      files = write_rig_files(staged.path(), outcome.found.fitted, recording.imu_noise);
+    }
+    write_file_atomically(staged.path() / kRecalibrationFile,
+                          to_json(outcome.found, recording.name, outcome.ate, files));
+    if (rig) {
+      remove_older(folder, files);
+    }
+    for (const std::string& name : files) {
+      fs::create_directories((folder / name).parent_path());
+    }
+    files.emplace_back(kRecalibrationFile);
+    staged.move_files(files, folder);
+  } catch (const fs::filesystem_error& error) {
+    throw DataError(folder.string(), 0, "a folder that can be made and written", error.code().message());
   }
-  write_file_atomically(folder / kRecalibrationFile,
-                        to_json(outcome.found, recording.name, outcome.ate, files));
 }
 
 }  // namespace limber::app

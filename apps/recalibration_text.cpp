@@ -132,7 +132,7 @@ std::string to_json(const Recalibration& found, const std::string& dataset,
   out["ate_ekf_m"] = ate ? pair(*ate) : Json(nullptr);
   out["files"] = files;
   out["notes"] = found.notes;
-  return out.dump(2) + "\n";
+  return json_text(out);
 }
 
 }  // namespace limber::app

@@ -7,8 +7,11 @@
 #include <system_error>
 
 #include "limber/core/errors.hpp"
+#include "limber/datasets/recording_place.hpp"
 #include "limber/run_files/run_output.hpp"
+#include "limber/run_files/run_results.hpp"
 #include "report_files.hpp"
+#include "uninterrupted.hpp"
 
 namespace limber::app {
 namespace {
@@ -49,6 +52,16 @@ bool lies_within(const fs::path& file, const fs::path& folder) {
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
+/// A folder beside the recording that `place` is in.
+std::string example_of(const fs::path& place) {
+  fs::path recording;
+  for (const fs::path& part : place) {
+    if (part == "mav0") break;
+    recording /= part;
+  }
+  return recording.string() + "-results";
+}
+
 }  // namespace
 
 void require_replaceable(const fs::path& file, std::string_view mark, bool force,
@@ -77,7 +90,24 @@ void require_remakable(const fs::path& made, std::string_view mark, const fs::pa
   require_replaceable(made, mark, force || again, {results});
 }
 
+void require_no_recording(const fs::path& folder) {
+  std::error_code error;
+  const fs::path place = fs::weakly_canonical(fs::absolute(folder), error);
+  const bool in_mav0 = std::find(place.begin(), place.end(), "mav0") != place.end();
+  if (in_mav0 || holds_recording(folder)) {
+    throw DataError(folder.string(), 0, "a folder for the results alone, such as " + example_of(place),
+                    in_mav0 ? "one within a recording" : "that of a recording");
+  }
+}
+
+void require_no_run(const fs::path& folder) {
+  if (is_run_folder(folder)) {
+    throw DataError(folder.string(), 0, "a folder for the recording alone", "one with the results of a run");
+  }
+}
+
 void require_replaceable_run(const fs::path& folder, bool force) {
+  require_no_recording(folder);
   std::string there;
   for (const std::string& name : run_file_names()) {
     require_regular(folder / name);
@@ -93,6 +123,13 @@ void require_replaceable_run(const fs::path& folder, bool force) {
     refuse(folder / there, kForeign);
   }
   require_replaceable(folder / "report.html", kPageMark, force);
+}
+
+void write_run(const fs::path& folder, bool force, const RunOptions& options, const RunRecord& record,
+               const RunSummary& summary) {
+  const Uninterrupted until_written;
+  require_replaceable_run(folder, force);
+  write_run_output(folder, options, record, summary);
 }
 
 void require_replaceable_export(const fs::path& database, std::string_view format, bool force) {

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "limber/diagnose/run_summary.hpp"
+
 /// What limber may replace: nothing, unless --force is given; then any regular file of a result's name, but
 /// never what a command reads. The mark of each kind of file tells limber's own, for the message, and for
 /// what is made anew from results beside it, by which nothing is lost.
@@ -38,8 +40,21 @@ void require_replaceable(const std::filesystem::path& file, std::string_view mar
 void require_remakable(const std::filesystem::path& made, std::string_view mark,
                        const std::filesystem::path& results, bool force);
 
-/// The results of a run and its page. @throws DataError
+/// Results beside the files of a recording would be taken for what belongs to it.
+/// @throws DataError if the folder is that of a recording, or lies in a mav0
+void require_no_recording(const std::filesystem::path& folder);
+
+/// The other way round. @throws DataError if the folder holds the results of a run
+void require_no_run(const std::filesystem::path& folder);
+
+/// The results of a run and its page, and no recording beside them. @throws DataError
 void require_replaceable_run(const std::filesystem::path& folder, bool force);
+
+/// @brief write_run_output, without being interrupted: unless another run has put its results there
+/// meanwhile.
+/// @throws DataError
+void write_run(const std::filesystem::path& folder, bool force, const RunOptions& options,
+               const RunRecord& record, const RunSummary& summary);
 
 /// What export_csv or export_json write beside a database.
 void require_replaceable_export(const std::filesystem::path& database, std::string_view format, bool force);

@@ -16,7 +16,6 @@
 #include "interrupt.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/diagnose/misled_since.hpp"
-#include "limber/run_files/run_output.hpp"
 #include "live_view.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
@@ -27,7 +26,6 @@
 #include "report_files.hpp"
 #include "run_methods.hpp"
 #include "run_summary_text.hpp"
-#include "uninterrupted.hpp"
 #include "validators.hpp"
 
 namespace limber::app {
@@ -136,10 +134,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
   RunSummary summary = summarize(recording, options, record);
   add_misled(options, record, summary);
   add_readout(readout.estimate(), recording.calibration, record, summary);
-  {
-    const Uninterrupted until_written;
-    write_run_output(arguments.out, options, record, summary);
-  }
+  write_run(arguments.out, arguments.force, options, record, summary);
   if (arguments.notes != nullptr) {
     *arguments.notes = record.notes;
   } else {

@@ -92,6 +92,7 @@ std::vector<std::string> different_methods(const std::vector<std::string>& names
 
 void run_methods(const std::vector<std::string>& methods, const fs::path& out, bool force,
                  const RunOneMethod& run) {
+  require_no_recording(out);
   for (const std::string& method : methods) {
     require_replaceable_run(out / method, force);
     require_writable_folder(out / method);

@@ -130,6 +130,7 @@ void simulate(const SimulateArguments& arguments) {
     return;
   }
 #endif
+  require_no_run(arguments.out);
   require_place_for_mav0(arguments.out, arguments.force);
   require_writable_folder(arguments.out);
   const Recording recording = limber::simulate(scenario, arguments.seed, arguments.run);

@@ -10,7 +10,6 @@
 #include "frame_source.hpp"
 #include "interrupt.hpp"
 #include "limber/run/smooth_recording.hpp"
-#include "limber/run_files/run_output.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
 #include "parsed_by.hpp"
@@ -19,7 +18,6 @@
 #include "replaceable.hpp"
 #include "report_files.hpp"
 #include "run_summary_text.hpp"
-#include "uninterrupted.hpp"
 #include "validators.hpp"
 
 namespace limber::app {
@@ -73,10 +71,7 @@ void smooth(const SmoothArguments& arguments) {
   add_damaged(images, record);
   RunSummary summary = summarize(recording, options.run, record);
   summary.method = to_string(options);
-  {
-    const Uninterrupted until_written;
-    write_run_output(arguments.out, options.run, record, summary);
-  }
+  write_run(arguments.out, arguments.force, options.run, record, summary);
   for (const std::string& note : record.notes) {
     print_note(note);
   }

@@ -16,12 +16,15 @@
 #include "limber/core/errors.hpp"
 #include "limber/core/nearest_word.hpp"
 #include "limber/datasets/read_recording.hpp"
+#include "limber/datasets/recording_place.hpp"
 #include "limber/datasets/trajectory_files.hpp"
 
 namespace limber::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kRunResult = "trajectory.csv";  // in the folder of a run
 
 // limber's own file, with covariance.
 TrajectoryInput load_rows(const fs::path& path) {
@@ -58,6 +61,22 @@ TrajectoryInput load_groundtruth(const fs::path& folder) {
                     "a recording without ground truth");
   }
   return input;
+}
+
+/// The truth of a recording; of an EuRoC folder without reading all the rest.
+TrajectoryInput load_recorded(const fs::path& folder) {
+  const fs::path groundtruth = fs::path("state_groundtruth_estimate0") / "data.csv";
+  for (const fs::path& file : {folder / "mav0" / groundtruth, folder / groundtruth}) {
+    if (fs::exists(file)) {
+      return load_file(file);
+    }
+  }
+  return load_groundtruth(folder);
+}
+
+/// Results that lie beside a recording are not its truth.
+TrajectoryInput load_unless_bag(const fs::path& path, const std::string& topic) {
+  return topic.empty() && holds_recording(path) ? load_recorded(path) : load_trajectory(path, topic);
 }
 
 /// What a bag without a topic to take has in its place.
@@ -127,22 +146,15 @@ TrajectoryInput load_trajectory(const fs::path& path, const std::string& topic) 
   if (!topic.empty()) {
     throw DataError(path.string(), 0, "a bag, for the topic " + topic, "none");
   }
-  if (!fs::is_directory(path)) {
-    return load_file(path);
+  if (fs::is_directory(path)) {
+    return fs::exists(path / kRunResult) ? load_file(path / kRunResult) : load_recorded(path);
   }
-  // Within a folder: a run's result, the ground truth file of an EuRoC folder (without reading all the rest).
-  const fs::path groundtruth = fs::path("state_groundtruth_estimate0") / "data.csv";
-  for (const fs::path& file : {path / "trajectory.csv", path / "mav0" / groundtruth, path / groundtruth}) {
-    if (fs::exists(file)) {
-      return load_file(file);
-    }
-  }
-  return load_groundtruth(path);
+  return load_file(path);
 }
 
 TrajectoryInput load_truth(const fs::path& path, const std::string& topic) {
   if (!is_bag(path)) {
-    return load_trajectory(path, topic);
+    return load_unless_bag(path, topic);
   }
   const BagContents contents = scan_bag(*open_bag(path));
   return load_poses(path, contents, topic.empty() ? propose_topics(contents).topics.truth : topic);
@@ -150,7 +162,7 @@ TrajectoryInput load_truth(const fs::path& path, const std::string& topic) {
 
 TrajectoryInput load_poses_to_convert(const fs::path& path, const std::string& topic) {
   if (!is_bag(path)) {
-    return load_trajectory(path, topic);
+    return load_unless_bag(path, topic);
   }
   const BagContents contents = scan_bag(*open_bag(path));
   const bool of_a_run =

@@ -29,7 +29,8 @@ struct TrajectoryInput {
 [[nodiscard]] TrajectoryInput load_trajectory(const std::filesystem::path& path,
                                               const std::string& topic = "");
 
-/// The same of what is to be the truth: of a bag, without a topic, first the one that is named like a truth.
+/// The same of what is to be the truth: of a folder that holds a recording its own; of a bag, without a
+/// topic, first the one that is named like a truth.
 [[nodiscard]] TrajectoryInput load_truth(const std::filesystem::path& path, const std::string& topic = "");
 
 /// The same of what is to be written in another format: of a bag, without a topic, the poses of limber's own

@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "formats.hpp"
 #include "io/image_size.hpp"
 #include "io/numbers.hpp"
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/core/median.hpp"
 #include "limber/datasets/trajectory_files.hpp"
 #include "limber/rig_files/rig_file.hpp"
 #include "rig_files/check_baseline.hpp"
@@ -117,6 +120,16 @@ void read_imu_noise(const fs::path& folder, Recording& recording) {
   recording.imu_noise = noise;
 }
 
+template <typename Sample>
+std::vector<std::int64_t> times_of(const std::vector<Sample>& samples) {
+  std::vector<std::int64_t> t_ns;
+  t_ns.reserve(samples.size());
+  for (const Sample& sample : samples) {
+    t_ns.push_back(sample.t_ns);
+  }
+  return t_ns;
+}
+
 void read_imu(const fs::path& folder, Recording& recording) {
   TableReader table(folder / "data.csv",
                     {.names = {"timestamp [ns]", "w_x", "w_y", "w_z", "a_x", "a_y", "a_z"}, .counts = {7}});
@@ -125,6 +138,8 @@ void read_imu(const fs::path& folder, Recording& recording) {
         {table.increasing_time(), table.vector3(1, kLargestRate), table.vector3(4, kLargestForce)});
   }
   table.require_a_row("IMU sample");
+  constexpr std::int64_t kShortestSample_ns = 20'000;
+  require_nanoseconds(times_of(recording.imu), kShortestSample_ns, folder / "data.csv");
   read_imu_noise(folder, recording);
 }
 
@@ -241,6 +256,24 @@ void read_image_pairs(const fs::path& mav0, Recording& recording) {
 
 }  // namespace
 
+void require_nanoseconds(const std::vector<std::int64_t>& t_ns, std::int64_t shortest_ns,
+                         const fs::path& file) {
+  constexpr std::size_t kEnough = 10;
+  if (t_ns.size() < kEnough) {
+    return;
+  }
+  std::vector<std::int64_t> steps;
+  for (std::size_t k = 1; k < t_ns.size(); ++k) {
+    steps.push_back(t_ns[k] - t_ns[k - 1]);
+  }
+  const std::int64_t step = upper_median(std::move(steps));
+  if (step < shortest_ns) {
+    throw DataError(file.string(), 0, "timestamps in nanoseconds",
+                    fmt::format("steps of {}: are these {}seconds?", step,
+                                1000 * step < shortest_ns ? "milli" : "micro"));
+  }
+}
+
 std::vector<TrueRig> read_calibration_truth(const fs::path& file) {
   TableReader table(
       file, {.names = {"timestamp [ns]", "ax [rad]", "ay [rad]", "az [rad]", "tx [m]", "ty [m]", "tz [m]"},
@@ -282,6 +315,7 @@ Recording read_euroc_common(const fs::path& mav0) {
 Recording read_euroc_images(const fs::path& mav0) {
   Recording recording = read_euroc_common(mav0);
   read_image_pairs(mav0, recording);
+  require_nanoseconds(times_of(recording.images), kShortestFrame_ns, mav0 / "cam0" / "data.csv");
   note_if_cut_off(mav0 / "cam0" / "data.csv", recording.notes);
   note_if_cut_off(mav0 / "cam1" / "data.csv", recording.notes);
   return recording;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -20,6 +21,13 @@ namespace limber::detail {
 [[nodiscard]] Recording read_kitti_odometry(const std::filesystem::path& folder);
 
 [[nodiscard]] Recording read_kitti_raw(const std::filesystem::path& folder);
+
+/// @brief Times that are all too close for nanoseconds are micro- or milliseconds.
+/// @param shortest_ns  between two of them, of any such sensor; their median is compared
+/// @throws DataError for `file`; not of fewer than ten
+void require_nanoseconds(const std::vector<std::int64_t>& t_ns, std::int64_t shortest_ns,
+                         const std::filesystem::path& file);
+inline constexpr std::int64_t kShortestFrame_ns = 200'000;
 
 /// The true rig over time, as a table of time [ns], ax, ay, az [rad], tx, ty, tz [m].
 [[nodiscard]] std::vector<TrueRig> read_calibration_truth(const std::filesystem::path& file);

@@ -11,6 +11,7 @@
 #include "formats.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/nearest_word.hpp"
+#include "limber/datasets/recording_place.hpp"
 
 namespace limber {
 namespace {
@@ -91,8 +92,10 @@ std::optional<fs::path> first_drive(const fs::path& folder) {
   return first;
 }
 
+fs::path mav0_of(const fs::path& folder) { return fs::exists(folder / "mav0") ? folder / "mav0" : folder; }
+
 Recording read_any(const fs::path& folder) {
-  const fs::path mav0 = fs::exists(folder / "mav0") ? folder / "mav0" : folder;
+  const fs::path mav0 = mav0_of(folder);
   std::string looked_for;
   for (const Format& format : kFormats) {
     if (format.matches(folder, mav0)) {
@@ -108,6 +111,20 @@ Recording read_any(const fs::path& folder) {
 }
 
 }  // namespace
+
+bool holds_recording(const fs::path& folder) {
+  try {
+    if (!fs::is_directory(folder)) {
+      return false;
+    }
+    const fs::path mav0 = mav0_of(folder);
+    return fs::exists(folder / "metadata.yaml") || first_drive(folder).has_value() ||
+           std::any_of(kFormats.begin(), kFormats.end(),
+                       [&](const Format& format) { return format.matches(folder, mav0); });
+  } catch (const fs::filesystem_error&) {
+    return false;
+  }
+}
 
 Recording read_recording(const fs::path& path) {
   std::error_code error;

@@ -162,6 +162,10 @@ namespace limber {
 
 ImuNoise read_kalibr_imu(const std::filesystem::path& path) {
   const detail::SensorYaml file(path);
+  if (file.has("cam0")) {
+    throw DataError(path.string(), 0, "the noise of an IMU (gyroscope_noise_density, ...)",
+                    "a calibration of cameras, which --calib takes");
+  }
   const detail::SensorYaml yaml = file.has("imu0") ? file.section("imu0") : file;
   detail::require_identity(yaml, "T_i_b", 4, false);
   for (const char* key : {"Tw", "Ta", "R_IMUtoGYRO", "R_IMUtoACC"}) {

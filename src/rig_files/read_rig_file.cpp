@@ -64,6 +64,9 @@ RigFile read_file(const fs::path& path, std::optional<ImageKind> images) {
   if (yaml.has("cam0")) {
     throw DataError(path.string(), 0, "cam0 and cam1: two cameras", "cam0 alone");
   }
+  if (yaml.has("imu0") || yaml.has("gyroscope_noise_density")) {
+    throw DataError(path.string(), 0, kKnownRigs, "the noise of an IMU, which --imu takes");
+  }
   if (yaml.has("T_BS")) {
     throw DataError(path.string(), 0, "the folder that holds cam0/sensor.yaml and cam1/sensor.yaml",
                     "the sensor.yaml of one sensor");

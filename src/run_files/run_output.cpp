@@ -237,7 +237,7 @@ const std::vector<std::string>& run_file_names() {
 }
 
 std::string summary_json(const RunOptions& options, const RunRecord& record, const RunSummary& summary) {
-  return to_json(options, record, summary).dump(2) + "\n";
+  return to_json(options, record, summary).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Recordings that are broken, as a user meets them: exit code 1, one message with file and line, no output.
+#include <sstream>
+
 #include "cli/small_log.hpp"
 #include "datasets/edits.hpp"
 
@@ -37,6 +39,21 @@ testing::Edit whole(const std::string& text) {
 /// Another line, or lines, in place of the first of the tracks.
 testing::Edit first_point(const std::string& line) { return replace_between("v1 [px]\n", "\n", line); }
 
+/// Without the last digits of each time: a coarser unit.
+testing::Edit shortened_times(std::size_t digits) {
+  return [=](const std::string& text) {
+    std::string out;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line); out += line + "\n") {
+      const std::size_t comma = line.find(',');
+      if (line[0] != '#' && comma > digits) {
+        line.erase(comma - digits, digits);
+      }
+    }
+    return out;
+  };
+}
+
 constexpr const char* kTracks = "tracks0/data.csv";
 constexpr const char* kImu = "imu0/data.csv";
 constexpr const char* kCam0 = "cam0/sensor.yaml";
@@ -71,6 +88,13 @@ std::vector<BadLog> bad_logs() {
        in(kImu, replace("\n20000000,", "\n9000000,"))},
       {"ImuTwice", "/imu0/data.csv:4: ", "found the same timestamp again",
        in(kImu, replace("\n20000000,", "\n10000000,"))},
+      {"ImuInMicroseconds", "/imu0/data.csv: ",
+       "expected timestamps in nanoseconds, found steps of 10000: are these microseconds?",
+       in(kImu, shortened_times(3))},
+      {"FramesInMicroseconds", "/tracks0/data.csv: ", "found steps of 50000: are these microseconds?",
+       in(kTracks, shortened_times(3))},
+      {"FramesInMilliseconds", "/tracks0/data.csv: ", "found steps of 50: are these milliseconds?",
+       in(kTracks, shortened_times(6))},
       {"TruthTwice", "/state_groundtruth_estimate0/data.csv:4: ", "found the same timestamp again",
        in(kTruth, replace("\n20000000,", "\n10000000,"))},
       {"PointTwice", "/tracks0/data.csv:3: ", "expected every track_id once in a frame, found 1 again",

@@ -59,6 +59,10 @@ TEST_F(CalibrationOption, NoiseOfTheImuIsReplaced) {
   expect_refused(run({"--imu", imu}), 1, "imu.yaml");
   write_text(folder() / "imu.yaml", kalibr_imu(ImuNoise{}));
   EXPECT_EQ(run({"--imu", imu}).exit_code, 0);
+  const std::string camchain = written(own());
+  expect_refused(run_again({"--calib", imu, "--imu", camchain}), 1,
+                 "found the noise of an IMU, which --imu takes");
+  expect_refused(run_again({"--imu", camchain}), 1, "found a calibration of cameras, which --calib takes");
 }
 
 }  // namespace

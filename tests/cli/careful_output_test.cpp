@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "cli/child_process.hpp"
 #include "cli/small_log.hpp"
 #include "limber/report/write_report.hpp"
 
@@ -161,6 +162,17 @@ TEST_F(CarefulOutput, AReportIsDrawnAnewInItsPlaceButNotElsewhere) {
   EXPECT_EQ(run_limber({"report", out().string(), "--out", elsewhere, "--force"}).exit_code, 0);
 }
 
+TEST_F(CarefulOutput, KeepsWhatAnotherProgramWroteDuringTheRun) {
+  testing::ChildProcess limber({"run", log().string(), "--methods", "lcekf,ekf", "--out", out().string()});
+  for (int k = 0; k < 30'000 && !fs::exists(out() / "lcekf/summary.json"); ++k) {
+    usleep(1000);
+  }
+  const fs::path other = write_text(out() / "ekf/trajectory.csv", "mine");
+  EXPECT_EQ(limber.wait(), 1);
+  EXPECT_THAT(limber.err(), HasSubstr("ekf/trajectory.csv: expected no file of this name"));
+  EXPECT_EQ(read_text(other), "mine");
+}
+
 TEST_F(CarefulOutput, LeavesDevicesAndPipesAlone) {
   const fs::path pipe = folder() / "pipe";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -207,6 +219,54 @@ TEST_F(CarefulOutput, ReplacesNothingOfOthersInARecordingOfItsOwn) {
     fs::remove(log() / "mav0/cam2");
     fs::remove(log() / "mav0/cam0/data");
   }
+}
+
+TEST_F(CarefulOutput, PutsNoResultsBesideARecording) {
+  const auto before = testing::files_below(log());
+  for (const fs::path& place : {log(), mav0(), mav0() / "tracks0", mav0() / "run", log() / "../log"}) {
+    for (const char* const command : {"run", "smooth", "health", "recalibrate"}) {
+      expect_refused(run_limber({command, (folder() / "other").string(), "--out", place.string(), "--force"}),
+                     1,
+                     place.string() + ": expected a folder for the results alone, such as " +
+                         fs::canonical(log()).string() + "-results, found ");
+    }
+    expect_refused(run_into(place, {"--methods", "ekf,lcekf"}), 1, "a folder for the results alone");
+  }
+  for (const char* const file : {"kitti/image_0/000000.png", "day/drive/image_00/timestamps.txt",
+                                 "bag/metadata.yaml", "flat/tracks0/data.csv"}) {
+    write_text(folder() / file, "x");
+    const fs::path place = folder() / *fs::path(file).begin();
+    expect_refused(run_into(place), 1, "found that of a recording");
+  }
+  EXPECT_EQ(testing::files_below(log()), before);
+  EXPECT_EQ(run_into(log() / "run").exit_code, 0) << "a folder of its own within may be";
+  EXPECT_EQ(run_into(out()).exit_code, 0) << "and the recording is read as before";
+}
+
+TEST_F(CarefulOutput, PutsNoRecordingBesideResults) {
+  ASSERT_EQ(run().exit_code, 0);
+  for (const auto& result :
+       {run_limber({"simulate", scenario().string(), "--out", out().string(), "--force"}),
+        run_limber({"convert", log().string(), "--out", out().string(), "--force"})}) {
+    expect_refused(result, 1, out().string() + ": expected a folder for the recording alone");
+  }
+  EXPECT_FALSE(fs::exists(out() / "mav0"));
+}
+
+/// Programs before this one wrote a run into the folder of its recording.
+TEST_F(CarefulOutput, TakesNoResultsForTheRecordingThatTheyLieBeside) {
+  ASSERT_EQ(run().exit_code, 0);
+  for (const char* const name : {"summary.json", "trajectory.csv", "truth.csv"}) {
+    fs::copy_file(out() / name, log() / name);
+  }
+  const std::string estimate = (out() / "trajectory.csv").string();
+  const auto evaluated = run_limber({"evaluate", estimate, log().string()});
+  EXPECT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  EXPECT_THAT(evaluated.out, HasSubstr((mav0() / "state_groundtruth_estimate0/data.csv").string()));
+  const fs::path copy = folder() / "copy";
+  EXPECT_EQ(run_limber({"convert", log().string(), "--out", copy.string()}).exit_code, 0);
+  EXPECT_EQ(read_text(copy / "mav0/tracks0/data.csv"), read_text(mav0() / "tracks0/data.csv"));
+  EXPECT_THAT(run_limber({"info", log().string()}).out, HasSubstr("log: track log"));
 }
 
 TEST_F(CarefulOutput, EndsInOrderWhereMessagesCannotBeWritten) {

@@ -152,6 +152,19 @@ TEST_F(HostileLog, MayNotNameImagesOutsideIt) {
   }
 }
 
+TEST_F(HostileLog, MayHaveANameThatIsNoUtf8) {
+  const fs::path odd = folder() / "l\xff g";
+  fs::rename(log(), odd);
+  const fs::path results = folder() / "o\xfe t";
+  const auto ran = run_limber({"run", odd.string(), "--out", results.string()});
+  EXPECT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(read_text(results / "summary.json"), HasSubstr("l\xef\xbf\xbd g"));
+  for (const std::vector<std::string>& command : {std::vector<std::string>{"health", odd.string(), "--json"},
+                                                  {"evaluate", results.string(), odd.string(), "--json"}}) {
+    EXPECT_THAT(run_limber(command).err, ::testing::Not(HasSubstr("error"))) << command.front();
+  }
+}
+
 TEST_F(HostileLog, WithFiveThousandPointsAFrameIsThinnedAndSaysSo) {
   std::string text = "#timestamp [ns],track_id,u0 [px],v0 [px],u1 [px],v1 [px]\n";
   for (int frame = 0; frame < 3; ++frame) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <nlohmann/json.hpp>
 
+#include "cli/child_process.hpp"
 #include "cli/small_log.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/track_log.hpp"
@@ -88,6 +89,15 @@ TEST_F(RecalibrateCommand, LeavesNoOlderFileThatCannotSayTheLens) {
   EXPECT_TRUE(fs::exists(out() / "notes.txt")) << "no file of ours";
 }
 
+TEST_F(RecalibrateCommand, LeavesNothingWhereThereIsNoRoomForAllFiles) {
+  constexpr rlim_t kOneFileAtMost = 700;  // [bytes]: enough for a camera's sensor.yaml
+  testing::ChildProcess limber({"recalibrate", log().string(), "--out", out().string(), "--write-anyway"},
+                               kOneFileAtMost);
+  EXPECT_EQ(limber.wait(), 1);
+  EXPECT_THAT(limber.err(), HasSubstr("expected room to write the file"));
+  EXPECT_FALSE(fs::exists(out()));
+}
+
 TEST_F(RecalibrateCommand, ReplacesNothingOfOthers) {
   const auto others = write_text(out() / "camchain.yaml", "cam0: mine\n");
   expect_refused(recalibrate(), 1, "camchain.yaml");
@@ -95,7 +105,7 @@ TEST_F(RecalibrateCommand, ReplacesNothingOfOthers) {
   fs::create_directories(log() / "mav0");
   std::vector<std::string> into = {"recalibrate", log().string(), "--out", (log() / "mav0").string(),
                                    "--force"};
-  expect_refused(run_limber(into), 1, "sensor.yaml");
+  expect_refused(run_limber(into), 1, "a folder for the results alone");
 }
 
 }  // namespace

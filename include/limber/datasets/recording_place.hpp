@@ -3,8 +3,13 @@
 
 #include <filesystem>
 
-/// Whether a recording may be written to a place: asked by the writers, and by programs before long work.
+/// Which places are those of recordings: asked by the writers, and by programs before long work.
 namespace limber {
+
+/// @brief Whether the folder is one of a recording by what lies in it: what read_recording recognises, a day
+/// of KITTI raw drives, or the list of a ROS 2 bag (metadata.yaml). Bag files alone do not make it one.
+/// @return false also for what is no folder, or none that can be looked into
+[[nodiscard]] bool holds_recording(const std::filesystem::path& folder);
 
 /// @brief For write_track_log and write_euroc: `folder` holds no mav0 yet, or an empty one.
 /// @param replace  an older mav0 that limber wrote may be there, too
