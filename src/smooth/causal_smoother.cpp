@@ -76,19 +76,23 @@ class MovingHorizon {
     smoothing.solve();
     SmootherResult result = smoothing.result();
     known_[newest] = smoothing.newest(result.frames.back());
+    for (; forgotten_ < oldest; ++forgotten_) {
+      known_[forgotten_] = {};
+    }
     take(std::move(result), oldest, newest);
   }
 
   [[nodiscard]] SmootherResult take_result() { return std::move(out_); }
 
  private:
+  /// Never the newest itself: a gap may be longer than the window.
   [[nodiscard]] std::size_t oldest_of(std::size_t newest) const {
-    std::size_t oldest = newest;
+    std::size_t oldest = newest > 0 ? newest - 1 : 0;
     while (oldest > 0 &&
            seconds_between(input_.frames[oldest - 1].t_ns, input_.frames[newest].t_ns) <= horizon_.window_s) {
       --oldest;
     }
-    return oldest < horizon_.first || newest == horizon_.first || oldest == newest ? 0 : oldest;
+    return oldest < horizon_.first || newest == horizon_.first ? 0 : oldest;
   }
 
   void take(SmootherResult result, std::size_t oldest, std::size_t newest) {
@@ -119,7 +123,8 @@ class MovingHorizon {
   const SmootherOptions& options_;
   const Horizon& horizon_;
   std::vector<NavigationState> states_;  // as the newest problem has them, the guess's after it
-  std::vector<KnownState> known_;        // of each frame, when it was the newest
+  std::vector<KnownState> known_;        // of each frame in the window, when it was the newest
+  std::size_t forgotten_ = 0;            // so many frames are behind the window
   SmootherResult out_;
 };
 

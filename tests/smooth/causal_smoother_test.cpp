@@ -133,6 +133,19 @@ TEST(CausalSmoother, CarriesAWrongFocalLengthToo) {
   EXPECT_LT(last.error_sigma(12), 0.7 * early.error_sigma(12));
 }
 
+TEST(CausalSmoother, CrossesAGapThatIsLongerThanItsWindow) {
+  Case c(small_scenario(), MotionModel::kImu, 6);
+  c.options.rig = RigModel::kTrusted;
+  c.recording.frames.erase(c.recording.frames.begin() + 9, c.recording.frames.begin() + 14);
+  c.start.erase(c.start.begin() + 9, c.start.begin() + 14);
+  c.truth.erase(c.truth.begin() + 9, c.truth.begin() + 14);
+  const SmootherResult result = causal(c, {3, 0.35}, c.recording.frames.size());
+  const auto sigma = [&](std::size_t k) { return std::sqrt(result.frames[k].pose_covariance(0, 0)); };
+  EXPECT_GT(sigma(9), sigma(8));
+  EXPECT_LT(nees(pose_error(c.truth.back(), result.frames.back().nav), result.frames.back().pose_covariance),
+            chi_square_quantile(1.0 - testing::kFalseAlarm, 6.0));
+}
+
 TEST(CausalSmoother, RefusesAWindowOfNothing) {
   const Case c(small_scenario(), MotionModel::kImu, 1);
   EXPECT_THROW(static_cast<void>(causal(c, {0, 0.0}, 5)), std::invalid_argument);
