@@ -156,15 +156,22 @@ def test_smoothing_uses_the_whole_recording():
     if not hasattr(limber._limber, "smooth_recording"):
         pytest.skip("built without Ceres")
     recording = short("drone_constant", 3.0)
-    smoothed, filtered = limber.smooth(recording, "constant"), limber.run(recording)
+    smoothed = limber.smooth(recording, "constant", init="groundtruth")
+    filtered = limber.run(recording, init="groundtruth")
     assert smoothed.method == "smooth-constant"
     of = [limber.evaluate(run, recording)["ate_m"]["se3"] for run in (smoothed, filtered)]
     assert of[0] < of[1]
-    causal = limber.smooth(recording, "constant", causal=True, window=0.3, init="groundtruth")
+
+
+def test_smoothing_may_be_causal():
+    if not hasattr(limber._limber, "smooth_recording"):
+        pytest.skip("built without Ceres")
+    options = {"recording": short("drone_constant", 1.0), "theta": "constant", "init": "groundtruth"}
+    smoothed, causal = limber.smooth(**options), limber.smooth(**options, causal=True, window=0.2)
     assert causal.method == "smooth-constant-causal" and len(causal.t_ns) == len(smoothed.t_ns)
     assert not np.array_equal(causal.p, smoothed.p)
     with pytest.raises(ValueError, match="window"):
-        limber.smooth(recording, "constant", causal=True, window=0.0, init="groundtruth")
+        limber.smooth(**options, causal=True, window=0.0)
 
 
 def test_a_study_is_a_table(tmp_path):
