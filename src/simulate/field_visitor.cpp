@@ -43,7 +43,7 @@ class Reader final : public FieldVisitor {
  public:
   Reader(std::string file, const YAML::Node& mapping, std::string key_path)
       : file_(std::move(file)), mapping_(mapping), key_path_(std::move(key_path)) {
-    refuse_repeated_keys();
+    refuse_keys_that_are_no_names();
   }
 
   void number(const std::string& key, double& value, const Range& range, const Unit& unit) override {
@@ -169,16 +169,11 @@ class Reader final : public FieldVisitor {
     child.finish();
   }
 
-  void refuse_repeated_keys() const {
-    std::vector<std::string> keys;
+  void refuse_keys_that_are_no_names() const {
     for (const auto& entry : mapping_) {
       if (!entry.first.IsScalar()) {
         fail(entry.first, "a name as key", in_words(entry.first));
       }
-      if (std::find(keys.begin(), keys.end(), entry.first.Scalar()) != keys.end()) {
-        fail(entry.first, "each key once", excerpt(entry.first.Scalar()) + " again");
-      }
-      keys.push_back(entry.first.Scalar());
     }
   }
 

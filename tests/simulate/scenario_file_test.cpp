@@ -272,7 +272,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadScenario{"UnknownKey", "duration: 10\ndurration: 35\n", 2, "the unknown key 'durration'"},
         BadScenario{"UnknownKeyListsThoseThatExist", "noise:\n  pixels: 1\n", 2,
                     "one of the keys pixel, accel, gyro, accel_walk, gyro_walk, stated in noise"},
-        BadScenario{"RepeatedKey", "duration: 10\nnoise: {}\nduration: 35\n", 3, "'duration' again"},
+        BadScenario{"RepeatedKey", "duration: 10\nnoise: {}\nduration: 35\n", 3,
+                    "each key once, found 'duration', which stands in line 1, too"},
+        BadScenario{"RepeatedKeyWithin", "noise:\n  pixel: 1\n  gyro: 0.1\n  pixel: 2\n", 4, "'pixel'"},
         BadScenario{"UnknownPixels", "duration: 10\npixels: pink\n", 2,
                     "pixels as one of white, realistic, found 'pink'"},
         BadScenario{
