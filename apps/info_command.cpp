@@ -11,6 +11,7 @@
 
 #include "commands.hpp"
 #include "limber/bags/inspect.hpp"
+#include "ordered_json.hpp"
 #include "progress.hpp"
 #include "validators.hpp"
 #ifdef LIMBER_WITH_FRONTEND
@@ -163,8 +164,7 @@ std::string to_json(const RecordingInfo& info, const std::optional<Brightness>& 
   out["possible"] = info.possible;
   out["missing"] = info.missing;
   out["notes"] = info.notes;
-  // Names in a bag are bytes; what is no UTF-8 must not end the program.
-  return out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json_text(out);
 }
 
 std::string to_text(const StreamInfo& stream) {

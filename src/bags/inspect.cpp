@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "bag_images.hpp"
+#include "io/times_of.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/median.hpp"
 #include "limber/datasets/image_files.hpp"
@@ -171,15 +172,11 @@ void add_stream(RecordingInfo& info, const std::string& name, const std::string&
   if (samples.empty()) {
     return;
   }
-  std::vector<std::int64_t> t_ns;
-  for (const auto& sample : samples) {
-    t_ns.push_back(sample.t_ns);
-  }
   StreamInfo& stream = info.streams.emplace_back();
   stream.name = stream.type = name;
   stream.role = role;
-  stream.timing = timing_of(t_ns);
-  stream.messages = t_ns.size();
+  stream.timing = timing_of(detail::times_of(samples));
+  stream.messages = samples.size();
 }
 
 RecordingInfo inspect_folder(const fs::path& path) {

@@ -12,6 +12,7 @@
 #include "io/image_size.hpp"
 #include "io/numbers.hpp"
 #include "io/text_file.hpp"
+#include "io/times_of.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/median.hpp"
 #include "limber/datasets/trajectory_files.hpp"
@@ -118,16 +119,6 @@ void read_imu_noise(const fs::path& folder, Recording& recording) {
     *value = yaml->not_negative(key);
   }
   recording.imu_noise = noise;
-}
-
-template <typename Sample>
-std::vector<std::int64_t> times_of(const std::vector<Sample>& samples) {
-  std::vector<std::int64_t> t_ns;
-  t_ns.reserve(samples.size());
-  for (const Sample& sample : samples) {
-    t_ns.push_back(sample.t_ns);
-  }
-  return t_ns;
 }
 
 void read_imu(const fs::path& folder, Recording& recording) {

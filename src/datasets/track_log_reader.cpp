@@ -6,6 +6,7 @@
 
 #include "formats.hpp"
 #include "io/text_file.hpp"
+#include "io/times_of.hpp"
 #include "limber/core/errors.hpp"
 #include "rig_files/sensor_yaml.hpp"
 
@@ -107,11 +108,7 @@ Recording read_track_log(const fs::path& mav0) {
   }
   table.require_a_row("frame");
   recording.frames = std::move(collector).frames();
-  std::vector<std::int64_t> times;
-  for (const StereoFrame& frame : recording.frames) {
-    times.push_back(frame.t_ns);
-  }
-  require_nanoseconds(times, kShortestFrame_ns, path);
+  require_nanoseconds(times_of(recording.frames), kShortestFrame_ns, path);
   note_if_cut_off(path, recording.notes);
   read_pixel_noise(mav0 / "tracks0" / "sensor.yaml", recording);
   if (fs::exists(mav0 / "cam0" / "data.csv")) {

@@ -8,6 +8,7 @@
 #include <future>
 #include <stdexcept>
 
+#include "io/times_of.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/random.hpp"
 #include "limber/datasets/track_log.hpp"
@@ -19,7 +20,7 @@ namespace limber {
 namespace {
 
 namespace fs = std::filesystem;
-using detail::FramePictures;
+using detail::FramePictures, detail::times_of;
 
 constexpr int kBlurSteps = 8;         ///< instants of an exposure
 constexpr double kSwingPeriod = 7.0;  ///< [s] of the exposure of both cameras
@@ -121,12 +122,6 @@ class PictureWriter {
   fs::path mav0_;
   std::array<std::string, 2> lists_;
 };
-
-std::vector<std::int64_t> times_of(const auto& samples) {
-  std::vector<std::int64_t> times;
-  for (const auto& sample : samples) times.push_back(sample.t_ns);
-  return times;
-}
 
 }  // namespace
 

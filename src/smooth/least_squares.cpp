@@ -247,12 +247,12 @@ void LeastSquares::add_rigs(std::span<const StereoFrame> frames) {
 }
 
 void LeastSquares::add_parameters() {
-  const std::vector<Index> free = free_parameters(options_);
+  const auto sigma = options_.estimated.tail<kMoreParameters>();
   std::vector<int> fixed;
   MatrixXd A = MatrixXd::Zero(kMoreParameters, kMoreParameters);
   for (Index k = 0; k < kMoreParameters; ++k) {
-    if (std::find(free.begin(), free.end(), k) != free.end()) {
-      A(k, k) = 1.0 / options_.estimated(kBlockSize + k);
+    if (sigma(k) > 0.0) {
+      A(k, k) = 1.0 / sigma(k);
     } else {
       fixed.push_back(static_cast<int>(k));
     }
