@@ -54,6 +54,22 @@ void convert_linear(Estimate& estimate, std::int64_t seen_ns, const MapManagemen
   }
 }
 
+/// Landmarks that are out of sight go passive. @param seen  in the frame at t_ns
+void end_epoch(Estimate& estimate, const std::unordered_set<std::int64_t>& seen, std::int64_t t_ns,
+               std::int64_t previous_ns, const MapManagementOptions& options) {
+  std::vector<std::int64_t> retired;
+  for (const Landmark& landmark : estimate.landmarks()) {
+    if (!landmark.passive && !seen.contains(landmark.track_id) &&
+        seconds_between(landmark.last_seen_ns, t_ns) > options.rest_after_s) {
+      retired.push_back(landmark.track_id);
+    }
+  }
+  if (estimate.has_frozen() || !retired.empty() || estimate.layout().has_map_scale) {
+    estimate.change_epoch(retired);
+    convert_linear(estimate, previous_ns, options);
+  }
+}
+
 }  // namespace
 
 double linearity_index(const Estimate& estimate, const Landmark& landmark) {
@@ -154,19 +170,14 @@ void update_active_set(Estimate& estimate, const StereoFrame& frame, std::int64_
   const bool full =
       estimate.has_frozen() && age > options.rest_after_s && estimate.grown_in_epoch() >= options.most_growth;
   if (may_end && (full || age >= options.epoch_s)) {
-    std::vector<std::int64_t> retired;
-    for (const Landmark& landmark : estimate.landmarks()) {
-      if (!landmark.passive && !seen.contains(landmark.track_id) &&
-          seconds_between(landmark.last_seen_ns, frame.t_ns) > options.rest_after_s) {
-        retired.push_back(landmark.track_id);
-      }
-    }
-    if (estimate.has_frozen() || !retired.empty() || estimate.layout().has_map_scale) {
-      estimate.change_epoch(retired);
-      convert_linear(estimate, previous_ns, options);
-    }
+    end_epoch(estimate, seen, frame.t_ns, previous_ns, options);
   }
   estimate.recall(recalled);
+}
+
+void rest_unseen(Estimate& estimate, std::int64_t t_ns, const MapManagementOptions& options) {
+  end_epoch(estimate, {}, t_ns, t_ns, options);
+  estimate.settle_all();
 }
 
 std::size_t manage_map(Estimate& estimate, std::int64_t t_ns, const MapManagementOptions& options) {

@@ -76,7 +76,10 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
   check_parameters(options_, calibration);
   if (!has_more(options_)) {  // where more is estimated, the points would have to be correlated with it
     place_first_map(estimate_, initial, mount(calibration)[0].T_cam_body.inverse());
-    last_frame_ns_ = initial.landmarks.empty() ? last_frame_ns_ : initial.nav.t_ns;
+    if (!initial.landmarks.empty()) {
+      last_frame_ns_ = initial.nav.t_ns;
+      rest_unseen(estimate_, initial.nav.t_ns, options_.map);
+    }
   }
   if (options_.learn_odometry_noise && options_.motion == MotionModel::kOdometry) {
     odometry_noise_.emplace(options_.odometry_noise);

@@ -203,6 +203,11 @@ void PassiveBlock::settle() {
   E_.settle();
 }
 
+void PassiveBlock::settle_all() {
+  Gt_.settle_all();
+  E_.settle_all();
+}
+
 void PassiveBlock::couple_row(Index row, Index column, const Eigen::Matrix3d& C) {
   Gt_.add_block(column, row, C.transpose());
 }

@@ -225,6 +225,29 @@ StereoFrame sees(std::int64_t t_ns, const std::vector<std::int64_t>& ids) {
   return frame;
 }
 
+TEST(RestAndRecall, OfAMapThatIsHandedOverTheUnseenRestAtOnceAndNoWorkWaits) {
+  Generator generator(9);
+  Estimate estimate = random_map(generator, kLandmarks);
+  const std::int64_t second = 1000000000;
+  for (Landmark& landmark : estimate.landmarks()) {
+    landmark.last_seen_ns = landmark.track_id < 6 ? 10 * second : 11 * second;
+  }
+  MapManagementOptions options;
+  options.linearity_index = 0.0;
+  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 11 * second; });
+  rest_unseen(estimate, 11 * second, options);
+  for (const Landmark& landmark : estimate.landmarks()) {
+    EXPECT_EQ(landmark.passive, landmark.track_id < 6) << landmark.track_id;
+  }
+  const testing::Snapshot handed_over = testing::snapshot(estimate);
+  estimate.settle();
+  EXPECT_EQ(testing::snapshot(estimate), handed_over);  // not even by rounding
+  // The first frame ends no epoch.
+  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 11 * second + second / 20; });
+  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * second, options);
+  EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
+}
+
 TEST(RestAndRecall, TheUnseenRestAndTheSeenComeBack) {
   Generator generator(8);
   Estimate estimate = random_map(generator, kLandmarks);

@@ -63,6 +63,10 @@ std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::
 void update_active_set(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
                        const MapManagementOptions& options, bool may_end = true);
 
+/// @brief A map that somebody hands over at t_ns: its landmarks that were not seen lately go passive, with
+/// all of the work of it, so that the first frames take no longer than others.
+void rest_unseen(Estimate& estimate, std::int64_t t_ns, const MapManagementOptions& options);
+
 /// @brief Converts landmarks that became linear enough and removes those that broke a rule.
 /// Only landmarks seen in `t_ns` are looked at for conversion.
 /// @return number of removed landmarks

@@ -106,6 +106,8 @@ class Estimate {
 
   /// Once a frame: some of the work that the end of an epoch puts off. Changes nothing but by rounding.
   void settle() { passive_.settle(); }
+  /// All of that work, where a call may take long anyway.
+  void settle_all() { passive_.settle_all(); }
   /// The passive landmarks `recalled` and their anchors come back, frozen for the rest of the epoch.
   void recall(const std::vector<std::int64_t>& recalled);
 

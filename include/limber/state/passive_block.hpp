@@ -58,6 +58,8 @@ class PassiveBlock {
 
   /// Once a frame: some of the work that the last change_epoch() has put off.
   void settle();
+  /// All of that work.
+  void settle_all();
 
   /// Correction of the passive means that a correction dz of z implies.
   [[nodiscard]] Eigen::VectorXd correction(const Eigen::Ref<const Eigen::VectorXd>& dz) const;
