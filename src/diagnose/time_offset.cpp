@@ -2,7 +2,6 @@
 #include "limber/diagnose/time_offset.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <set>
@@ -30,26 +29,19 @@ constexpr int kShifts = 8;
 constexpr double kAround = 0.15;             // length of what is before and behind a turn [s]
 constexpr double kCluster = 1.0;             // [s]
 constexpr std::size_t kEnoughClusters = 10;  // fewer do not tell their own spread
-constexpr double kDerivativeStep = 1e-6;     // of numerical derivatives [rad, shares of the baseline]
 /// The rig may be another one in the next piece: one that jumps or drifts while it moves looks like an offset
 /// [s].
 constexpr double kPiece = 4.0;
 constexpr double kLargestOffset = 1.0;  // [s]
 
-/// The rig moved along one of the five directions that stereo points alone can see.
-std::array<Pose, 5> moved_rigs(const RigParameters& theta) {
+/// The five directions that stereo points alone can see: three angles of theta [rad], and the baseline's
+/// direction [shares of its length]. Columns: turn and translation.
+Eigen::Matrix<double, 6, 5> visible_directions(const RigParameters& theta) {
   const Vector3d t = theta.tail<3>();
   const Eigen::Matrix3d basis = householder_qr(t).Q();
-  std::array<Pose, 5> out;
-  for (Eigen::Index k = 0; k < 5; ++k) {
-    RigParameters step = RigParameters::Zero();
-    if (k < 3) {
-      step(k) = kDerivativeStep;
-    } else {
-      step.tail<3>() = kDerivativeStep * t.norm() * basis.col(k - 2);
-    }
-    out[static_cast<std::size_t>(k)] = pose_from_rig(theta + step);
-  }
+  Eigen::Matrix<double, 6, 5> out = Eigen::Matrix<double, 6, 5>::Zero();
+  out.leftCols<3>() = detail::pose_by_theta(theta).leftCols<3>();
+  out.bottomRightCorner<3, 2>() = t.norm() * basis.rightCols<2>();
   return out;
 }
 
@@ -67,7 +59,7 @@ Followed followed(const StereoCalibration& calibration, const StereoFrame& frame
 
 ClusteredRows epipolar_rows(const StereoCalibration& calibration, std::span<const StereoFrame> frames) {
   const Pose T_cam1_cam0 = pose_from_rig(calibration.theta);
-  const std::array<Pose, 5> moved = moved_rigs(calibration.theta);
+  const Eigen::Matrix<double, 6, 5> visible = visible_directions(calibration.theta);
   ClusteredRows rows;
   Followed before = followed(calibration, frames[0]), now = followed(calibration, frames[1]);
   for (std::size_t n = 1; n + 1 < frames.size(); ++n) {
@@ -78,18 +70,14 @@ ClusteredRows epipolar_rows(const StereoCalibration& calibration, std::span<cons
       if (a == before.end() || b == after.end() || dt > 2.0 * kLongestStep) {
         continue;
       }
-      const double error = detail::epipolar_error(pair, T_cam1_cam0);
       VectorXd row(6);
-      for (std::size_t k = 0; k < 5; ++k) {
-        row(static_cast<Eigen::Index>(k)) =
-            (detail::epipolar_error(pair, moved[k]) - error) / kDerivativeStep;
-      }
+      row.head<5>() = (detail::epipolar_slope(pair, T_cam1_cam0) * visible).transpose();
       const Vector3d line = detail::epipolar_line(pair.cam0, T_cam1_cam0);
       row(5) = line.dot(b->second.cam1 - a->second.cam1) / dt;
       rows.A.push_back(row);
       row(5) = line.dot(T_cam1_cam0.R * (b->second.cam0 - a->second.cam0)) / dt;
       rows.Z.push_back(row);
-      rows.y.push_back(error);
+      rows.y.push_back(detail::epipolar_error(pair, T_cam1_cam0));
       rows.cluster.push_back(id);
     }
     before = std::move(now);

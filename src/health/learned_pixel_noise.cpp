@@ -40,7 +40,6 @@ constexpr double kFarOff = 3.0;         // of the errors' size: mismatched
 constexpr int kFits = 4;                // of the rig to a frame: 10 degrees are settled after three
 constexpr Index kBends = 5;             // a rotation, and the direction of the baseline
 constexpr double kRounding = 1e-3;      // [px]
-constexpr double kStep = 1e-6;          // [rad], of a numerical derivative
 constexpr double kPlausibleBend = 0.1;  // [rad], where the points do not tell
 
 double root_mean_square(const PixelNoise& sigma) { return std::sqrt(sigma.squaredNorm() / 4.0); }
@@ -58,28 +57,46 @@ VectorXd errors_of(const std::vector<StereoBearings>& points, const Pose& rig) {
   return out;
 }
 
-/// The rig turned by the first three [rad], its baseline by the others.
-Pose bent(const Pose& rig, const Eigen::Matrix<double, kBends, 1>& by) {
-  const Eigen::Vector3d across = rig.p.unitOrthogonal(), up = rig.p.normalized().cross(across);
-  return {so3_exp(by.head<3>()) * rig.R, so3_exp(by(3) * across + by(4) * up) * rig.p};
-}
+/// A rig turned by three angles [rad], its baseline by two, about axes that are across it.
+class Bend {
+ public:
+  explicit Bend(const Pose& rig) : rig_(rig) {
+    axes_.col(0) = rig.p.unitOrthogonal();
+    axes_.col(1) = rig.p.normalized().cross(axes_.col(0));
+    by_angles_.topLeftCorner<3, 3>().setIdentity();
+    by_angles_.bottomRightCorner<3, 2>() = -skew(rig.p) * axes_;
+  }
+  [[nodiscard]] Pose rig(const Eigen::Matrix<double, kBends, 1>& angles) const {
+    return {so3_exp(angles.head<3>()) * rig_.R, so3_exp(axes_ * angles.tail<2>()) * rig_.p};
+  }
+  /// Of the epipolar error, by the angles.
+  [[nodiscard]] Eigen::Matrix<double, 1, kBends> slope(const StereoBearings& pair) const {
+    return detail::epipolar_slope(pair, rig_) * by_angles_;
+  }
+
+ private:
+  Pose rig_;
+  Eigen::Matrix<double, 3, 2> axes_;
+  Eigen::Matrix<double, 6, kBends> by_angles_ =
+      Eigen::Matrix<double, 6, kBends>::Zero();  // turn, translation
+};
 
 /// The rig whose epipolar lines the points are nearest to. What depends on depth in the errors of a rig that
 /// is off by degrees would be taken for errors that last as long as the tracks.
 Pose nearest_rig(const std::vector<StereoBearings>& points, Pose rig, double pixel) {
-  using Bend = Eigen::Matrix<double, kBends, 1>;
   for (int fit = 0; fit < kFits; ++fit) {
+    const Bend bend(rig);
     const VectorXd errors = errors_of(points, rig);
     MatrixXd J(errors.size(), kBends);
-    for (Index i = 0; i < kBends; ++i) {
-      J.col(i) = (errors_of(points, bent(rig, kStep * Bend::Unit(i))) - errors) / kStep;
+    for (Index k = 0; k < errors.size(); ++k) {
+      J.row(k) = bend.slope(points[static_cast<std::size_t>(k)]);
     }
     const double far_off = std::max(kFarOff * size_of(errors), kRounding * pixel);
     const VectorXd weights = far_off * errors.cwiseAbs().cwiseMax(far_off).cwiseInverse();
     const MatrixXd WJ = weights.asDiagonal() * J;
     MatrixXd A = WJ.transpose() * J;
     A.diagonal().array() += (pixel / kPlausibleBend) * (pixel / kPlausibleBend);
-    rig = bent(rig, solve_symmetric(A, VectorXd(-WJ.transpose() * errors)));
+    rig = bend.rig(solve_symmetric(A, VectorXd(-WJ.transpose() * errors)));
   }
   return rig;
 }

@@ -22,7 +22,6 @@ namespace {
 
 constexpr double kPrior = NormalEquations::kPrior;
 constexpr std::size_t kFewestPoints = 100;
-constexpr double kStep = 1e-6;         // of numerical derivatives [rad, m]
 constexpr double kMostDepthNoise = 2;  // px that the depth from motion adds, for 1 px of the left pixels
 constexpr double kHuberLimit = 1.345, kTukeyLimit = 4.685;
 constexpr double kLeastNoise_px = 0.02;
@@ -70,26 +69,19 @@ void sum_up_tracks(std::map<std::int64_t, TrackSums>& tracks, const Matrix& info
 struct WindowFit::Linearisation {
   Vector beta;  // in plausible errors; of the lens what vergence does
   Pose rig;
-  std::array<std::pair<Pose, Pose>, 6> moved;
+  Eigen::Matrix<double, 6, 6> by_beta;  // turn and translation of the rig
 
   Linearisation(const Vector& at, const RigParameters& assumed, const RigParameters& scale) : beta(at) {
     beta(kLens) = beta(kVergence);
     const RigParameters theta = assumed + at.head<6>().cwiseProduct(scale);
     rig = pose_from_rig(theta);
-    for (Eigen::Index k = 0; k < 6; ++k) {
-      const RigParameters step = kStep * RigParameters::Unit(k);
-      moved[static_cast<std::size_t>(k)] = {pose_from_rig(theta + step), pose_from_rig(theta - step)};
-    }
+    by_beta = detail::pose_by_theta(theta) * scale.asDiagonal();
   }
 
-  /// Of f(rig) by beta.
-  template <class F>
-  Vector derivative(const F& f, const RigParameters& scale) const {
+  /// By beta, of what has that derivative by turn and translation.
+  [[nodiscard]] Vector derivative(const detail::PoseSlope& slope) const {
     Vector J = Vector::Zero();
-    for (Eigen::Index k = 0; k < 6; ++k) {
-      const auto& [above, below] = moved[static_cast<std::size_t>(k)];
-      J(k) = scale(k) * (f(above) - f(below)) / (2.0 * kStep);
-    }
+    J.head<6>() = (slope * by_beta).transpose();
     return J;
   }
 };
@@ -149,12 +141,11 @@ void WindowFit::find_depths() {
 }
 
 void WindowFit::add_across(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame) {
-  const auto across = [&](const Pose& rig) {
-    return focal_px_ * detail::epipolar_line(seen.d0, rig).dot(seen.d1);
-  };
-  Vector J = -at.derivative(across, scale_);
+  const StereoBearings pair{seen.d0, seen.d1};
+  Vector J = -focal_px_ * at.derivative(detail::epipolar_slope(pair, at.rig));
   std::swap(J(kVergence), J(kLens));
-  rows_.push_back({J, across(at.rig) + J.dot(at.beta), 1.0, 1.0, seen.track.first, seen.cell, false, frame});
+  const double across = focal_px_ * detail::epipolar_error(pair, at.rig);
+  rows_.push_back({J, across + J.dot(at.beta), 1.0, 1.0, seen.track.first, seen.cell, false, frame});
 }
 
 void WindowFit::add_along(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame,
@@ -169,12 +160,13 @@ void WindowFit::add_along(const Linearisation& at, const detail::WatchedPoint& s
   }
   const Vector3d normal = detail::epipolar_line(seen.d0, at.rig);
   const Vector3d along(normal.y(), -normal.x(), 0.0);
-  const auto predicted = [&](const Pose& rig) {
-    const Vector3d p = rig.R * seen.d0 + rig.p / z;
-    return focal_px_ * along.dot(p) / p.z();
-  };
-  const Vector J = at.derivative(predicted, scale_);
-  rows_.push_back({J, focal_px_ * along.dot(seen.d1) - predicted(at.rig) + J.head<6>().dot(at.beta.head<6>()),
+  const Vector3d turned = at.rig.R * seen.d0, p = turned + at.rig.p / z;
+  const double predicted = along.dot(p) / p.z();
+  const Vector3d by_p = (along - predicted * Vector3d::UnitZ()) / p.z();
+  detail::PoseSlope slope;
+  slope << turned.cross(by_p).transpose(), by_p.transpose() / z;
+  const Vector J = focal_px_ * at.derivative(slope);
+  rows_.push_back({J, focal_px_ * (along.dot(seen.d1) - predicted) + J.head<6>().dot(at.beta.head<6>()),
                    std::hypot(1.0, noise), 1.0, seen.track.first, seen.cell, true, frame});
 }
 

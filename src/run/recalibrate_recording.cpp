@@ -145,10 +145,7 @@ void compare_epipolar(const std::vector<Keyframe>& keyframes, Recalibration& out
   double given = 0.0, fitted = 0.0, change = 0.0, count = 0.0;
   RigMatrix slope2 = RigMatrix::Zero();
   const Pose T_given = pose_from_rig(out.given.theta), T_fitted = pose_from_rig(out.fitted.theta);
-  std::array<Pose, 6> moved;
-  for (Eigen::Index k = 0; k < 6; ++k) {
-    moved[static_cast<std::size_t>(k)] = pose_from_rig(out.fitted.theta + kStep * RigParameters::Unit(k));
-  }
+  const RigMatrix by_theta = detail::pose_by_theta(out.fitted.theta);
   for (const Keyframe& keyframe : keyframes) {
     for (const StereoObservation& o : keyframe.frame.observations) {
       const auto pair = detail::bearings(out.given, o);
@@ -160,11 +157,7 @@ void compare_epipolar(const std::vector<Keyframe>& keyframes, Recalibration& out
       if (std::abs(after) > kClip_px && std::abs(before) > kClip_px) {
         continue;
       }
-      RigParameters slope;
-      for (Eigen::Index k = 0; k < 6; ++k) {
-        slope(k) =
-            (focal * detail::epipolar_error(*pair, moved[static_cast<std::size_t>(k)]) - after) / kStep;
-      }
+      const RigParameters slope = focal * (detail::epipolar_slope(*pair, T_fitted) * by_theta).transpose();
       slope2 += slope * slope.transpose();
       given += before * before;
       fitted += clipped(after) * clipped(after);

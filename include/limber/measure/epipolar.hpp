@@ -43,5 +43,14 @@ namespace detail {
   return epipolar_line(pair.cam0, T_cam1_cam0).dot(pair.cam1);
 }
 
+/// By a turn of the right camera, R becoming Exp(turn) R [rad], and by its translation.
+using PoseSlope = Eigen::Matrix<double, 1, 6>;
+
+/// Derivative of epipolar_error.
+[[nodiscard]] PoseSlope epipolar_slope(const StereoBearings& pair, const Pose& T_cam1_cam0);
+
+/// Turn and translation of T_cam1_cam0, as in PoseSlope, by changes of theta.
+[[nodiscard]] Eigen::Matrix<double, 6, 6> pose_by_theta(const RigParameters& theta);
+
 }  // namespace detail
 }  // namespace limber
