@@ -44,7 +44,7 @@ std::string evaluate(const app::TrajectoryInput& estimate, const app::Trajectory
                      double max_time_difference, double rpe_distance) {
   RelativeErrorSettings settings;
   settings.distance = rpe_distance;
-  return to_json(app::evaluate(estimate, truth, max_time_difference, settings)).dump();
+  return app::json_text(to_json(app::evaluate(estimate, truth, max_time_difference, settings)));
 }
 
 }  // namespace

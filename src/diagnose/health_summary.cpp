@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "io/json_text.hpp"
 #include "limber/core/time.hpp"
 
 namespace limber {
@@ -246,7 +247,7 @@ std::string change_in_words(const CalibrationState& change, const Tolerance& tol
 std::string change_json(const CalibrationState& change, const Tolerance& tolerance) {
   Json json = {{"verdict", to_string(change.verdict)}};
   json.update(sizes_of(change, tolerance));
-  return json.dump();
+  return detail::json_text(json);
 }
 
 std::string to_json(const HealthSummary& summary, const WatchOptions& options) {
@@ -262,7 +263,7 @@ std::string to_json(const HealthSummary& summary, const WatchOptions& options) {
       {"past", past},
       {"window_s", options.window_s},
       {"false_alarms_per_hour", options.false_alarms_per_hour}};
-  return json.dump();
+  return detail::json_text(json);
 }
 
 }  // namespace limber

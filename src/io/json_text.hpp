@@ -29,4 +29,11 @@ template <typename Json = nlohmann::ordered_json>
   }
 }
 
+/// @brief The text of a JSON value, on one line or indented. Names of files and in bags need not be UTF-8:
+/// what is none becomes U+FFFD.
+template <typename Json>
+[[nodiscard]] std::string json_text(const Json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 }  // namespace limber::detail

@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "io/base64.hpp"
+#include "io/json_text.hpp"
 #include "limber/report/thinning.hpp"
 #include "limber/report/write_report.hpp"
 
@@ -243,8 +244,7 @@ std::string report_json(const ReportDocument& document) {
   }
   json["footer"] = document.footer;
   json["series"] = writer.take_series();
-  // A name from a file system need not be UTF-8.
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return detail::json_text(json);
 }
 
 }  // namespace limber

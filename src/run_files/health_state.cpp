@@ -139,7 +139,7 @@ std::string to_json(const HealthState& state) {
                      {"beta", numbers(rig.estimate.beta.transpose())},
                      {"covariance", numbers(rig.estimate.covariance)},
                      {"epipolar", numbers(rig.estimate.epipolar)}};
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return detail::json_text(json, 1) + "\n";
 }
 
 HealthState parse_health_state(const std::string& text, const std::string& name) {

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <system_error>
 
+#include "io/json_text.hpp"
 #include "limber/core/angle.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/datasets/landmarks_ply.hpp"
@@ -237,7 +238,7 @@ const std::vector<std::string>& run_file_names() {
 }
 
 std::string summary_json(const RunOptions& options, const RunRecord& record, const RunSummary& summary) {
-  return to_json(options, record, summary).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return detail::json_text(to_json(options, record, summary), 2) + "\n";
 }
 
 void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "figures_table.hpp"
+#include "io/json_text.hpp"
 #include "limber/io/atomic_file.hpp"
 #include "limber/study/curve.hpp"
 
@@ -150,7 +151,7 @@ std::vector<std::filesystem::path> export_json(const StudyDatabase& study,
     json["cases"][c]["methods"].push_back(method_json(study, info, c, m));
   });
   const auto path = beside(database, ".json");
-  write_file_atomically(path, json.dump(1) + "\n");
+  write_file_atomically(path, detail::json_text(json, 1) + "\n");
   return {path};
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/base64.hpp"
+#include "io/json_text.hpp"
 #include "limber/core/angle.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/diagnose/health_summary.hpp"
@@ -96,14 +97,13 @@ std::string to_json(const ViewRun& run) {
   for (std::size_t k = 0; k < 6; ++k) {
     axes.push_back({{"name", kParameterNames[k]}, {"words", axis_in_words(k)}});
   }
-  return Json{{"title", run.title},
-              {"method", run.method},
-              {"frames", run.frames},
-              {"cameras", {json_of(calibration.cam0), json_of(calibration.cam1)}},
-              {"T_body_cam0", json_of(calibration.T_body_cam0)},
-              {"T_cam0_cam1", json_of(pose_from_rig(calibration.theta).inverse())},
-              {"axes", axes}}
-      .dump(-1, ' ', false, Json::error_handler_t::replace);
+  return detail::json_text(Json{{"title", run.title},
+                                {"method", run.method},
+                                {"frames", run.frames},
+                                {"cameras", {json_of(calibration.cam0), json_of(calibration.cam1)}},
+                                {"T_body_cam0", json_of(calibration.T_body_cam0)},
+                                {"T_cam0_cam1", json_of(pose_from_rig(calibration.theta).inverse())},
+                                {"axes", axes}});
 }
 
 std::string to_json(const ViewFrame& frame, const WatchOptions& watch) {
@@ -126,12 +126,10 @@ std::string to_json(const ViewFrame& frame, const WatchOptions& watch) {
   }
   out["health"] = frame.health ? json_of(*frame.health, watch) : Json(nullptr);
   put_images(frame, out);
-  return out.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return detail::json_text(out);
 }
 
-std::string json_string(const std::string& text) {
-  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string json_string(const std::string& text) { return detail::json_text(Json(text)); }
 
 std::string server_sent_event(std::string_view name, std::string_view data) {
   return fmt::format("event: {}\ndata: {}\n\n", name, data);

@@ -7,6 +7,7 @@
 
 #include "encode.hpp"
 #include "io/base64.hpp"
+#include "io/json_text.hpp"
 #include "thinned_path.hpp"
 
 namespace limber {
@@ -18,8 +19,6 @@ using namespace std::chrono_literals;
 constexpr std::size_t kMostViewers = 8;
 constexpr std::uint64_t kUnanswered = 2;  // frames that a page may be busy with
 constexpr auto kWatchedPeriod = 40ms, kUnwatchedPeriod = 500ms;
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace
 
@@ -217,21 +216,22 @@ bool ViewBoard::closed() const {
 
 std::string ViewBoard::hello(std::uint64_t name) const {
   return detail::server_sent_event(
-      "hello", text_of({{"viewer", name},
-                        {"run", Json::parse(detail::to_json(run_))},
-                        {"path", detail::to_base64(std::span<const float>(path_->values()))},
-                        {"paused", paused_},
-                        {"in_time", in_time_}}));
+      "hello", detail::json_text(Json{{"viewer", name},
+                                      {"run", Json::parse(detail::to_json(run_))},
+                                      {"path", detail::to_base64(std::span<const float>(path_->values()))},
+                                      {"paused", paused_},
+                                      {"in_time", in_time_}}));
 }
 
 std::string ViewBoard::control_event() const {
-  return detail::server_sent_event("control", text_of({{"paused", paused_}, {"in_time", in_time_}}));
+  return detail::server_sent_event("control",
+                                   detail::json_text(Json{{"paused", paused_}, {"in_time", in_time_}}));
 }
 
 std::string ViewBoard::end_event() const {
   return detail::server_sent_event(
-      "end", text_of({{"message", end_message_},
-                      {"path", detail::to_base64(std::span<const float>(path_->values()))}}));
+      "end", detail::json_text(Json{{"message", end_message_},
+                                    {"path", detail::to_base64(std::span<const float>(path_->values()))}}));
 }
 
 }  // namespace limber

@@ -137,6 +137,13 @@ def test_evaluate_agrees_with_numpy(run, recording):
     assert limber.evaluate(limber.Trajectory(run.t_ns, run.p, run.R), recording)["ate_m"] == result["ate_m"]
 
 
+def test_names_need_not_be_utf8(run, recording, tmp_path):
+    folder = tmp_path / os.fsdecode(b"caf\xe9")
+    run.write(folder)
+    result = limber.evaluate(folder, recording)
+    assert result["ate_m"] == limber.evaluate(run, recording)["ate_m"]
+
+
 def test_runs_compare_as_the_program_compares_them(tmp_path):
     recording = short("drone_constant", 6.0)
     for method in ("ekf", "lcekf"):
