@@ -92,7 +92,7 @@ void read_calibration(const fs::path& mav0, Recording& recording) {
   }
 }
 
-void read_imu_noise(const fs::path& folder, Recording& recording) {
+void take_imu_noise(const fs::path& folder, Recording& recording) {
   const auto yaml = optional_yaml(folder);
   const fs::path kalibr = kalibr_folder(folder.parent_path()) / "imu_config.yaml";
   if (!yaml && fs::exists(kalibr)) {
@@ -104,21 +104,12 @@ void read_imu_noise(const fs::path& folder, Recording& recording) {
     return;
   }
   require_body_frame(*yaml, "IMU");
-  ImuNoise noise;
-  const std::array<std::pair<const char*, double*>, 4> values = {
-      {{"gyroscope_noise_density", &noise.gyro_density},
-       {"gyroscope_random_walk", &noise.gyro_walk},
-       {"accelerometer_noise_density", &noise.accel_density},
-       {"accelerometer_random_walk", &noise.accel_walk}}};
-  for (const auto& [key, value] : values) {
-    if (!yaml->has(key)) {
-      recording.notes.push_back(
-          fmt::format("imu0/sensor.yaml does not give {}: the default IMU noise is assumed", key));
-      return;
-    }
-    *value = yaml->not_negative(key);
+  if (const auto missing = missing_imu_noise(*yaml)) {
+    recording.notes.push_back(
+        fmt::format("imu0/sensor.yaml does not give {}: the default IMU noise is assumed", *missing));
+    return;
   }
-  recording.imu_noise = noise;
+  recording.imu_noise = read_imu_noise(*yaml);
 }
 
 void read_imu(const fs::path& folder, Recording& recording) {
@@ -131,7 +122,7 @@ void read_imu(const fs::path& folder, Recording& recording) {
   table.require_a_row("IMU sample");
   constexpr std::int64_t kShortestSample_ns = 20'000;
   require_nanoseconds(times_of(recording.imu), kShortestSample_ns, folder / "data.csv");
-  read_imu_noise(folder, recording);
+  take_imu_noise(folder, recording);
 }
 
 void read_odometry(const fs::path& folder, Recording& recording) {

@@ -155,6 +155,17 @@ std::optional<Improved> improve(Motion& motion, std::vector<Pair>& pairs, const 
   return out;
 }
 
+/// Steps until they are short. @return the last one; nothing where it fails
+std::optional<Improved> converge(Motion& motion, std::vector<Pair>& pairs, const Known& known) {
+  for (int i = 0; i < kIterations; ++i) {
+    auto step = improve(motion, pairs, known);
+    if (!step || step->length < kConverged) {
+      return step;
+    }
+  }
+  return std::nullopt;
+}
+
 double most_distances(const Motion& motion, const std::vector<Pair>& pairs) {
   std::vector<double> distances;
   for (const Pair& p : pairs) {
@@ -176,17 +187,11 @@ std::optional<TwoViews> left_motion(const StereoCalibration& calibration, const 
   const double focal = calibration.cam0.fu;
   const Known known{kPixel / focal, kDisparity / (focal * calibration.theta.tail<3>().norm())};
   Motion motion;
-  for (int i = 0; i < kIterations; ++i) {
-    const auto step = improve(motion, pairs, known);
-    if (!step) {
-      return std::nullopt;
-    }
-    if (step->length < kConverged) {
-      return TwoViews{calibration.T_body_cam0.R * so3_log(motion.R.transpose()),
-                      focal * most_distances(motion, pairs)};
-    }
+  if (!converge(motion, pairs, known)) {
+    return std::nullopt;
   }
-  return std::nullopt;
+  return TwoViews{calibration.T_body_cam0.R * so3_log(motion.R.transpose()),
+                  focal * most_distances(motion, pairs)};
 }
 
 std::optional<PairReadout> readout_between(const MovingPoints& from, const MovingPoints& to, double focal_px,
@@ -205,20 +210,15 @@ std::optional<PairReadout> readout_between(const MovingPoints& from, const Movin
   }
   const Known known{kPixel / focal_px, kDisparity / (focal_px * baseline), kReadoutPrior};
   Motion motion;
-  for (int i = 0; i < kIterations; ++i) {
-    const auto step = improve(motion, pairs, known);
-    if (!step) {
-      return std::nullopt;
-    }
-    if (step->length < kConverged) {
-      const Eigen::Matrix<double, 6, 6> others = step->A.topLeftCorner<6, 6>();
-      const Eigen::Matrix<double, 6, 1> with = step->A.topRightCorner<6, 1>();
-      const double information = step->A(6, 6) - with.dot(solve_symmetric(others, with));
-      const double gradient = motion.readout * (information + 1.0 / (kReadoutPrior * kReadoutPrior));
-      return PairReadout{information, gradient, step->squares};
-    }
+  const auto last = converge(motion, pairs, known);
+  if (!last) {
+    return std::nullopt;
   }
-  return std::nullopt;
+  const Eigen::Matrix<double, 6, 6> others = last->A.topLeftCorner<6, 6>();
+  const Eigen::Matrix<double, 6, 1> with = last->A.topRightCorner<6, 1>();
+  const double information = last->A(6, 6) - with.dot(solve_symmetric(others, with));
+  const double gradient = motion.readout * (information + 1.0 / (kReadoutPrior * kReadoutPrior));
+  return PairReadout{information, gradient, last->squares};
 }
 
 std::optional<std::size_t> frame_after(std::span<const StereoFrame> frames, std::size_t n, double seconds) {

@@ -14,19 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::optional<ImuNoise> noise_of(const SensorYaml& yaml) {
-  ImuNoise noise;
-  const std::array<std::pair<const char*, double*>, 4> values = {
-      {{"gyroscope_noise_density", &noise.gyro_density},
-       {"gyroscope_random_walk", &noise.gyro_walk},
-       {"accelerometer_noise_density", &noise.accel_density},
-       {"accelerometer_random_walk", &noise.accel_walk}}};
-  for (const auto& [key, value] : values) {
-    if (!yaml.has(key)) {
-      return std::nullopt;
-    }
-    *value = yaml.not_negative(key);
-  }
-  return noise;
+  return missing_imu_noise(yaml) ? std::nullopt : std::optional(read_imu_noise(yaml));
 }
 
 /// cuVSLAM calls four fisheye coefficients radial-tangential: the camera model says what they are.

@@ -175,12 +175,7 @@ ImuNoise read_kalibr_imu(const std::filesystem::path& path) {
   if (yaml.has("time_offset") && yaml.number("time_offset") != 0.0) {
     yaml.fail("time_offset", "time_offset 0: stamps must be corrected already", yaml.text("time_offset"));
   }
-  ImuNoise noise;
-  noise.gyro_density = yaml.not_negative("gyroscope_noise_density");
-  noise.gyro_walk = yaml.not_negative("gyroscope_random_walk");
-  noise.accel_density = yaml.not_negative("accelerometer_noise_density");
-  noise.accel_walk = yaml.not_negative("accelerometer_random_walk");
-  return noise;
+  return detail::read_imu_noise(yaml);
 }
 
 }  // namespace limber

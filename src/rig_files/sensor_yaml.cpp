@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -13,7 +14,6 @@
 #include "io/yaml_text.hpp"
 #include "io/yaml_words.hpp"
 #include "limber/core/errors.hpp"
-#include "limber/sensors/calibration.hpp"
 #include "rig_files/opencv_lens.hpp"
 #include "rig_files/rig_formats.hpp"
 
@@ -23,6 +23,11 @@ namespace {
 constexpr double kLargestResolution = 100'000.0;
 constexpr double kLargestNoise = 1e6;  // whatever its unit
 constexpr double kBottomRowTolerance = 1e-6;
+constexpr std::array<std::pair<const char*, double ImuNoise::*>, 4> kImuNoise = {
+    {{"gyroscope_noise_density", &ImuNoise::gyro_density},
+     {"gyroscope_random_walk", &ImuNoise::gyro_walk},
+     {"accelerometer_noise_density", &ImuNoise::accel_density},
+     {"accelerometer_random_walk", &ImuNoise::accel_walk}}};
 
 // EuRoC files start with OpenCV's "%YAML:1.0", which is no YAML directive.
 void blank_out_opencv_directive(std::string& text) {
@@ -289,6 +294,23 @@ double checked_readout(const SensorYaml& yaml, const std::string& key, double un
               fmt::format("{} s", readout));
   }
   return readout;
+}
+
+std::optional<std::string> missing_imu_noise(const SensorYaml& yaml) {
+  for (const auto& [key, value] : kImuNoise) {
+    if (!yaml.has(key)) {
+      return key;
+    }
+  }
+  return std::nullopt;
+}
+
+ImuNoise read_imu_noise(const SensorYaml& yaml) {
+  ImuNoise noise;
+  for (const auto& [key, value] : kImuNoise) {
+    noise.*value = yaml.not_negative(key);
+  }
+  return noise;
 }
 
 double read_readout_time(const SensorYaml& yaml) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "limber/core/pose.hpp"
+#include "limber/sensors/calibration.hpp"
 #include "limber/sensors/camera.hpp"
 
 namespace limber::detail {
@@ -70,6 +71,12 @@ void read_resolution(const SensorYaml& yaml, const std::string& key, Camera& cam
 
 /// camera_model, intrinsics, resolution, distortion_model and distortion_coefficients.
 [[nodiscard]] Camera read_camera(const SensorYaml& yaml);
+
+/// The first key of an IMU's noise that is not there.
+[[nodiscard]] std::optional<std::string> missing_imu_noise(const SensorYaml& yaml);
+
+/// gyroscope_noise_density, gyroscope_random_walk and those of the accelerometer.
+[[nodiscard]] ImuNoise read_imu_noise(const SensorYaml& yaml);
 
 /// readout_time, where there is one: from the first row to the last [s].
 [[nodiscard]] double read_readout_time(const SensorYaml& yaml);

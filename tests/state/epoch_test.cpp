@@ -225,17 +225,29 @@ StereoFrame sees(std::int64_t t_ns, const std::vector<std::int64_t>& ids) {
   return frame;
 }
 
-TEST(RestAndRecall, OfAMapThatIsHandedOverTheUnseenRestAtOnceAndNoWorkWaits) {
-  Generator generator(9);
+constexpr std::int64_t kSecond = 1000000000;
+
+/// At 11 s, of which the landmarks from 6 on were seen then, and the others a second before.
+Estimate half_seen_map(Generator& generator) {
   Estimate estimate = random_map(generator, kLandmarks);
-  const std::int64_t second = 1000000000;
   for (Landmark& landmark : estimate.landmarks()) {
-    landmark.last_seen_ns = landmark.track_id < 6 ? 10 * second : 11 * second;
+    landmark.last_seen_ns = landmark.track_id < 6 ? 10 * kSecond : 11 * kSecond;
   }
+  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 11 * kSecond; });
+  return estimate;
+}
+
+MapManagementOptions without_conversions() {
   MapManagementOptions options;
   options.linearity_index = 0.0;
-  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 11 * second; });
-  rest_unseen(estimate, 11 * second, options);
+  return options;
+}
+
+TEST(RestAndRecall, OfAMapThatIsHandedOverTheUnseenRestAtOnceAndNoWorkWaits) {
+  Generator generator(9);
+  Estimate estimate = half_seen_map(generator);
+  const MapManagementOptions options = without_conversions();
+  rest_unseen(estimate, 11 * kSecond, options);
   for (const Landmark& landmark : estimate.landmarks()) {
     EXPECT_EQ(landmark.passive, landmark.track_id < 6) << landmark.track_id;
   }
@@ -243,45 +255,39 @@ TEST(RestAndRecall, OfAMapThatIsHandedOverTheUnseenRestAtOnceAndNoWorkWaits) {
   estimate.settle();
   EXPECT_EQ(testing::snapshot(estimate), handed_over);  // not even by rounding
   // The first frame ends no epoch.
-  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 11 * second + second / 20; });
-  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * second, options);
-  EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
+  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 11 * kSecond + kSecond / 20; });
+  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * kSecond, options);
+  EXPECT_EQ(estimate.epoch_began_ns(), 11 * kSecond);
 }
 
 TEST(RestAndRecall, TheUnseenRestAndTheSeenComeBack) {
   Generator generator(8);
-  Estimate estimate = random_map(generator, kLandmarks);
-  const std::int64_t second = 1000000000;
-  for (Landmark& landmark : estimate.landmarks()) {
-    landmark.last_seen_ns = landmark.track_id < 6 ? 10 * second : 11 * second;
-  }
-  MapManagementOptions options;
-  options.linearity_index = 0.0;  // no conversions here
-  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 11 * second; });
-  update_active_set(estimate, sees(11 * second, {7}), 11 * second, options);
+  Estimate estimate = half_seen_map(generator);
+  MapManagementOptions options = without_conversions();
+  update_active_set(estimate, sees(11 * kSecond, {7}), 11 * kSecond, options);
   for (const Landmark& landmark : estimate.landmarks()) {
     EXPECT_EQ(landmark.passive, landmark.track_id < 6) << landmark.track_id;
   }
-  EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
+  EXPECT_EQ(estimate.epoch_began_ns(), 11 * kSecond);
   // Nothing is due within the epoch, but somebody asleep who is seen comes back at once.
-  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 11 * second + second / 4; });
-  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * second, options);
-  EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
-  update_active_set(estimate, sees(estimate.nav().t_ns, {7, 2}), 11 * second, options);
-  EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
+  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 11 * kSecond + kSecond / 4; });
+  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * kSecond, options);
+  EXPECT_EQ(estimate.epoch_began_ns(), 11 * kSecond);
+  update_active_set(estimate, sees(estimate.nav().t_ns, {7, 2}), 11 * kSecond, options);
+  EXPECT_EQ(estimate.epoch_began_ns(), 11 * kSecond);
   EXPECT_FALSE(estimate.find(2)->passive);
   EXPECT_TRUE(estimate.find(3)->passive);
 
   // Due, and put off for a frame.
-  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 12 * second; });
-  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * second, options, false);
-  EXPECT_EQ(estimate.epoch_began_ns(), 11 * second);
-  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * second, options);
-  EXPECT_EQ(estimate.epoch_began_ns(), 12 * second);
+  testing::move_body(estimate, [&](NavigationState& nav) { nav.t_ns = 12 * kSecond; });
+  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * kSecond, options, false);
+  EXPECT_EQ(estimate.epoch_began_ns(), 11 * kSecond);
+  update_active_set(estimate, sees(estimate.nav().t_ns, {7}), 11 * kSecond, options);
+  EXPECT_EQ(estimate.epoch_began_ns(), 12 * kSecond);
 
   options.rest_after_s = 1e9;
   Estimate sleepless = random_map(generator, kLandmarks);
-  update_active_set(sleepless, sees(20 * second, {}), 11 * second, options);
+  update_active_set(sleepless, sees(20 * kSecond, {}), 11 * kSecond, options);
   EXPECT_FALSE(sleepless.has_frozen());
 }
 
