@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cctype>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "commands.hpp"
@@ -32,6 +34,7 @@
 #include "validators.hpp"
 #ifdef LIMBER_WITH_FRONTEND
 #include "limber/frontend/decode_image.hpp"
+#include "limber/images/picture.hpp"
 #endif
 
 namespace limber::app {
@@ -138,6 +141,20 @@ EncodedImage as_grey(const EncodedImage& image, const std::string& place) {
   return out;
 }
 
+/// The pixels of a file as they are in it, but for alpha.
+EncodedImage as_pixels(const EncodedImage& file, const std::string& place) {
+  const std::string_view content(reinterpret_cast<const char*>(file.data.data()), file.data.size());
+  Picture picture = decode_picture(content, Colours::kKeep, place);
+  EncodedImage out;
+  out.encoding = std::string(picture.channels == 3 ? "rgb" : "mono") + (picture.bits == 16 ? "16" : "8");
+  out.width = picture.width;
+  out.height = picture.height;
+  out.step = picture.stride();
+  out.big_endian = std::endian::native == std::endian::big;
+  out.data = std::move(picture.data);
+  return out;
+}
+
 /// PNG knows neither Bayer patterns nor YUV: these become grey.
 std::vector<std::uint8_t> as_png(const EncodedImage& image, const std::string& place) {
   const bool pattern = image.encoding.starts_with("bayer") || image.encoding.starts_with("yu") ||
@@ -145,7 +162,7 @@ std::vector<std::uint8_t> as_png(const EncodedImage& image, const std::string& p
   return encode_png(pattern ? as_grey(image, place) : image, place);
 }
 #else
-[[noreturn]] EncodedImage as_grey(const EncodedImage&, const std::string&) {
+[[noreturn]] EncodedImage as_pixels(const EncodedImage&, const std::string&) {
   throw std::runtime_error("this program was built without the image front end, which unpacks images");
 }
 [[noreturn]] std::vector<std::uint8_t> as_png(const EncodedImage&, const std::string&) {
@@ -156,7 +173,7 @@ std::vector<std::uint8_t> as_png(const EncodedImage& image, const std::string& p
 ImageChange change_of(const std::string& pixels) {
   if (pixels == "raw") {
     return [](EncodedImage image, const std::string& place) {
-      return image.encoding.empty() ? as_grey(image, place) : std::move(image);
+      return image.encoding.empty() ? as_pixels(image, place) : std::move(image);
     };
   }
   if (pixels == "png") {

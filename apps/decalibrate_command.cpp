@@ -114,7 +114,7 @@ void decalibrate(const DecalibrateArguments& arguments) {
                     "a bag: limber convert makes a folder of it");
   }
   require_place_for_recording(arguments.out, arguments.force);
-  require_writable_folder(arguments.out);
+  const ClaimedFolder claimed(arguments.out);
   const Recording recording = limber::read_recording(arguments.dataset);
   const std::vector<DecalibrationSignal> signals = signals_of(arguments.as, recording);
   require_outside(arguments.out, arguments.dataset);

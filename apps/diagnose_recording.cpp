@@ -2,13 +2,12 @@
 #include "diagnose_recording.hpp"
 
 #include <exception>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "limber/clean/frame_cleaner.hpp"
+#include "first_frames.hpp"
 #include "limber/core/divergence_error.hpp"
 #include "limber/diagnose/calibration_mistakes.hpp"
 #include "limber/diagnose/imu_mistakes.hpp"
@@ -43,15 +42,6 @@ std::vector<std::string> mistakes_of(const Recording& recording, const StereoCal
   const std::vector<std::string> of_imu = imu_mistakes(assumed, seen, recording.imu, gravity);
   out.insert(out.end(), of_imu.begin(), of_imu.end());
   return out;
-}
-
-/// Pixels at their stamps, for all that knows no rows; nothing else is cleaned.
-std::vector<StereoFrame> at_stamps(std::vector<StereoFrame> frames, const StereoCalibration& assumed) {
-  FrameCleaner rows(assumed, {.clean = false, .max_points = std::numeric_limits<std::size_t>::max()});
-  for (StereoFrame& frame : frames) {
-    frame = rows.clean(std::move(frame));
-  }
-  return frames;
 }
 
 }  // namespace

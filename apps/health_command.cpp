@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -75,7 +76,8 @@ Diagnosis navigate(const HealthArguments& arguments, const Recording& recording,
       Interrupt::asked);
 }
 
-void require_output(const HealthArguments& arguments) {
+/// Claims the folder too, until `claimed` goes.
+void require_output(const HealthArguments& arguments, std::deque<ClaimedFolder>& claimed) {
   if (arguments.out.empty()) {
     return;
   }
@@ -85,7 +87,7 @@ void require_output(const HealthArguments& arguments) {
     throw DataError(arguments.out.string(), 0, "another folder than that of --since", "the same");
   }
   require_replaceable_run(arguments.out, arguments.force);
-  require_writable_folder(arguments.out);
+  claimed.emplace_back(arguments.out);
 }
 
 /// Of one recording, with all that is to be written of it.
@@ -130,8 +132,9 @@ void print_fleet_notes(const std::vector<FleetRow>& rows,
 }
 
 int fleet(const HealthArguments& arguments) {
+  std::deque<ClaimedFolder> claimed;
   for (std::size_t n = 0; n <= arguments.more.size(); ++n) {
-    require_output(member(arguments, n));
+    require_output(member(arguments, n), claimed);
   }
   std::vector<FleetRow> rows;
   std::map<std::string, std::vector<std::string>> notes;
@@ -170,7 +173,8 @@ void health(const HealthArguments& arguments) {
   if (arguments.fleet) {
     code = fleet(arguments);
   } else {
-    require_output(arguments);
+    std::deque<ClaimedFolder> claimed;
+    require_output(arguments, claimed);
     const Diagnosis diagnosis = diagnose(arguments);
     fmt::print("{}", arguments.json ? to_json(diagnosis) : to_text(diagnosis));
     code = diagnosis.stopped ? kExitFailed : exit_code(verdict_of(diagnosis));

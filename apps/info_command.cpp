@@ -2,12 +2,16 @@
 // limber info: what is in a recording, and what can be done with it.
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "commands.hpp"
 #include "limber/bags/inspect.hpp"
@@ -17,6 +21,7 @@
 #ifdef LIMBER_WITH_FRONTEND
 #include "limber/core/errors.hpp"
 #include "limber/frontend/decode_image.hpp"
+#include "limber/frontend/image_reader.hpp"
 #endif
 
 namespace limber::app {
@@ -34,6 +39,14 @@ struct Brightness {
   double left = 0.0, right = 0.0;  ///< 0 to 255
 };
 
+#ifdef LIMBER_WITH_FRONTEND
+Camera sized(const std::pair<int, int>& width_and_height) {
+  Camera camera;
+  std::tie(camera.width, camera.height) = width_and_height;
+  return camera;
+}
+#endif
+
 /// Of the images that can be read; the others become a note. Nothing where there are none.
 std::optional<Brightness> look_at_images(RecordingInfo& info) {
 #ifdef LIMBER_WITH_FRONTEND
@@ -42,8 +55,12 @@ std::optional<Brightness> look_at_images(RecordingInfo& info) {
     return std::nullopt;
   }
   const std::size_t looked = std::min(kLooked, info.stereo->pairs);
+  std::array<std::map<std::pair<int, int>, ImageReader>, 2> readers;  // by size: most have the same
   const auto mean = [&](std::size_t camera, std::size_t pair) {
-    const GreyPixels grey = decode_grey(info.images->load(camera, pair), info.images->place(camera, pair));
+    const EncodedImage image = info.images->load(camera, pair);
+    const std::string place = info.images->place(camera, pair);
+    const auto size = size_of(image, place);
+    const GreyPixels grey = readers[camera].try_emplace(size, sized(size)).first->second.read(image, place);
     return static_cast<double>(std::accumulate(grey.data.begin(), grey.data.end(), std::uint64_t{0})) /
            static_cast<double>(grey.data.size());
   };

@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <fmt/format.h>
-
 #include <array>
 #include <cstddef>
 
-#include "limber/core/errors.hpp"
 #include "limber/datasets/recording.hpp"
-#include "limber/frontend/decode_image.hpp"
 #include "limber/frontend/image_reader.hpp"
 
 namespace limber::app {
@@ -31,17 +27,9 @@ class PairReader {
   }
 
  private:
-  [[nodiscard]] GreyPixels stored(std::size_t camera, std::size_t pair) const {
+  [[nodiscard]] GreyPixels stored(std::size_t camera, std::size_t pair) {
     const ImageStore& store = *recording_.image_store;
-    GreyPixels image = decode_grey(store.load(camera, pair), store.place(camera, pair));
-    const Camera& expected = camera == 0 ? recording_.calibration.cam0 : recording_.calibration.cam1;
-    if (image.width != expected.width || image.height != expected.height) {
-      throw DataError(store.place(camera, pair), 0,
-                      fmt::format("an image of {} x {} px (the calibration's resolution)", expected.width,
-                                  expected.height),
-                      fmt::format("{} x {} px", image.width, image.height));
-    }
-    return image;
+    return readers_[camera].read(store.load(camera, pair), store.place(camera, pair));
   }
 
   const Recording& recording_;

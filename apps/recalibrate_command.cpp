@@ -34,7 +34,7 @@ void recalibrate_dataset(const RecalibrateArguments& arguments) {
   require_replaceable_recalibration(arguments.out, arguments.force,
                                     {arguments.dataset, calibration, arguments.imu,
                                      calibration / "cam0/sensor.yaml", calibration / "cam1/sensor.yaml"});
-  require_writable_folder(arguments.out);
+  const ClaimedFolder claimed(arguments.out);
   const Interrupt interrupt;
   const Recording recording = open_recording(arguments);
   RecalibrateOptions options;

@@ -7,11 +7,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "commands.hpp"
+#include "first_frames.hpp"
 #include "frame_source.hpp"
 #include "interrupt.hpp"
 #include "limber/core/errors.hpp"
@@ -40,6 +42,8 @@ struct RunArguments : RecordingArguments {
   ViewArguments view;
   std::vector<std::string> methods;
   std::vector<std::string>* notes = nullptr;  ///< with --methods they go here; nothing is printed
+  /// mistakes that were said when they were seen; with --methods of all methods
+  std::shared_ptr<std::set<std::string>> said = std::make_shared<std::set<std::string>>();
 };
 
 RunOptions to_options(const RunArguments& arguments, const Recording& recording) {
@@ -67,9 +71,10 @@ std::string timing_text(const FrontendRecord* frontend) {
                      frontend->track_ms.back());
 }
 
-void print_notes(const std::vector<std::string>& notes) {
+/// But for those that were said before.
+void print_notes(const std::vector<std::string>& notes, const std::set<std::string>& said) {
   for (const std::string& note : notes) {
-    print_note(note);
+    if (!said.contains(note)) print_note(note);
   }
 }
 
@@ -91,10 +96,15 @@ void require_place_of_page(const RunArguments& arguments) {
 
 /// run_recording with what the command shows meanwhile; `readout` sees the frames as they come.
 RunRecord run_and_show(const Recording& recording, const RunOptions& options, const ImageFrames& source,
-                       LiveView* view, ReadoutWatch& readout, SharedStarts* starts) {
+                       LiveView* view, ReadoutWatch& readout, std::set<std::string>& said,
+                       SharedStarts* starts) {
   Progress progress(to_string(options.method), frame_count(recording));
+  FirstFrames first(recording, corrected(recording.calibration, options.assume_error), options.gravity,
+                    source.frames, Interrupt::asked, [&](const std::string& mistake) {
+                      if (said.insert(mistake).second) print_warning(mistake);
+                    });
   const FrameSource watched = [&](std::size_t n) {
-    StereoFrame frame = source.frames(n);
+    StereoFrame frame = first(n);
     readout.add(frame);
     return frame;
   };
@@ -110,11 +120,14 @@ RunRecord run_and_show(const Recording& recording, const RunOptions& options, co
   }
   try {
     RunRecord record = run_recording(recording, options, watched, callbacks, starts);
+    first.finish();
+    record.notes.insert(record.notes.end(), first.mistakes().begin(), first.mistakes().end());
     if (source.record) add_frontend(*source.record, record);
     add_damaged(source, record);
     if (view != nullptr) record.elapsed_s -= view->held_s();
     return record;
   } catch (const std::exception& error) {
+    first.finish();
     if (view != nullptr) view->finish(error.what());
     throw;
   }
@@ -127,7 +140,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
   const std::unique_ptr<LiveView> view =
       open_live_view(arguments.view, recording, options, source.record, Interrupt::asked);
   ReadoutWatch readout(corrected(recording.calibration, options.assume_error));
-  RunRecord record = run_and_show(recording, options, source, view.get(), readout, starts);
+  RunRecord record = run_and_show(recording, options, source, view.get(), readout, *arguments.said, starts);
   if (record.frames.empty()) {
     throw std::runtime_error("stopped before the first frame: nothing is written");
   }
@@ -138,7 +151,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
   if (arguments.notes != nullptr) {
     *arguments.notes = record.notes;
   } else {
-    print_notes(record.notes);
+    print_notes(record.notes, *arguments.said);
     print_run_summary(options, record, summary, arguments.out);
   }
   make_report_beside(arguments.out);
@@ -154,7 +167,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
 
 void run(const RunArguments& arguments) {
   require_replaceable_run(arguments.out, arguments.force);
-  require_writable_folder(arguments.out);
+  const ClaimedFolder claimed(arguments.out);
   require_place_of_page(arguments);
   const Interrupt interrupt;
   const Recording recording = open_recording(arguments);

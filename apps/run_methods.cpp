@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <deque>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -93,12 +94,13 @@ std::vector<std::string> different_methods(const std::vector<std::string>& names
 void run_methods(const std::vector<std::string>& methods, const fs::path& out, bool force,
                  const RunOneMethod& run) {
   require_no_recording(out);
+  std::deque<ClaimedFolder> claimed;
   for (const std::string& method : methods) {
     require_replaceable_run(out / method, force);
-    require_writable_folder(out / method);
+    claimed.emplace_back(out / method);
   }
   require_replaceable(out / kComparisonPage, kPageMark, force);
-  require_writable_folder(out);
+  claimed.emplace_back(out);
   const Interrupt interrupt;
   Outcome outcome;
   std::vector<std::string> left = methods;

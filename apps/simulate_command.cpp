@@ -42,7 +42,7 @@ struct SimulateArguments {
 #ifdef LIMBER_WITH_FRONTEND
 void render(const SimulateArguments& arguments, const Scenario& scenario) {
   require_place_for_recording(arguments.out, arguments.force);
-  require_writable_folder(arguments.out);
+  const ClaimedFolder claimed(arguments.out);
   PictureOptions options = arguments.pictures;
   options.scene = scene_from_string(arguments.scene);
   const FolderUnlessEmpty parent(std::filesystem::absolute(arguments.out).lexically_normal().parent_path());
@@ -132,7 +132,7 @@ void simulate(const SimulateArguments& arguments) {
 #endif
   require_no_run(arguments.out);
   require_place_for_mav0(arguments.out, arguments.force);
-  require_writable_folder(arguments.out);
+  const ClaimedFolder claimed(arguments.out);
   const Recording recording = limber::simulate(scenario, arguments.seed, arguments.run);
   {
     const Uninterrupted until_written;

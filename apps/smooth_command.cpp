@@ -55,7 +55,7 @@ SmoothOptions to_options(const SmoothArguments& arguments, const Recording& reco
 
 void smooth(const SmoothArguments& arguments) {
   require_replaceable_run(arguments.out, arguments.force);
-  require_writable_folder(arguments.out);
+  const ClaimedFolder claimed(arguments.out);
   const Interrupt interrupt;
   const Recording recording = open_recording(arguments);
   const SmoothOptions options = to_options(arguments, recording);

@@ -37,6 +37,7 @@ int BagImages::find_bits() {
   constexpr std::size_t kLooked = 8;
   const std::size_t looked = std::min(kLooked, pairs());
   unsigned brightest = 0;
+  bool any_of_sixteen = false;
   for (std::size_t k = 0; k < looked; ++k) {
     EncodedImage image;
     try {
@@ -45,12 +46,16 @@ int BagImages::find_bits() {
       continue;
     }
     if (!image.encoding.ends_with("16") && image.encoding != "16UC1") {
-      return 0;
+      continue;
     }
+    any_of_sixteen = true;
     for (std::size_t b = 0; b + 1 < image.data.size(); b += 2) {
       const unsigned first = image.data[b], second = image.data[b + 1];
       brightest = std::max(brightest, image.big_endian ? first << 8 | second : second << 8 | first);
     }
+  }
+  if (!any_of_sixteen) {
+    return 0;
   }
   bits_ = 8;
   while (bits_ < 16 && brightest >> bits_ != 0) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "bag_images.hpp"
+#include "io/image_size.hpp"
 #include "io/times_of.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/median.hpp"
@@ -36,6 +37,7 @@ StreamInfo info_of(const BagStream& stream, const BagTopics& topics) {
   out.messages = stream.messages;
   out.unreadable = stream.unreadable;
   out.unstamped = stream.unstamped;
+  out.other_images = stream.other_images;
   if (stream.stamped && !stream.stamps_ns.empty()) {
     std::vector<double> delays;
     for (std::size_t k = 0; k < stream.stamps_ns.size(); ++k) {
@@ -65,6 +67,10 @@ void note_times(const StreamInfo& stream, std::vector<std::string>& notes) {
   }
   if (stream.role.empty()) {
     return;
+  }
+  if (stream.other_images > 0) {
+    notes.push_back(fmt::format("{}: {} of {} images differ from the first in size or encoding", stream.name,
+                                stream.other_images, stream.messages));
   }
   if (!stream.stamped) {
     notes.push_back(stream.name + ": the headers have no stamps, these are the times of recording");
@@ -179,6 +185,33 @@ void add_stream(RecordingInfo& info, const std::string& name, const std::string&
   stream.messages = samples.size();
 }
 
+void require_size(const fs::path& image, const Camera& camera) {
+  const detail::ImageSize size = detail::read_image_size(image);
+  if (size.width != camera.width || size.height != camera.height) {
+    throw DataError(image.string(), 0, fmt::format("an image of {} x {} px", camera.width, camera.height),
+                    fmt::format("{} x {} px", size.width, size.height));
+  }
+}
+
+/// Looks at the heads of all image files: the images of single frames may be missing, or others.
+void note_unlike_files(const Recording& recording, std::vector<std::string>& notes) {
+  std::size_t unlike = 0;
+  std::string first;
+  for (const ImagePair& pair : recording.images) {
+    try {
+      require_size(pair.cam0, recording.calibration.cam0);
+      require_size(pair.cam1, recording.calibration.cam1);
+    } catch (const DataError& error) {
+      first = unlike++ == 0 ? error.what() : first;
+    }
+  }
+  if (unlike > 0) {
+    notes.push_back(
+        fmt::format("{} of {} pairs cannot be used, their frames will have no points; the first: {}", unlike,
+                    recording.images.size(), first));
+  }
+}
+
 RecordingInfo inspect_folder(const fs::path& path) {
   const Recording recording = read_recording(path);
   RecordingInfo info;
@@ -206,6 +239,7 @@ RecordingInfo inspect_folder(const fs::path& path) {
   if (!recording.images.empty()) {
     info.stereo = StereoInfo{recording.images.size(), 0, 0, 0.0, 0.0};
     info.images = stored_images(recording);
+    note_unlike_files(recording, info.notes);
   }
   note_clocks(info);
   say_what_can_be_done(info);

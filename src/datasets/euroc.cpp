@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "formats.hpp"
-#include "io/image_size.hpp"
+#include "image_checks.hpp"
 #include "io/numbers.hpp"
 #include "io/text_file.hpp"
 #include "io/times_of.hpp"
@@ -182,27 +182,27 @@ std::vector<ImageLine> read_image_list(const fs::path& camera) {
       table.fail("the name of an image within " + camera.string(), excerpt(table.field(1)));
     }
     const fs::path in_data = camera / "data" / name;
-    images.push_back({table.increasing_time(), fs::exists(in_data) ? in_data : camera / name, table.line()});
+    const fs::path beside = camera / name;
+    images.push_back({table.increasing_time(),
+                      is_image_file(beside) && !is_image_file(in_data) ? beside : in_data, table.line()});
   }
   table.require_a_row("image");
   return images;
 }
 
-void require_image(const fs::path& camera, const ImageLine& image) {
-  if (!fs::is_regular_file(image.path)) {
-    throw DataError(
-        (camera / "data.csv").string(), image.line,
-        fmt::format("the image {} in {}", image.path.filename().string(), (camera / "data").string()),
-        "no such file");
-  }
+DataError no_image(const fs::path& camera, const ImageLine& image) {
+  return {(camera / "data.csv").string(), image.line,
+          fmt::format("the image {} in {}", image.path.filename().string(), (camera / "data").string()),
+          "no such file"};
 }
 
 // The sensor.yaml must speak of these images.
-void require_resolution(const fs::path& image, const Camera& camera) {
-  const ImageSize size = read_image_size(image);
+void require_resolution(const Recording& recording, std::size_t number) {
+  const Camera& camera = number == 0 ? recording.calibration.cam0 : recording.calibration.cam1;
+  const auto [file, size] = usual_image(recording, number);
   if (size.width != camera.width || size.height != camera.height) {
     throw DataError(
-        image.string(), 0,
+        file.string(), 0,
         fmt::format("an image of {} x {} pixels, as sensor.yaml says", camera.width, camera.height),
         fmt::format("{} x {}", size.width, size.height));
   }
@@ -213,10 +213,14 @@ void read_image_pairs(const fs::path& mav0, Recording& recording) {
   const auto right = read_image_list(mav0 / "cam1");
   auto l = left.begin();
   auto r = right.begin();
+  std::vector<DataError> missing;
   while (l != left.end() && r != right.end()) {
     if (l->t_ns == r->t_ns) {
-      require_image(mav0 / "cam0", *l);
-      require_image(mav0 / "cam1", *r);
+      if (!is_image_file(l->path)) {
+        missing.push_back(no_image(mav0 / "cam0", *l));
+      } else if (!is_image_file(r->path)) {
+        missing.push_back(no_image(mav0 / "cam1", *r));
+      }
       recording.images.push_back({l->t_ns, l++->path, r++->path});
     } else {
       l->t_ns < r->t_ns ? ++l : ++r;
@@ -232,8 +236,9 @@ void read_image_pairs(const fs::path& mav0, Recording& recording) {
         "{} images of cam0 and {} of cam1 have no partner with the same timestamp and are left out",
         left.size() - pairs, right.size() - pairs));
   }
-  require_resolution(recording.images.front().cam0, recording.calibration.cam0);
-  require_resolution(recording.images.front().cam1, recording.calibration.cam1);
+  require_most_images(recording, missing);
+  require_resolution(recording, 0);
+  require_resolution(recording, 1);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "image_checks.hpp"
 #include "limber/core/errors.hpp"
 
 namespace limber {
@@ -15,9 +16,13 @@ class ImageFiles final : public ImageStore {
   explicit ImageFiles(std::vector<ImagePair> pairs) : pairs_(std::move(pairs)) {}
 
   [[nodiscard]] EncodedImage load(std::size_t camera, std::size_t pair) const override {
-    std::ifstream stream(file(camera, pair), std::ios::binary);
-    if (!stream) {
-      throw DataError(place(camera, pair), 0, "a readable image", "none");
+    const std::filesystem::path& path = file(camera, pair);
+    std::ifstream stream;
+    if (detail::is_image_file(path)) {
+      stream.open(path, std::ios::binary);
+    }
+    if (!stream.is_open()) {
+      throw DataError(path.string(), 0, "a readable image", "no readable file");
     }
     EncodedImage out;
     out.data.assign(std::istreambuf_iterator<char>(stream), {});

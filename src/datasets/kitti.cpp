@@ -6,7 +6,7 @@
 #include <map>
 
 #include "formats.hpp"
-#include "io/image_size.hpp"
+#include "image_checks.hpp"
 #include "io/numbers.hpp"
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
@@ -19,8 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void set_size(Camera& camera, const fs::path& first_image) {
-  const ImageSize size = read_image_size(first_image);
+void set_size(Camera& camera, const ImageSize& size) {
   camera.width = size.width;
   camera.height = size.height;
 }
@@ -32,8 +31,8 @@ bool is_colour(const fs::path& folder) {
 
 void read_kitti_calibration(const fs::path& folder, Recording& recording) {
   RigFile rig = read_kitti_odometry_rig(folder / "calib.txt", is_colour(folder));
-  set_size(rig.calibration.cam0, recording.images.front().cam0);
-  set_size(rig.calibration.cam1, recording.images.front().cam1);
+  set_size(rig.calibration.cam0, usual_image(recording, 0).size);
+  set_size(rig.calibration.cam1, usual_image(recording, 1).size);
   recording.calibration = rig.calibration;
   recording.notes.insert(recording.notes.end(), rig.notes.begin(), rig.notes.end());
 }
@@ -63,17 +62,17 @@ void read_images(const fs::path& folder, Recording& recording) {
   const auto times = read_times(folder / "times.txt");
   const std::string left = is_colour(folder) ? "image_2" : "image_0";
   const std::string right = is_colour(folder) ? "image_3" : "image_1";
+  std::vector<DataError> missing;
   for (std::size_t k = 0; k < times.size(); ++k) {
     const ImagePair pair{times[k], image_path(folder / left, k), image_path(folder / right, k)};
-    for (const fs::path& image : {pair.cam0, pair.cam1}) {
-      if (!fs::is_regular_file(image)) {
-        throw DataError(image.string(), 0,
-                        fmt::format("an image for each of the {} times in times.txt", times.size()),
-                        "no such file");
-      }
+    if (const bool has_left = is_image_file(pair.cam0); !has_left || !is_image_file(pair.cam1)) {
+      missing.emplace_back((has_left ? pair.cam1 : pair.cam0).string(), 0,
+                           fmt::format("an image for each of the {} times in times.txt", times.size()),
+                           "no such file");
     }
     recording.images.push_back(pair);
   }
+  require_most_images(recording, missing);
   if (fs::exists(image_path(folder / left, times.size()))) {
     throw DataError((folder / "times.txt").string(), 0, "a time for each image in " + left,
                     fmt::format("{} times and more images", times.size()));

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "formats.hpp"
-#include "io/image_size.hpp"
+#include "image_checks.hpp"
 #include "io/numbers.hpp"
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
@@ -78,11 +78,7 @@ fs::path data_file(const fs::path& sensor, std::size_t index, const char* ending
 
 fs::path image_file(const fs::path& sensor, std::size_t index) {
   const fs::path jpg = data_file(sensor, index, ".jpg");
-  const fs::path image = fs::exists(jpg) ? jpg : data_file(sensor, index, ".png");
-  if (!fs::is_regular_file(image)) {
-    throw DataError(image.string(), 0, "an image for each time in timestamps.txt", "no such file");
-  }
-  return image;
+  return fs::exists(jpg) ? jpg : data_file(sensor, index, ".png");
 }
 
 struct RawDrive {
@@ -112,6 +108,7 @@ fs::path calibration_folder(const fs::path& folder) {
 void read_pairs(const RawDrive& drive, Recording& recording) {
   const auto left = read_timestamps(drive.camera(0)), right = read_timestamps(drive.camera(1));
   const std::string place = (drive.camera(1) / "timestamps.txt").string();
+  std::vector<DataError> missing;
   if (left.size() != right.size()) {
     throw DataError(place, 0, fmt::format("{} times, as on the left", left.size()),
                     fmt::format("{}", right.size()));
@@ -126,13 +123,19 @@ void read_pairs(const RawDrive& drive, Recording& recording) {
       throw DataError(place, k + 1, "a time near that of the left image",
                       fmt::format("one {:.3f} s away", 1e-9 * static_cast<double>(right[k] - left[k])));
     }
-    recording.images.push_back({left[k], image_file(drive.camera(0), k), image_file(drive.camera(1), k)});
+    const ImagePair pair{left[k], image_file(drive.camera(0), k), image_file(drive.camera(1), k)};
+    if (const bool has_left = is_image_file(pair.cam0); !has_left || !is_image_file(pair.cam1)) {
+      missing.emplace_back((has_left ? pair.cam1 : pair.cam0).string(), 0,
+                           "an image for each time in timestamps.txt", "no such file");
+    }
+    recording.images.push_back(pair);
   }
+  require_most_images(recording, missing);
 }
 
 /// Rectified images have another size than raw ones, and the calibration has both.
-ImageKind image_kind_of(const RawDrive& drive, const fs::path& image) {
-  const ImageSize size = read_image_size(image);
+ImageKind image_kind_of(const RawDrive& drive, const UsualImage& image) {
+  const ImageSize& size = image.size;
   std::string known;
   for (const ImageKind kind : {ImageKind::kRectified, ImageKind::kRaw}) {
     const auto [width, height] = kitti_raw_size(drive.cameras(), kind, drive.colour);
@@ -141,12 +144,12 @@ ImageKind image_kind_of(const RawDrive& drive, const fs::path& image) {
     }
     known += fmt::format("{}{} x {} ({})", known.empty() ? "" : " or ", width, height, to_string(kind));
   }
-  throw DataError(image.string(), 0, "an image of " + known + " pixels",
+  throw DataError(image.file.string(), 0, "an image of " + known + " pixels",
                   fmt::format("{} x {}", size.width, size.height));
 }
 
 void read_cameras(RawDrive& drive, Recording& recording) {
-  drive.images = image_kind_of(drive, recording.images.front().cam0);
+  drive.images = image_kind_of(drive, usual_image(recording, 0));
   const RigFile rig = read_kitti_raw_rig(drive.cameras(), drive.images, drive.colour);
   recording.calibration = rig.calibration;
   recording.notes = rig.notes;

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <string>
 
+#include "diagnose/directions.hpp"
 #include "diagnose/rectification.hpp"
 #include "limber/measure/epipolar.hpp"
 #include "limber/measure/triangulate.hpp"
@@ -26,7 +28,7 @@ constexpr double kOffCentre = 0.2, kCorner = 0.6;  // of width and height
 
 struct Mistake {
   Pose T_cam1_cam0;  ///< without it
-  const char* words;
+  std::string words;
 };
 
 /// What may have been written instead of this rig.
@@ -39,11 +41,11 @@ std::vector<Mistake> possible_mistakes(const StereoCalibration& calibration) {
   if (calibration.body == BodyFrame::kImu) {
     const Pose T_imu_cam0 = calibration.T_body_cam0;
     const Pose T_imu_cam1 = T_imu_cam0 * given.inverse();
-    out.push_back({T_imu_cam1 * T_imu_cam0, "T_BS of cam1 is inverted (it maps camera to IMU coordinates)"});
-    out.push_back({T_imu_cam1.inverse() * T_imu_cam0.inverse(),
-                   "T_BS of cam0 is inverted (it maps camera to IMU coordinates)"});
-    out.push_back({T_imu_cam1 * T_imu_cam0.inverse(),
-                   "T_BS of both cameras is inverted (it maps camera to IMU coordinates)"});
+    out.push_back({T_imu_cam1 * T_imu_cam0, "T_BS of cam1 is inverted" + std::string(kDirections)});
+    out.push_back(
+        {T_imu_cam1.inverse() * T_imu_cam0.inverse(), "T_BS of cam0 is inverted" + std::string(kDirections)});
+    out.push_back(
+        {T_imu_cam1 * T_imu_cam0.inverse(), "T_BS of both cameras is inverted" + std::string(kDirections)});
   }
   return out;
 }
@@ -81,6 +83,9 @@ double share_that_agrees(const std::vector<StereoBearings>& pairs, const Pose& T
 
 std::optional<std::string> geometry_mistake(const StereoCalibration& calibration,
                                             const std::vector<StereoBearings>& pairs) {
+  if (pairs.size() < kEnoughPoints) {
+    return std::nullopt;
+  }
   const double focal_px = calibration.cam1.fu;
   const double given = share_that_agrees(pairs, pose_from_rig(calibration.theta), focal_px);
   if (given >= kFewAgree) {
@@ -152,16 +157,19 @@ std::vector<std::string> calibration_mistakes(const StereoCalibration& calibrati
   check_image(calibration.cam0, pixels0, "cam0", out);
   check_image(calibration.cam1, pixels1, "cam1", out);
   const std::vector<StereoBearings> pairs = bearings_of(calibration, frames);
-  if (pairs.size() >= kEnoughPoints) {
-    if (const auto mistake = geometry_mistake(calibration, pairs)) {
-      out.push_back(*mistake);
-    } else if (out.empty()) {  // intrinsics of another resolution do not fit either
-      if (const auto lens = detail::rectification_mistake(calibration, frames)) {
-        out.push_back(*lens);
-      }
+  if (const auto mistake = geometry_mistake(calibration, pairs)) {
+    out.push_back(*mistake);
+  } else if (out.empty() && pairs.size() >= kEnoughPoints) {  // intrinsics of another resolution do not fit
+    if (const auto lens = detail::rectification_mistake(calibration, frames)) {
+      out.push_back(*lens);
     }
   }
   return out;
+}
+
+std::optional<std::string> placement_mistake(const StereoCalibration& calibration,
+                                             std::span<const StereoFrame> frames) {
+  return geometry_mistake(calibration, bearings_of(calibration, frames));
 }
 
 }  // namespace limber

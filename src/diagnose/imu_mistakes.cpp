@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 
+#include "diagnose/directions.hpp"
 #include "diagnose/gyro_attitude.hpp"
 #include "diagnose/left_turn.hpp"
 #include "limber/core/angle.hpp"
@@ -108,7 +110,7 @@ std::vector<Candidate> candidates(const Matrix3d& R_cam0_imu, const BestMount& b
   const Vector3d axis = off.stableNormalized();
   return {
       {unit * R_cam0_imu, "the gyro's rates are in deg/s instead of rad/s"},
-      {R_cam0_imu.transpose(), "T_BS of cam0 is inverted (it maps IMU to camera coordinates)"},
+      {R_cam0_imu.transpose(), "T_BS of cam0 is inverted" + std::string(kDirections)},
       {best.proper, fmt::format("T_BS of cam0 does not fit the IMU's axes: it is turned by {:.0f} deg about "
                                 "({:.2f}, {:.2f}, {:.2f}) of cam0",
                                 off.norm() * kToDegrees, axis.x(), axis.y(), axis.z())},

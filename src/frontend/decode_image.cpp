@@ -123,7 +123,7 @@ GreyPixels decode_grey(const EncodedImage& image, const std::string& place) {
     const auto [width, height] = size_of(image, place);
     return {width, height,
             frontend::highest_eight(
-                frontend::picture_of(bytes_of(image), width, height, Colours::kToGrey, place), 16)};
+                frontend::picture_of(bytes_of(image), width, height, Colours::kToGrey, place), image.bits)};
   }
   const Encoding& encoding = encoding_of(image, place);
   cv::Mat grey = pixels_of(image, encoding, place);

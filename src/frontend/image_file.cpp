@@ -7,9 +7,6 @@
 #include <sstream>
 #include <system_error>
 
-#include "io/image_size.hpp"
-#include "limber/core/errors.hpp"
-
 namespace limber::frontend {
 
 std::string size_text(int width, int height) {
@@ -26,24 +23,35 @@ std::uint16_t sixteen(const Picture& picture, std::size_t k) {
 
 }  // namespace
 
+DataError other_size(const std::string& name, int width, int height, const detail::ImageSize& found) {
+  return {name, 0, "an image of " + size_text(width, height) + " (the calibration's resolution)",
+          size_text(found.width, found.height)};
+}
+
 Picture picture_of(std::string_view file, int width, int height, Colours colours, const std::string& name) {
   const std::string expected = "an image of " + size_text(width, height);
   // Before the pixels are unpacked: a small file can hold a picture that fills the memory.
+  if (file.empty()) {
+    throw DataError(name, 0, expected, "an empty file");
+  }
   std::istringstream header{std::string(file)};
   if (const auto size = detail::image_size_of(header);
       size && (size->width != width || size->height != height)) {
-    throw DataError(name, 0, expected + " (the calibration's resolution)",
-                    size_text(size->width, size->height));
+    throw other_size(name, width, height, *size);
   } else if (!size) {
-    throw DataError(name, 0, expected, "nothing that can be decoded as an image: no PNG or JPEG");
+    throw DataError(name, 0, expected,
+                    "nothing that can be decoded as an image: no PNG, JPEG, TIFF, PGM or PPM");
   }
   return decode_picture(file, colours, name);
 }
 
 Picture read_picture(const std::filesystem::path& file, const Camera& camera, Colours colours) {
   std::error_code no_error_wanted;
-  std::ifstream in(file, std::ios::binary);
-  if (!in || !std::filesystem::is_regular_file(file, no_error_wanted)) {
+  std::ifstream in;
+  if (std::filesystem::is_regular_file(file, no_error_wanted)) {  // to open a pipe is to wait for it
+    in.open(file, std::ios::binary);
+  }
+  if (!in.is_open()) {
     throw DataError(file.string(), 0, "an image of " + size_text(camera.width, camera.height),
                     "no readable file");
   }

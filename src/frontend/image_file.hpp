@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "io/image_size.hpp"
+#include "limber/core/errors.hpp"
 #include "limber/images/picture.hpp"
 #include "limber/sensors/camera.hpp"
 
@@ -12,6 +14,10 @@ namespace limber::frontend {
 
 /// "752 x 480 px"
 [[nodiscard]] std::string size_text(int width, int height);
+
+/// For an image that has not the size of its camera [px].
+[[nodiscard]] DataError other_size(const std::string& name, int width, int height,
+                                   const detail::ImageSize& found);
 
 /// @brief The content of an image file.
 /// @param name  for messages

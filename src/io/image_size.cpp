@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "limber/core/errors.hpp"
 
@@ -126,8 +127,11 @@ std::optional<ImageSize> image_size_of(std::istream& content) {
 }
 
 ImageSize read_image_size(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
+  std::ifstream stream;
+  if (std::error_code unreadable; std::filesystem::is_regular_file(path, unreadable)) {
+    stream.open(path, std::ios::binary);
+  }
+  if (!stream.is_open()) {
     throw DataError(path.string(), 0, "an image", "no such file, or not readable");
   }
   const auto size = image_size_of(stream);

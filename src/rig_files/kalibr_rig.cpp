@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "io/numbers.hpp"
+#include "limber/core/angle.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/core/so3.hpp"
 #include "rig_files/camera_fit.hpp"
 #include "rig_files/rig_formats.hpp"
 
@@ -94,6 +96,53 @@ std::optional<Pose> imu_from_camera(const SensorYaml& yaml) {
   return yaml.has("T_cam_imu") ? std::optional(yaml.transform("T_cam_imu").inverse()) : std::nullopt;
 }
 
+/// Of two ways to write the same: more than rounding.
+bool differ(const Pose& a, const Pose& b) {
+  constexpr double kFar = 5e-3, kTurned = 1e-2;  // [m], [rad]
+  const Pose between = a.inverse() * b;
+  return between.p.norm() > kFar || so3_log(between.R).norm() > kTurned;
+}
+
+/// Kalibr writes where cam1 stands twice: by T_cn_cnm1, and by where both cameras sit on the IMU.
+void compare_places(const SensorYaml& cam0, const SensorYaml& cam1, const Pose& T_imu_cam0,
+                    const Pose& T_imu_cam1, RigFile& out) {
+  const Pose T_cam1_cam0 = cam1.transform("T_cn_cnm1");
+  const Pose by_imu = T_imu_cam1.inverse() * T_imu_cam0;
+  if (!differ(by_imu, T_cam1_cam0)) {
+    return;
+  }
+  const bool to_imu = cam0.has("T_imu_cam");
+  const char* const key = to_imu ? "T_imu_cam" : "T_cam_imu";
+  if (!differ(T_imu_cam1 * T_imu_cam0.inverse(), T_cam1_cam0)) {
+    cam0.fail(key, fmt::format("{} of both cameras that agrees with T_cn_cnm1 of cam1", key),
+              fmt::format("their inverses, which do: rename both to {}", to_imu ? "T_cam_imu" : "T_imu_cam"));
+  }
+  if (!differ(by_imu.inverse(), T_cam1_cam0)) {
+    cam1.fail("T_cn_cnm1",
+              fmt::format("T_cn_cnm1 (it maps cam0 to cam1 coordinates) that agrees with {}", key),
+              "its inverse, which does");
+  }
+  out.notes.push_back(
+      fmt::format("T_cn_cnm1 of cam1 and {} of both cameras contradict each other, by {:.1f} mm and {:.2f} "
+                  "deg: T_cn_cnm1 "
+                  "and cam0's count",
+                  key, 1e3 * (by_imu.p - T_cam1_cam0.p).norm(),
+                  so3_log(Eigen::Matrix3d(by_imu.R.transpose() * T_cam1_cam0.R)).norm() * kToDegrees));
+}
+
+/// What to ask where cam1 is not to the right of cam0.
+std::string doubts(const StereoCalibration& calibration, bool by_imu) {
+  std::string exchanged;
+  if (by_imu) {
+    const Pose T_imu_cam0 = calibration.T_body_cam0;
+    const Pose T_imu_cam1 = T_imu_cam0 * pose_from_rig(calibration.theta).inverse();
+    const Eigen::Vector3d t = (T_imu_cam1 * T_imu_cam0.inverse()).p;
+    exchanged = fmt::format(" (the other way round they say {:.3f}, {:.3f}, {:.3f} m)", t.x(), t.y(), t.z());
+  }
+  return "are the cameras swapped, or T_cam_imu and T_imu_cam" + exchanged +
+         ", or is T_cn_cnm1 inverted (it maps cam0 to cam1 coordinates)?";
+}
+
 void place_cameras(const SensorYaml& cam0, const SensorYaml& cam1, RigFile& out) {
   const auto T_imu_cam0 = imu_from_camera(cam0);
   if (cam1.has("T_cn_cnm1")) {
@@ -102,6 +151,9 @@ void place_cameras(const SensorYaml& cam0, const SensorYaml& cam1, RigFile& out)
     out.calibration.theta = rig_from_pose(T_cam1_cam0);
     if (T_imu_cam0) {
       place_on_imu(out.calibration, *T_imu_cam0, *T_imu_cam0 * T_cam1_cam0.inverse());
+      if (const auto T_imu_cam1 = imu_from_camera(cam1)) {
+        compare_places(cam0, cam1, *T_imu_cam0, *T_imu_cam1, out);
+      }
     }
     return;
   }
@@ -149,10 +201,7 @@ RigFile read_kalibr_rig(const SensorYaml& yaml) {
     }
     ++camera;
   }
-  check_rig(
-      out, yaml.path(), yaml.line("cam1"),
-      "are the cameras swapped, or T_cam_imu and T_imu_cam, or is T_cn_cnm1 inverted (it maps cam0 to cam1 "
-      "coordinates)?");
+  check_rig(out, yaml.path(), yaml.line("cam1"), doubts(out.calibration, !cam1.has("T_cn_cnm1")));
   return out;
 }
 

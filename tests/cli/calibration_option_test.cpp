@@ -3,6 +3,8 @@
 #include "cli/small_log.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/rig_files/write_rig_files.hpp"
+#include "limber/simulate/scenario_file.hpp"
+#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -47,6 +49,46 @@ TEST_F(CalibrationOption, OtherImagesAreRefused) {
   expect_refused(run({"--calib", written(other)}), 1,
                  "camchain.yaml: the calibration of cam0 is for images of");
   EXPECT_FALSE(std::filesystem::exists(out()));
+}
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+// T_imu_cam of both cameras written as T_cam_imu, as in a chain of OpenVINS renamed by hand.
+TEST_F(CalibrationOption, ThatIsInvertedIsNamedOnceAndInTheResults) {
+  StereoCalibration inverted = own();
+  inverted.T_body_cam0.R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  inverted.T_body_cam0.p = {0.1, 0.05, -0.02};
+  const Pose T_imu_cam1 = pose_from_rig(own().theta) * inverted.T_body_cam0;  // the wrong way round
+  inverted.theta = rig_from_pose(T_imu_cam1.inverse() * inverted.T_body_cam0);
+  const std::string said = "looks like a mistake: T_BS of both cameras is inverted: it maps camera to IMU";
+  const auto result = run({"--method", "mono-left", "--init", "groundtruth", "--calib", written(inverted)});
+  EXPECT_EQ(count_of(result.err, "limber: warning: " + said), 1U) << result.err;
+  EXPECT_EQ(count_of(result.err, said), 1U) << result.err;
+  EXPECT_THAT(result.err,
+              HasSubstr("% of the stereo points agree with the calibration, 100 % would without"));
+  EXPECT_THAT(read_text(out() / "summary.json"), HasSubstr(said));
+}
+
+TEST_F(CalibrationOption, ThatSitsOnTheImuTheWrongWayRoundIsNamedWhereTheRigTurns) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml");
+  scenario.duration = 10.0;
+  const Recording drone = simulate(scenario, 3);
+  write_track_log(drone, folder() / "drone");
+  const auto said_of = [&](const StereoCalibration& calibration) {
+    return testing::run_limber({"run", (folder() / "drone").string(), "--method", "mono-left", "--init",
+                                "groundtruth", "--max-landmarks", "20", "--max-points", "60", "--calib",
+                                written(calibration), "--out", out().string(), "--force"})
+        .err;
+  };
+  EXPECT_THAT(said_of(drone.calibration), ::testing::Not(HasSubstr("mistake")));
+  StereoCalibration inverted = drone.calibration;
+  inverted.T_body_cam0 = inverted.T_body_cam0.inverse();
+  EXPECT_THAT(said_of(inverted),
+              HasSubstr("limber: warning: looks like a mistake: T_BS of cam0 is inverted"));
 }
 
 TEST_F(CalibrationOption, UsageIsChecked) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -25,6 +27,11 @@ constexpr std::int64_t kFrames = 6, kPeriodNs = 50'000'000;
 void write_png(const fs::path& file, int width, int height, const std::vector<std::uint8_t>& pixels) {
   const auto bytes = encode_png({width, height, 1, 8, static_cast<std::size_t>(width), pixels.data()});
   write_text(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+std::string line_of(const std::string& text, const std::string& word) {
+  const std::size_t at = text.find(word);
+  return at == std::string::npos ? "" : text.substr(at, text.find('\n', at) - at);
 }
 
 class ImageFolder : public ::testing::Test {
@@ -126,8 +133,10 @@ TEST_F(ImageFolder, IsReadOnceForSeveralMethodsWhichFindWhatEachFindsAlone) {
   }
 }
 
-TEST_F(ImageFolder, IsRefusedWhereAnImageIsMissing) {
-  fs::remove(image("cam1", 2));
+TEST_F(ImageFolder, IsRefusedWhereMostImagesAreMissing) {
+  for (const std::int64_t k : {2, 3, 4, 5}) {
+    fs::remove(image("cam1", k));
+  }
   expect_refused(mav0() / "cam1/data.csv:4", "expected the image 100000000.png");
 }
 
@@ -161,6 +170,61 @@ TEST_F(ImageFolder, GoesOnWhereAnImageIsTornOrNoneOrOfAnotherSize) {
           out(), "at 200000000 ns: " + image("cam0", 4).string() + ": ");
       EXPECT_THAT(read_text(out() / "summary.json"), HasSubstr(words));
     }
+  }
+}
+
+TEST_F(ImageFolder, GoesOnWhereAnImageIsMissingOrAFolderOrAPipe) {
+  const std::string data = mav0().parent_path().string();
+  const auto expect_one_lost = [&] {
+    expect_one_lost_frame(
+        {"run", data, "--out", out().string(), "--force"}, out(),
+        image("cam0", 0).string() + ": expected an image of 376 x 240 px, found no readable file");
+    EXPECT_THAT(testing::run_limber({"info", data}).out,
+                HasSubstr("1 of 6 pairs cannot be used, their frames will have no points; the first: " +
+                          image("cam0", 0).string()));
+    const fs::path bag = mav0().parent_path() / "x.mcap";
+    fs::remove(bag);
+    const auto converted = testing::run_limber({"convert", data, "--out", bag.string()});
+    EXPECT_EQ(converted.exit_code, 1);
+    EXPECT_THAT(converted.err,
+                HasSubstr("the image of cam0 at 0 ns is left out: " + image("cam0", 0).string()));
+  };
+  fs::remove(image("cam0", 0));
+  expect_one_lost();
+  fs::create_directory(image("cam0", 0));
+  expect_one_lost();
+  fs::remove(image("cam0", 0));
+  ASSERT_EQ(::mkfifo(image("cam0", 0).c_str(), 0600), 0);  // to open it would be to wait
+  expect_one_lost();
+}
+
+// Cameras of 12 bits whose driver writes them as they are: dark to a viewer, and to a reader of the high
+// byte.
+TEST_F(ImageFolder, OfTwelveBitsIsTheSameToTheBitAsFilesAsABagOfFilesAndAsABagOfPixels) {
+  for (std::int64_t k = 0; k < kFrames; ++k) {
+    for (const char* const camera : {"cam0", "cam1"}) {
+      const Picture eight = decode_picture(read_text(image(camera, k)), Colours::kToGrey, "a picture");
+      std::vector<std::uint16_t> twelve;
+      for (const std::uint8_t value : eight.data)
+        twelve.push_back(static_cast<std::uint16_t>(16 * value + 7));
+      const auto png = encode_png({eight.width, eight.height, 1, 16, 2 * eight.stride(),
+                                   reinterpret_cast<const std::uint8_t*>(twelve.data())});
+      write_text(image(camera, k), {reinterpret_cast<const char*>(png.data()), png.size()});
+    }
+  }
+  const std::string data = mav0().parent_path().string();
+  ASSERT_EQ(run().exit_code, 0);
+  const std::string trajectory = read_text(out() / "trajectory.csv");
+  for (const char* const pixels : {"keep", "raw"}) {
+    const fs::path bag = mav0().parent_path() / (std::string(pixels) + ".mcap");
+    ASSERT_EQ(testing::run_limber({"convert", data, "--out", bag.string(), "--pixels", pixels}).exit_code, 0);
+    const auto result = testing::run_limber(
+        {"run", bag.string(), "--calib", data, "--out", out().string(), "--init", "auto", "--force"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(read_text(out() / "trajectory.csv"), trajectory) << pixels;
+    const auto info = testing::run_limber({"info", bag.string()}),
+               of_files = testing::run_limber({"info", data});
+    EXPECT_EQ(line_of(info.out, "mean grey"), line_of(of_files.out, "mean grey")) << pixels;
   }
 }
 

@@ -327,6 +327,26 @@ TEST_F(LongRun, LeavesNothingBehindWhenItIsKilled) {
   EXPECT_FALSE(fs::exists(out().parent_path()));
 }
 
+TEST_F(LongRun, HasItsFolderForItselfAndHandsItOverHoweverItEnds) {
+  for (const int end : {SIGKILL, SIGINT}) {
+    testing::ChildProcess first(arguments());
+    testing::ProgramResult second;
+    for (int k = 0; k < 200 && second.err.find("claimed") == std::string::npos; ++k) {
+      usleep(20'000);  // until the first one has begun
+      second = testing::run_limber({"run", "no-recording", "--out", (out() / "").string(), "--force"});
+    }
+    testing::expect_refused(second, 1,
+                            out().string() + "/: expected a folder that no other limber is working for");
+    EXPECT_THAT(
+        testing::run_limber({"run", "no-recording", "--methods", "ekf,lcekf", "--out", out().string()}).err,
+        HasSubstr("claimed by a limber that runs"));
+    first.signal(end);
+    (void)first.wait();
+    EXPECT_THAT(testing::run_limber({"run", "no-recording", "--out", out().string(), "--force"}).err,
+                HasSubstr("no-recording: expected the folder of a recording"));
+  }
+}
+
 TEST_F(LongRun, KeepsWhatIsDoneOnCtrlCAndSaysThatItIsPartial) {
   // How long reading takes differs: too early nothing is done yet, too late all is.
   for (useconds_t delay = 500'000; !fs::exists(out() / "summary.json") && delay < 10'000'000; delay *= 2) {

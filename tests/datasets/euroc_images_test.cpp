@@ -95,11 +95,23 @@ TEST_F(EurocFolder, MayHoldJpegs) {
       << error().what();
 }
 
-TEST_F(EurocFolder, NamesAMissingImageAndTheLineThatAsksForIt) {
+TEST_F(EurocFolder, KeepsAPairWithoutItsImageWhichCostsTheFrame) {
   fs::remove(mav0() / "cam1/3000.png");
+  EXPECT_EQ(read().images.size(), 2U);
+  fs::create_directory(mav0() / "cam1/data/3000.png");
+  EXPECT_EQ(read().images.size(), 2U);
+}
+
+TEST_F(EurocFolder, NamesTheFirstMissingImageAndItsLineWhereMostAreMissing) {
+  fs::remove(mav0() / "cam0/data/1000.png");
+  fs::remove(mav0() / "cam1/data/1000.png");
+  fs::remove(mav0() / "cam1/3000.png");
+  EXPECT_EQ(error().file(), (mav0() / "cam0/data.csv").string());
+  write_text(mav0() / "cam0/data/1000.png", png_header(752, 480));
+  write_text(mav0() / "cam1/data.csv", "#timestamp [ns],filename\n2001,2001.png\n3000,3000.png\n");
   const DataError e = error();
   EXPECT_EQ(e.file(), (mav0() / "cam1/data.csv").string());
-  EXPECT_EQ(e.line(), 4U);
+  EXPECT_EQ(e.line(), 3U);
   EXPECT_NE(std::string(e.what()).find("the image 3000.png"), std::string::npos) << e.what();
 }
 
@@ -108,7 +120,28 @@ TEST_F(EurocFolder, RefusesImagesThatDoNotFitTheCalibration) {
   EXPECT_EQ(error().file(), (mav0() / "cam1/data/1000.png").string());
 }
 
+TEST_F(EurocFolder, GoesByTheSizeOfMostImages) {
+  std::string list = "#timestamp [ns],filename\n";
+  for (int k = 1; k <= 9; ++k) {
+    list += std::to_string(1000 * k) + ",a" + std::to_string(k) + ".png\n";
+    for (const char* const camera : {"cam0/data", "cam1/data"}) {
+      write_text(mav0() / camera / ("a" + std::to_string(k) + ".png"), k == 1 ? "" : png_header(752, 480));
+    }
+  }
+  write_text(mav0() / "cam0/data.csv", list);
+  write_text(mav0() / "cam1/data.csv", list);
+  write_text(mav0() / "cam1/data/a2.png", png_header(376, 240));
+  EXPECT_EQ(read().images.size(), 9U);
+  for (int k = 3; k <= 6; ++k) {
+    write_text(mav0() / "cam1/data" / ("a" + std::to_string(k) + ".png"), png_header(376, 240));
+  }
+  const DataError e = error();
+  EXPECT_EQ(e.file(), (mav0() / "cam1/data/a2.png").string());
+  EXPECT_NE(std::string(e.what()).find("found 376 x 240"), std::string::npos) << e.what();
+}
+
 TEST_F(EurocFolder, RefusesAnImageThatIsNone) {
+  fs::remove(mav0() / "cam0/data/3000.png");
   write_text(mav0() / "cam0/data/1000.png", "not a picture");
   EXPECT_NE(std::string(error().what()).find("a PNG, JPEG, TIFF, PGM or PPM image"), std::string::npos);
   write_text(mav0() / "cam0/data/1000.png", png_header(752, 480).substr(0, 20));

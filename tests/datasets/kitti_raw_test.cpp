@@ -125,6 +125,16 @@ TEST_F(RawDrive, IsReadWithRectifiedImagesAndTheTruthOfTheLeftCamera) {
   EXPECT_NEAR(first.p_world_body.y(), -0.32, 0.03);
 }
 
+TEST_F(RawDrive, WithoutSomeImagesIsReadAndWithoutMostRefused) {
+  fs::remove(drive() / "image_00/data/0000000000.png");
+  EXPECT_EQ(read().images.size(), 3u);
+  fs::remove(drive() / "image_01/data/0000000002.png");
+  const DataError error = data_error_of([this] { static_cast<void>(read()); });
+  EXPECT_EQ(error.file(), (drive() / "image_00/data/0000000000.png").string());
+  EXPECT_THAT(error.what(),
+              HasSubstr("expected an image for each time in timestamps.txt, found no such file"));
+}
+
 TEST_F(RawDrive, WithRawImagesAndAFastImuHasTheImuAsBody) {
   write_camera("image_00", 1392, 512);
   write_camera("image_01", 1392, 512);

@@ -109,7 +109,17 @@ TEST_F(KittiFolder, FindsThePosesInKittisOwnLayout) {
 
 TEST_F(KittiFolder, NamesWhatIsMissing) {
   fs::remove(folder() / "image_1/000001.png");
-  expect_error("image_1/000001.png", 0, "no such file");
+  EXPECT_EQ(read().images.size(), 2U) << "costs its frame";
+  fs::remove(folder() / "image_1/000000.png");
+  write_text(folder() / "image_1/000001.png", png_header(1226, 370));
+  EXPECT_EQ(read().calibration.cam1.width, 1226) << "by the other one";
+  fs::remove(folder() / "image_1/000001.png");
+  write_text(folder() / "times.txt", "0.0\n");
+  fs::remove(folder() / "image_0/000001.png");
+  expect_error("image_1/000000.png", 0, "an image for each of the 1 times in times.txt, found no such file");
+  write_text(folder() / "image_1/000000.png", png_header(1226, 370));
+  write_text(folder() / "times.txt", "0.0\n0.1\n0.2\n");
+  expect_error("image_0/000001.png", 0, "no such file");
   fs::remove(folder() / "times.txt");
   expect_error("times.txt", 0, "no such file");
 }

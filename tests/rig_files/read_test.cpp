@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <utility>
+
 #include "datasets/files.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/rig_files/rig_file.hpp"
@@ -136,6 +139,70 @@ TEST(ReadRigFile, AnInvertedChainIsNamed) {
   const auto path = write_text(folder.path() / "camchain.yaml", kalibr_camchain(rig));
   EXPECT_THAT(data_error_of([&] { static_cast<void>(read_rig_file(path)); }).what(),
               HasSubstr("T_cn_cnm1 inverted"));
+}
+
+/// A rig that looks along the IMU's x axis.
+StereoCalibration rig_on_imu() {
+  StereoCalibration rig = some_rig();
+  rig.body = BodyFrame::kImu;
+  rig.T_body_cam0.R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  rig.T_body_cam0.p = {0.1, 0.05, -0.02};
+  return rig;
+}
+
+/// Begin and length of T_cn_cnm1 in a camchain.
+std::pair<std::size_t, std::size_t> place_of_chain(const std::string& text) {
+  const std::size_t begin = text.find("  T_cn_cnm1:");
+  return {begin, text.find("  intrinsics", begin) - begin};
+}
+
+/// The camchain of rig_on_imu with the T_cn_cnm1 of another one, or without.
+std::string chain_with(const std::optional<Pose>& T_cam1_cam0) {
+  std::string text = kalibr_camchain(rig_on_imu()), place;
+  if (T_cam1_cam0) {
+    StereoCalibration other = rig_on_imu();
+    other.theta = rig_from_pose(*T_cam1_cam0);
+    const std::string from = kalibr_camchain(other);
+    const auto [begin, length] = place_of_chain(from);
+    place = from.substr(begin, length);
+  }
+  const auto [begin, length] = place_of_chain(text);
+  return text.replace(begin, length, place);
+}
+
+std::string named_the_other_way_round(const std::string& chain) {
+  return replaced(replaced(chain, "T_cam_imu", "T_imu_cam"), "T_cam_imu", "T_imu_cam");
+}
+
+TEST(ReadRigFile, AChainThatContradictsItselfIsRefusedWhereOnePlaceIsInvertedAndNotedElse) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& text) {
+    return read_rig_file(write_text(folder.path() / "camchain.yaml", text));
+  };
+  const auto error_of = [&](const std::string& text) {
+    return data_error_of([&] { static_cast<void>(read(text)); });
+  };
+  const Pose T_cam1_cam0 = pose_from_rig(rig_on_imu().theta);
+  EXPECT_TRUE(read(chain_with(T_cam1_cam0)).notes.empty());
+  const DataError error = error_of(named_the_other_way_round(chain_with(T_cam1_cam0)));
+  EXPECT_THAT(error.what(), HasSubstr("T_imu_cam of both cameras that agrees with T_cn_cnm1 of cam1, found "
+                                      "their inverses, which do: rename both to T_cam_imu"));
+  EXPECT_GT(error.line(), 1U);
+  EXPECT_THAT(error_of(chain_with(T_cam1_cam0.inverse())).what(),
+              HasSubstr("T_cn_cnm1 (it maps cam0 to cam1 coordinates) that agrees with T_cam_imu, found its "
+                        "inverse, which does"));
+  const Pose longer{T_cam1_cam0.R, T_cam1_cam0.p - Eigen::Vector3d(0.05, 0, 0)};
+  EXPECT_THAT(read(chain_with(longer)).notes,
+              ::testing::ElementsAre(HasSubstr("contradict each other, by 50.0 mm and 0.00 deg")));
+}
+
+TEST(ReadRigFile, ABaselineThatTheOtherWayRoundLiesAlongXSaysSo) {
+  const TemporaryFolder folder;
+  const auto path =
+      write_text(folder.path() / "camchain.yaml", named_the_other_way_round(chain_with(std::nullopt)));
+  EXPECT_THAT(read_rig_file(path).notes,
+              ::testing::ElementsAre(AllOf(HasSubstr("the baseline is mainly along the"),
+                                           HasSubstr("(the other way round they say -0.1"))));
 }
 
 TEST(ReadRigFile, MillimetresOfAChessboardAreRefused) {

@@ -23,7 +23,8 @@ struct StreamInfo {
   std::optional<double> median_delay_s;  ///< time of recording minus stamp
   /// unreadable: those of them that are not what their type says; unstamped: as in BagStream
   std::size_t messages = 0, unreadable = 0, unstamped = 0;
-  std::string images;  ///< "752 x 480 mono8", "png"; empty for other streams
+  std::size_t other_images = 0;  ///< of a topic of images, as in BagStream
+  std::string images;            ///< "752 x 480 mono8", "png"; empty for other streams
 };
 
 /// How left and right images go together.

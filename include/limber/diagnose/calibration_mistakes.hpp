@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,5 +24,9 @@ namespace limber {
 ///   camera fit a motion much better without distortion, or with one. Seen where the camera turns.
 [[nodiscard]] std::vector<std::string> calibration_mistakes(const StereoCalibration& calibration,
                                                             std::span<const StereoFrame> frames);
+
+/// The first of these alone: where the cameras stand.
+[[nodiscard]] std::optional<std::string> placement_mistake(const StereoCalibration& calibration,
+                                                           std::span<const StereoFrame> frames);
 
 }  // namespace limber

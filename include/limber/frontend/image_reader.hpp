@@ -2,9 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "limber/frontend/grey_image.hpp"
+#include "limber/images/picture.hpp"
 #include "limber/sensors/camera.hpp"
+#include "limber/sensors/encoded_image.hpp"
 
 namespace limber {
 
@@ -20,7 +23,14 @@ class ImageReader {
   /// @throws DataError if the file cannot be read as an image, or has not the camera's resolution
   [[nodiscard]] GreyPixels read(const std::filesystem::path& file);
 
+  /// @brief The same of an image as it was recorded; of pixels without a file EncodedImage::bits count.
+  /// @param place  for messages
+  /// @throws DataError as above, and as decode_grey
+  [[nodiscard]] GreyPixels read(const EncodedImage& image, const std::string& place);
+
  private:
+  [[nodiscard]] GreyPixels grey_of(Picture picture);
+
   Camera camera_;
   int bits_ = 8;  ///< in use in 16 bit images so far
 };

@@ -14,7 +14,7 @@ struct EncodedImage {
   int width = 0, height = 0;       ///< [px]; 0 for a file
   std::size_t step = 0;            ///< bytes from one row to the next; 0 for a file
   bool big_endian = false;         ///< of pixels of 16 bits
-  int bits = 16;                   ///< of these 16, how many the camera uses
+  int bits = 16;                   ///< of 16, how many the camera uses
   std::vector<std::uint8_t> data;  ///< `height` rows of `step` bytes, or the whole file
 };
 

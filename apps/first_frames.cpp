@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "first_frames.hpp"
+
+#include <limits>
+#include <utility>
+
+#include "limber/clean/frame_cleaner.hpp"
+#include "limber/diagnose/calibration_mistakes.hpp"
+#include "limber/diagnose/imu_mistakes.hpp"
+
+namespace limber::app {
+namespace {
+
+constexpr std::size_t kFirstLook = 100, kLastLook = 600;  // frames
+
+}  // namespace
+
+std::vector<StereoFrame> at_stamps(std::vector<StereoFrame> frames, const StereoCalibration& assumed) {
+  FrameCleaner rows(assumed, {.clean = false, .max_points = std::numeric_limits<std::size_t>::max()});
+  for (StereoFrame& frame : frames) {
+    frame = rows.clean(std::move(frame));
+  }
+  return frames;
+}
+
+FirstFrames::FirstFrames(const Recording& recording, StereoCalibration assumed, double gravity,
+                         FrameSource source, std::function<bool()> stop, Say say)
+    : recording_(recording),
+      assumed_(std::move(assumed)),
+      gravity_(gravity),
+      source_(std::move(source)),
+      stop_(std::move(stop)),
+      say_(std::move(say)) {}
+
+StereoFrame FirstFrames::operator()(std::size_t n) {
+  if (!begun_) {
+    begun_ = true;
+    read_ahead(n);
+  }
+  if (!ahead_.empty()) {
+    StereoFrame frame = std::move(ahead_.front());
+    ahead_.pop_front();
+    return frame;
+  }
+  return take(n);
+}
+
+StereoFrame FirstFrames::take(std::size_t n) {
+  StereoFrame frame = source_(n);
+  if (!over_) {
+    seen_.push_back(frame);
+    if (seen_.size() == kLastLook) finish();
+  }
+  return frame;
+}
+
+void FirstFrames::read_ahead(std::size_t first) {
+  const std::size_t end = std::min(frame_count(recording_), first + kFirstLook);
+  for (std::size_t n = first; n < end && !stop_(); ++n) {
+    ahead_.push_back(take(n));
+  }
+  look();
+}
+
+void FirstFrames::look() {
+  const std::vector<StereoFrame> frames = at_stamps(seen_, assumed_);
+  std::vector<std::string> found = imu_mistakes(assumed_, frames, recording_.imu, gravity_);
+  if (const auto misplaced = placement_mistake(assumed_, frames)) {
+    found.insert(found.begin(), *misplaced);
+  }
+  for (const std::string& mistake : found) {
+    mistakes_.push_back("looks like a mistake: " + mistake + ". Mend it and run again");
+    say_(mistakes_.back());
+  }
+  over_ = over_ || !found.empty();
+}
+
+void FirstFrames::finish() {
+  if (!over_) look();
+  over_ = true;
+  seen_ = {};
+}
+
+}  // namespace limber::app

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "limber/run/run_recording.hpp"
+
+namespace limber::app {
+
+/// Frames at their stamps' rows, for all that knows no rows; nothing else is cleaned.
+[[nodiscard]] std::vector<StereoFrame> at_stamps(std::vector<StereoFrame> frames,
+                                                 const StereoCalibration& assumed);
+
+/// @brief Frames on their way into a run, the first of which are looked at for cameras that are not where the
+/// calibration puts them: exchanged, or a transform written the wrong way round.
+///
+/// Looked at are the first 100 before the run has any, and once more the first 600, or all at its end: a rig
+/// that stands at first does not show how it sits on the IMU.
+class FirstFrames {
+ public:
+  /// Told of each mistake once, as soon as it is seen.
+  using Say = std::function<void(const std::string&)>;
+
+  /// @param recording  must outlive this
+  /// @param assumed    its calibration, as the run takes it
+  /// @param stop       asked before every frame that is read ahead
+  FirstFrames(const Recording& recording, StereoCalibration assumed, double gravity, FrameSource source,
+              std::function<bool()> stop, Say say);
+
+  /// As FrameSource.
+  [[nodiscard]] StereoFrame operator()(std::size_t n);
+  /// After the last frame, or where the run ended early.
+  void finish();
+  /// All that was said.
+  [[nodiscard]] const std::vector<std::string>& mistakes() const { return mistakes_; }
+
+ private:
+  StereoFrame take(std::size_t n);
+  void read_ahead(std::size_t first);
+  void look();
+
+  const Recording& recording_;
+  StereoCalibration assumed_;
+  double gravity_;
+  FrameSource source_;
+  std::function<bool()> stop_;
+  Say say_;
+  std::deque<StereoFrame> ahead_;  ///< read, and not asked for yet
+  std::vector<StereoFrame> seen_;  ///< emptied by the last look
+  bool begun_ = false, over_ = false;
+  std::vector<std::string> mistakes_;
+};
+
+}  // namespace limber::app
