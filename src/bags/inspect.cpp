@@ -69,7 +69,7 @@ void note_times(const StreamInfo& stream, std::vector<std::string>& notes) {
     return;
   }
   if (stream.other_images > 0) {
-    notes.push_back(fmt::format("{}: {} of {} images differ from the first in size or encoding", stream.name,
+    notes.push_back(fmt::format("{}: {} of {} images differ from the others in size or encoding", stream.name,
                                 stream.other_images, stream.messages));
   }
   if (!stream.stamped) {

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
+#include <utility>
 
 #include "bag_images.hpp"
 #include "io/image_size.hpp"
@@ -49,7 +51,7 @@ class BagReader {
   [[nodiscard]] std::vector<std::size_t> in_order(const BagStream& stream);
   [[nodiscard]] std::string why_no_pair() const;
   void read_images();
-  [[nodiscard]] std::optional<detail::ImageSize> first_size(const BagStream& stream) const;
+  [[nodiscard]] std::optional<detail::ImageSize> usual_size(const BagStream& stream) const;
   void check_image(const BagStream& stream, Camera& camera);
   void judge_differences(const PairedTimes& paired, std::size_t left, std::size_t right);
   void read_imu(const BagStream& stream);
@@ -127,36 +129,44 @@ std::vector<std::size_t> BagReader::in_order(const BagStream& stream) {
   return order;
 }
 
-/// Of the first compressed image that says its own; of ten at most, since some may be damaged.
-std::optional<detail::ImageSize> BagReader::first_size(const BagStream& stream) const {
-  constexpr std::size_t kLooked = 10;
-  for (std::size_t k = 0; k < std::min(kLooked, stream.places.size()); ++k) {
+/// That of most of nine compressed images, evenly over the bag; some may be damaged.
+std::optional<detail::ImageSize> BagReader::usual_size(const BagStream& stream) const {
+  constexpr std::size_t kLooked = 9;
+  const std::size_t all = stream.places.size(), looked = std::min(kLooked, all);
+  std::map<std::pair<int, int>, std::size_t> counts;
+  for (std::size_t k = 0; k < looked; ++k) {
     try {
-      const auto image = decode_image(bag_->read(stream.places[k]), stream.topic.serialization, stream.kind);
+      const auto image =
+          decode_image(bag_->read(stream.places[k * all / looked]), stream.topic.serialization, stream.kind);
       std::istringstream content(image ? std::string(image->data.begin(), image->data.end()) : "");
       if (const auto size = detail::image_size_of(content)) {
-        return size;
+        ++counts[{size->width, size->height}];
       }
     } catch (const DataError&) {
       continue;
     }
   }
-  return std::nullopt;
+  const auto most = std::max_element(counts.begin(), counts.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (most == counts.end()) {
+    return std::nullopt;
+  }
+  return detail::ImageSize{most->first.first, most->first.second};
 }
 
 void BagReader::check_image(const BagStream& stream, Camera& camera) {
   int width = stream.first_image->image.width, height = stream.first_image->image.height;
   if (stream.other_images > 0) {
     const std::string differ =
-        fmt::format("{} of {} that differ from the first", stream.other_images, stream.places.size());
+        fmt::format("{} of {} that differ from the ", stream.other_images, stream.places.size());
     if (2 * stream.other_images > stream.places.size()) {
-      fail(stream.topic.name + " with images of one size and encoding", differ);
+      fail(stream.topic.name + " with images of one size and encoding", differ + "first");
     }
-    note(stream.topic.name + ": images of more than one size or encoding: " + differ);
+    note(stream.topic.name + ": images of more than one size or encoding: " + differ + "others");
   }
   recording_.partial |= stream.unreadable > 0;
   if (stream.kind == MessageKind::kCompressedImage) {
-    const auto size = first_size(stream);
+    const auto size = usual_size(stream);
     if (!size) {
       fail(stream.topic.name + " with PNG or JPEG images",
            "the format " + detail::excerpt(stream.first_image->format));

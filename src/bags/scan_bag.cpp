@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <utility>
 
 #include "limber/bags/bag_contents.hpp"
 
@@ -13,7 +14,21 @@ bool same_form(const ImageHeader& a, const ImageHeader& b) {
          a.image.encoding == b.image.encoding && a.format == b.format;
 }
 
-bool take_image(BagStream& stream, const BagMessage& message) {
+/// The first image of a stream that is not like its first one, and how many are like that.
+struct OtherForm {
+  std::optional<ImageHeader> image;
+  std::size_t count = 0;
+};
+
+/// Where a stream begins with an image unlike most: those count.
+void go_by_most(BagStream& stream, OtherForm other) {
+  if (2 * other.count > stream.places.size()) {
+    stream.first_image = std::move(other.image);
+    stream.other_images = stream.places.size() - other.count;
+  }
+}
+
+bool take_image(BagStream& stream, OtherForm& other, const BagMessage& message) {
   auto header = decode_image_header(message.data, stream.topic.serialization, stream.kind);
   if (!header || header->data_at + header->data_size > message.place.size) {
     return false;
@@ -24,6 +39,11 @@ bool take_image(BagStream& stream, const BagMessage& message) {
     stream.first_image = std::move(header);
   } else if (!same_form(*stream.first_image, *header)) {
     ++stream.other_images;
+    if (!other.image)
+      other.image = std::move(header);
+    else if (!same_form(*other.image, *header))
+      return true;
+    ++other.count;
   }
   return true;
 }
@@ -39,12 +59,12 @@ bool put(std::optional<Message> message, std::vector<Message>& out, std::vector<
   return message.has_value();
 }
 
-bool take(BagStream& stream, const BagMessage& message) {
+bool take(BagStream& stream, OtherForm& other, const BagMessage& message) {
   const Serialization serialization = stream.topic.serialization;
   switch (stream.kind) {
     case MessageKind::kImage:
     case MessageKind::kCompressedImage:
-      return take_image(stream, message);
+      return take_image(stream, other, message);
     case MessageKind::kImu: {
       const auto imu = decode_imu(message.data, serialization);
       return put(imu, stream.imu, stream.stamps_ns, imu ? imu->sample.t_ns : 0);
@@ -126,6 +146,7 @@ BagContents scan_bag(BagFile& bag, const std::function<bool(const BagTopic&)>& w
   constexpr std::size_t kTellEvery = 1000;
   BagContents out;
   std::vector<bool> taken;
+  std::vector<OtherForm> other_forms;
   std::size_t messages = 0;
   const auto is_wanted = [&](const BagTopic& topic) { return !wanted || wanted(topic); };
   const auto add_streams = [&] {
@@ -134,6 +155,7 @@ BagContents scan_bag(BagFile& bag, const std::function<bool(const BagTopic&)>& w
       out.streams.emplace_back().topic = topic;
       out.streams.back().kind = kind_of(topic);
       taken.push_back(is_wanted(topic));
+      other_forms.emplace_back();
     }
   };
   bag.walk(
@@ -145,7 +167,7 @@ BagContents scan_bag(BagFile& bag, const std::function<bool(const BagTopic&)>& w
         BagStream& stream = out.streams[message.topic];
         ++stream.messages;
         if (taken[message.topic]) {
-          if (take(stream, message)) {
+          if (take(stream, other_forms[message.topic], message)) {
             stream.recorded_ns.push_back(message.t_ns);
           } else {
             ++stream.unreadable;
@@ -156,7 +178,9 @@ BagContents scan_bag(BagFile& bag, const std::function<bool(const BagTopic&)>& w
         }
       });
   add_streams();
-  for (BagStream& stream : out.streams) {
+  for (std::size_t k = 0; k < out.streams.size(); ++k) {
+    BagStream& stream = out.streams[k];
+    go_by_most(stream, std::move(other_forms[k]));
     fall_back_on_bag_time(stream);
     leave_out_unstamped(stream);
   }

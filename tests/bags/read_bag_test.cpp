@@ -120,7 +120,8 @@ TEST(BagImages, OfAnotherSizeAreSaidAndRefusedWhereMostAreSo) {
   const auto refusal = [](const ImageChange& change) {
     return message_of<DataError>([&] { (void)read_changed(change); });
   };
-  EXPECT_THAT(refusal(halved_from(1, 4)), HasSubstr("images of one size and encoding, found 4 of 5"));
+  EXPECT_THAT(refusal(halved_from(1, 4)),
+              HasSubstr("images of 16 x 12 pixels, as the calibration says, found 16 x 6"));
   const ImageChange to_depth = [](EncodedImage image, const std::string&) {
     image.encoding = "32FC1";
     return image;

@@ -260,13 +260,22 @@ TEST_F(ImageFolder, AsABagGoesOnWhereAPictureInItIsDamaged) {
 
 TEST_F(ImageFolder, AsABagGoesOnWhereAnImageIsOfAnotherSize) {
   const std::string data = mav0().parent_path().string();
-  write_png(image("cam1", 3), 40, 30, std::vector<std::uint8_t>(40 * 30, 90));
   const fs::path bag = mav0().parent_path() / "x.mcap";
-  for (const char* const pixels : {"keep", "raw"}) {
-    fs::remove(bag);  // in the folder that is read: never replaced
-    ASSERT_EQ(testing::run_limber({"convert", data, "--out", bag.string(), "--pixels", pixels}).exit_code, 0);
-    expect_one_lost_frame({"run", bag.string(), "--calib", data, "--out", out().string(), "--force"}, out(),
-                          "(the calibration's resolution), found 40 x 30 px");
+  const std::string whole = read_text(image("cam1", 0));
+  for (const std::int64_t k : {0, 3}) {
+    write_png(image("cam1", k), 40, 30, std::vector<std::uint8_t>(40 * 30, 90));
+    for (const char* const pixels : {"keep", "raw"}) {
+      fs::remove(bag);  // in the folder that is read: never replaced
+      ASSERT_EQ(testing::run_limber({"convert", data, "--out", bag.string(), "--pixels", pixels}).exit_code,
+                0);
+      expect_one_lost_frame({"run", bag.string(), "--calib", data, "--out", out().string(), "--force"}, out(),
+                            "(the calibration's resolution), found 40 x 30 px");
+      if (pixels == std::string("raw")) {
+        EXPECT_THAT(testing::run_limber({"info", bag.string()}).out,
+                    HasSubstr("1 of 6 images differ from the others in size or encoding"));
+      }
+    }
+    write_text(image("cam1", 0), whole);
   }
 }
 

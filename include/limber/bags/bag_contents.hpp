@@ -27,9 +27,9 @@ struct BagStream {
   bool stamped = true;  ///< false: of a type that limber does not read, or all stamps are zero
 
   // By kind; the other ones are empty.
-  /// of images: what the others are compared with
+  /// of images: the first one, or the first of another form if most are of that
   std::optional<ImageHeader> first_image;
-  std::size_t other_images = 0;  ///< of another size or encoding than the first
+  std::size_t other_images = 0;  ///< of another size or encoding than it
   std::vector<BagPlace> places;  ///< of images
   /// kImu
   std::vector<ImuMessage> imu;
