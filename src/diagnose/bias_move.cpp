@@ -5,7 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "limber/core/median.hpp"
@@ -16,8 +17,6 @@ namespace {
 
 constexpr std::array kStretches = {1.0, 2.0, 4.0, 8.0};  // [s]
 constexpr double kTooFar = 12.0;  // sigmas: simulated sound runs show six at most (docs/evidence/faults.md)
-constexpr std::int64_t kHistoryNs = 3'000'000'000, kUsualEveryNs = 1'000'000'000;
-constexpr double kNobodyKnows = std::numeric_limits<double>::infinity();
 constexpr double kLargestGyro = 0.2, kLargestAccel = 2.0;  // [rad/s], [m/s^2]
 constexpr double kSure = 3.0;                              // sigmas
 constexpr double kImpossibleFor = 1.0;                     // [s]
@@ -94,72 +93,69 @@ std::optional<std::size_t> row_before(std::span<const TrajectoryRow> rows, std::
   return static_cast<std::size_t>(behind - earlier.begin()) - 1;
 }
 
-/// A run with what its biases moved by.
-class BiasHistory {
- public:
-  BiasHistory(std::span<const TrajectoryRow> rows, std::span<const FrameReport> frames)
-      : rows_(rows), axes_(axes_of(rows)), contradictions_(contradictions_in(frames)) {
-    std::vector<double> of_a_second;
-    std::int64_t next_ns = rows.empty() ? 0 : rows.front().t_ns + kHistoryNs;
-    const std::int64_t end_ns =
-        contradictions_.empty() ? std::numeric_limits<std::int64_t>::max() : contradictions_.front();
-    for (std::size_t to = 0; to < rows.size(); ++to) {
-      if (const auto move = largest(to, kStretches.front())) {
-        of_a_second.push_back(move->sigmas);
-      }
-      if (rows[to].t_ns >= end_ns || usual_.empty()) {
-        usual_.push_back(kNobodyKnows);
-      } else if (rows[to].t_ns < next_ns || of_a_second.empty()) {
-        usual_.push_back(usual_.back());
-      } else {
-        usual_.push_back(upper_median(of_a_second));
-        next_ns = rows[to].t_ns + kUsualEveryNs;
-      }
-    }
-  }
+/// A run whose biases may have moved.
+struct BiasHistory {
+  std::span<const TrajectoryRow> rows;
+  std::vector<BiasAxis> axes;
+  std::vector<std::int64_t> contradictions;
 
   /// Of the axis that moved furthest within that long [s] before row `to`; nothing where that is excused.
   [[nodiscard]] std::optional<BiasMove> largest(std::size_t to, double seconds) const {
-    const auto from = row_before(rows_, to, seconds);
-    if (!from || is_excused(contradictions_, rows_[*from].t_ns, rows_[to].t_ns)) {
+    const auto from = row_before(rows, to, seconds);
+    if (!from || is_excused(contradictions, rows[*from].t_ns, rows[to].t_ns)) {
       return std::nullopt;
     }
-    BiasMove out{false, rows_[*from].t_ns, rows_[to].t_ns};
-    out.usual_sigmas = usual_.size() > *from ? usual_[*from] : kNobodyKnows;
-    for (const BiasAxis& axis : axes_) {
-      if (const double sigmas = axis.sigmas(rows_, *from, to); sigmas > out.sigmas) {
+    BiasMove out{false, rows[*from].t_ns, rows[to].t_ns};
+    for (const BiasAxis& axis : axes) {
+      if (const double sigmas = axis.sigmas(rows, *from, to); sigmas > out.sigmas) {
         out.of_gyro = axis.of_gyro;
-        out.size = std::abs(axis.value(rows_[to]) - axis.value(rows_[*from]));
+        out.size = std::abs(axis.value(rows[to]) - axis.value(rows[*from]));
         out.sigmas = sigmas;
       }
     }
     return out;
   }
 
- private:
-  std::span<const TrajectoryRow> rows_;
-  std::vector<BiasAxis> axes_;
-  std::vector<std::int64_t> contradictions_;
-  std::vector<double> usual_;  // until each row, the median move of a second [sigmas]
+  /// A quarter of the moves of a second are smaller. What a start has smoothed does not count: there biases
+  /// are constant.
+  [[nodiscard]] double usual(std::span<const FrameReport> frames) const {
+    std::vector<double> moves;
+    for (std::size_t to = 0; to < rows.size(); ++to) {
+      if (const auto move = frames[to].dof > 0 ? largest(to, kStretches.front()) : std::nullopt) {
+        moves.push_back(move->sigmas);
+      }
+    }
+    return moves.empty() ? 0.0 : quantile(std::move(moves), 0.25);
+  }
 };
 
 }  // namespace
 
-bool BiasMove::is_sudden() const { return sigmas > kTooFar * std::max(usual_sigmas, 1.0); }
+bool BiasMove::is_sudden() const {
+  return !after_contradiction && sigmas > kTooFar * std::max(usual_sigmas, 1.0);
+}
 
 std::optional<BiasMove> bias_beyond_its_sigma(std::span<const TrajectoryRow> rows,
                                               std::span<const FrameReport> frames) {
-  const auto begin = std::ranges::find_if(rows, has_biases) - rows.begin();
-  rows = rows.subspan(static_cast<std::size_t>(begin));
+  if (rows.size() != frames.size()) {
+    throw std::invalid_argument("bias moves: needs a frame for each row of the trajectory");
+  }
+  const auto begin = static_cast<std::size_t>(std::ranges::find_if(rows, has_biases) - rows.begin());
+  rows = rows.subspan(begin);
+  frames = frames.subspan(begin);
   if (!std::ranges::all_of(rows, has_biases)) {
     return std::nullopt;
   }
-  const BiasHistory history(rows, frames);
+  const BiasHistory history{rows, axes_of(rows), contradictions_in(frames)};
+  const double usual = history.usual(frames);
   std::optional<BiasMove> first;
   for (std::size_t to = 0; to < rows.size(); ++to) {
     for (const double stretch : kStretches) {
-      const auto move = history.largest(to, stretch);
+      auto move = history.largest(to, stretch);
       if (move && move->sigmas > kTooFar) {
+        move->usual_sigmas = usual;
+        move->after_contradiction =
+            !history.contradictions.empty() && history.contradictions.front() < move->from_ns;
         if (move->is_sudden()) {
           return move;
         }

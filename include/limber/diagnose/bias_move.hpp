@@ -15,14 +15,13 @@ struct BiasMove {
   bool of_gyro = false;  ///< else of the accelerometer
   /// frames between which it is seen: eight seconds at most [ns]
   std::int64_t from_ns = 0, to_ns = 0;
-  double size = 0.0;    ///< of the axis that moved [rad/s] or [m/s^2]
-  double sigmas = 0.0;  ///< that size, in standard deviations
-  /// The median of what biases moved by in a second, until from_ns. Infinite where nobody knows: in the first
-  /// three seconds, and after a contradiction, which opens the biases.
-  double usual_sigmas = 0.0;
+  double size = 0.0;                 ///< of the axis that moved [rad/s] or [m/s^2]
+  double sigmas = 0.0;               ///< that size, in standard deviations
+  double usual_sigmas = 0.0;         ///< a quarter of the moves of a second in the run are smaller [-]
+  bool after_contradiction = false;  ///< images contradicted the inputs before, which opens the biases
 
-  /// Twelve times what is usual: something failed, unsaid. Else the sigmas may be too small all along,
-  /// because pixels or clocks err in a way that nobody stated.
+  /// Twelve times what is usual, and nothing was said before: something failed. Else the sigmas may be too
+  /// small all along, because pixels or clocks err in a way that nobody stated.
   [[nodiscard]] bool is_sudden() const;
 };
 
@@ -33,7 +32,8 @@ struct BiasMove {
 /// else enters: no noise of pixels that is learned from a misfit, and no rig. A contradiction of images and
 /// inputs, which opens the state, excuses what is two seconds before and behind it.
 /// @param rows    of a run, with biases and their sigmas; the first ones may have none
-/// @param frames  of the same run
+/// @param frames  one per row
+/// @throws std::invalid_argument if there are not as many frames as rows
 /// @note docs/derivations/faults.md
 [[nodiscard]] std::optional<BiasMove> bias_beyond_its_sigma(std::span<const TrajectoryRow> rows,
                                                             std::span<const FrameReport> frames);
