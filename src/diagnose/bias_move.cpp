@@ -116,12 +116,11 @@ struct BiasHistory {
     return out;
   }
 
-  /// A quarter of the moves of a second are smaller. What a start has smoothed does not count: there biases
-  /// are constant.
-  [[nodiscard]] double usual(std::span<const FrameReport> frames) const {
+  /// A quarter of the moves of a second are smaller.
+  [[nodiscard]] double usual() const {
     std::vector<double> moves;
     for (std::size_t to = 0; to < rows.size(); ++to) {
-      if (const auto move = frames[to].dof > 0 ? largest(to, kStretches.front()) : std::nullopt) {
+      if (const auto move = largest(to, kStretches.front())) {
         moves.push_back(move->sigmas);
       }
     }
@@ -147,7 +146,7 @@ std::optional<BiasMove> bias_beyond_its_sigma(std::span<const TrajectoryRow> row
     return std::nullopt;
   }
   const BiasHistory history{rows, axes_of(rows), contradictions_in(frames)};
-  const double usual = history.usual(frames);
+  const double usual = history.usual();
   std::optional<BiasMove> first;
   for (std::size_t to = 0; to < rows.size(); ++to) {
     for (const double stretch : kStretches) {

@@ -122,15 +122,19 @@ void call_lost(const RunEvent& event, const std::string& why, RunRecord& record,
       fmt::format("the run is lost since {:.3f} s: {}", 1e-9 * static_cast<double>(event.from_ns), why));
 }
 
-/// What the move of a bias means: where nobody judged the rig, or it is wrong, that may have moved the bias;
-/// where biases move all along, something else than a fault does it.
+/// Not where nobody judged the rig, or it is wrong: that may have moved the bias. Nor where biases move all
+/// along: something else than a fault does it.
+bool proves_a_fault(const BiasMove& move, const RunSummary& summary) {
+  return move.is_sudden() && summary.health && !is_wrong(summary.health->verdict);
+}
+
 void judge_move(const BiasMove& move, RunRecord& record, RunSummary& summary) {
   const std::string what = fmt::format(
       "from {:.3f} s to {:.3f} s the bias of the {} moved by {:.2g} {}, {:.0f} times its sigma",
       1e-9 * static_cast<double>(move.from_ns), 1e-9 * static_cast<double>(move.to_ns),
       move.of_gyro ? "gyroscope" : "accelerometer", move.size, move.of_gyro ? "rad/s" : "m/s^2", move.sigmas);
   const RunEvent event{"bias moved", move.from_ns, move.to_ns};
-  if (move.is_sudden() && summary.health && !is_wrong(summary.health->verdict)) {
+  if (proves_a_fault(move, summary)) {
     call_lost(event,
               what + ": an input failed (a bias or a clock that stepped), and no sigma since then is true",
               record, summary.inputs);
@@ -169,16 +173,20 @@ void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summar
   const auto misled =
       options.method == Method::kEkf ? misled_since(record.frames, summary.health) : std::nullopt;
   const auto impossible = impossible_bias_since(record.trajectory);
-  if (misled) {
+  const auto move = bias_beyond_its_sigma(record.trajectory, record.frames);
+  const auto moved_before = [&](std::int64_t since_ns) {
+    return move && proves_a_fault(*move, summary) && move->from_ns < since_ns;
+  };
+  if (misled && !moved_before(*misled)) {
     call_lost({"misled", *misled, end_ns},
               "points contradict the prediction since then, and the rig did not change: an input failed (a "
               "bias or a clock that stepped). --method lcekf would notice and go on",
               record, summary.inputs);
-  } else if (impossible) {
+  } else if (impossible && !moved_before(*impossible)) {
     call_lost({"impossible bias", *impossible, end_ns},
               "a bias of the IMU is estimated that no IMU has. Is the calibration wrong, or the IMU's unit?",
               record, summary.inputs);
-  } else if (const auto move = bias_beyond_its_sigma(record.trajectory, record.frames)) {
+  } else if (move) {
     judge_move(*move, record, summary);
   }
 }

@@ -24,7 +24,6 @@ struct BiasRun {
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const double t = 0.05 * static_cast<double>(k);
       rows[k].t_ns = frames[k].t_ns = static_cast<std::int64_t>(k) * 50'000'000;
-      frames[k].dof = 100;
       rows[k].bias_gyro = Eigen::Vector3d(0.0, kSigma * bias(t), 0.0);
       rows[k].bias_accel = Eigen::Vector3d::Zero();
       rows[k].sigma_bias_gyro = Eigen::Vector3d::Constant(kSigma);
