@@ -231,7 +231,10 @@ void bind_frame_report(py::module_& module) {
           "What the prediction rested on: 'sound', 'faulty', 'gap', 'contradicted', 'none' or 'not needed'.")
       .def_property_readonly(
           "gap_s", [](const FrameReport& report) { return report.inputs.gap_s; }, DOC(InputReport_gap_s))
+      .def_property_readonly(
+          "inputs_chi2", [](const FrameReport& report) { return report.inputs.chi2; }, DOC(InputReport_chi2))
       .def_readonly("reset", &FrameReport::reset, DOC(FrameReport_reset))
+      .def_readonly("sigma_px", &FrameReport::sigma_px, DOC(FrameReport_sigma_px))
       .def_readonly("nis", &FrameReport::nis, DOC(FrameReport_nis))
       .def_readonly("dof", &FrameReport::dof, DOC(FrameReport_dof))
       .def_readonly("rank", &FrameReport::rank, DOC(FrameReport_rank))

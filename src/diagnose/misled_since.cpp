@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
+#include "limber/diagnose/bias_move.hpp"
 
 namespace limber {
 namespace {
@@ -103,6 +106,44 @@ std::optional<std::size_t> begin_of_growth(std::span<const Block> blocks, std::s
   return std::nullopt;
 }
 
+/// Counts the frames of an event and puts it in its place.
+void add_event(RunEvent event, const RunRecord& record, InputSummary& inputs) {
+  event.frames = static_cast<std::size_t>(std::ranges::count_if(record.frames, [&](const FrameReport& frame) {
+    return event.from_ns <= frame.t_ns && frame.t_ns <= event.to_ns;
+  }));
+  inputs.events.push_back(std::move(event));
+  std::ranges::stable_sort(inputs.events, {}, &RunEvent::from_ns);
+}
+
+void call_lost(const RunEvent& event, const std::string& why, RunRecord& record, InputSummary& inputs) {
+  add_event(event, record, inputs);
+  inputs.lost_since_ns = event.from_ns;
+  record.notes.push_back(
+      fmt::format("the run is lost since {:.3f} s: {}", 1e-9 * static_cast<double>(event.from_ns), why));
+}
+
+/// Not where nobody judged the rig, or it is wrong: that may have moved the bias. Nor where biases move all
+/// along: something else than a fault does it.
+bool proves_a_fault(const BiasMove& move, const RunSummary& summary) {
+  return move.is_sudden() && summary.health && !is_wrong(summary.health->verdict);
+}
+
+void judge_move(const BiasMove& move, RunRecord& record, RunSummary& summary) {
+  const std::string what = fmt::format(
+      "from {:.3f} s to {:.3f} s the bias of the {} moved by {:.2g} {}, {:.0f} times its sigma",
+      1e-9 * static_cast<double>(move.from_ns), 1e-9 * static_cast<double>(move.to_ns),
+      move.of_gyro ? "gyroscope" : "accelerometer", move.size, move.of_gyro ? "rad/s" : "m/s^2", move.sigmas);
+  const RunEvent event{"bias moved", move.from_ns, move.to_ns};
+  if (proves_a_fault(move, summary)) {
+    call_lost(event,
+              what + ": an input failed (a bias or a clock that stepped), and no sigma since then is true",
+              record, summary.inputs);
+  } else {
+    add_event(event, record, summary.inputs);
+    record.notes.push_back(what + ": the sigmas of this run are too small");
+  }
+}
+
 }  // namespace
 
 std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
@@ -125,23 +166,29 @@ std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
 }
 
 void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summary) {
-  if (options.method != Method::kEkf || record.motion != MotionModel::kImu || summary.inputs.lost_since_ns) {
+  if (record.motion != MotionModel::kImu || summary.inputs.lost_since_ns) {
     return;
   }
-  const std::optional<std::int64_t> since = misled_since(record.frames, summary.health);
-  if (!since) {
-    return;
+  const std::int64_t end_ns = record.frames.back().t_ns;
+  const auto misled =
+      options.method == Method::kEkf ? misled_since(record.frames, summary.health) : std::nullopt;
+  const auto impossible = impossible_bias_since(record.trajectory);
+  const auto move = bias_beyond_its_sigma(record.trajectory, record.frames);
+  const auto moved_before = [&](std::int64_t since_ns) {
+    return move && proves_a_fault(*move, summary) && move->from_ns < since_ns;
+  };
+  if (misled && !moved_before(*misled)) {
+    call_lost({"misled", *misled, end_ns},
+              "points contradict the prediction since then, and the rig did not change: an input failed (a "
+              "bias or a clock that stepped). --method lcekf would notice and go on",
+              record, summary.inputs);
+  } else if (impossible && !moved_before(*impossible)) {
+    call_lost({"impossible bias", *impossible, end_ns},
+              "a bias of the IMU is estimated that no IMU has. Is the calibration wrong, or the IMU's unit?",
+              record, summary.inputs);
+  } else if (move) {
+    judge_move(*move, record, summary);
   }
-  RunEvent event{"misled", *since, record.frames.back().t_ns};
-  event.frames = static_cast<std::size_t>(
-      std::ranges::count_if(record.frames, [&](const FrameReport& frame) { return frame.t_ns >= *since; }));
-  summary.inputs.events.push_back(event);
-  std::ranges::stable_sort(summary.inputs.events, {}, &RunEvent::from_ns);
-  summary.inputs.lost_since_ns = since;
-  record.notes.push_back(fmt::format(
-      "the run is lost since {:.3f} s: points contradict the prediction since then, and the rig did not "
-      "change: an input failed (a bias or a clock that stepped). --method lcekf would notice and go on",
-      1e-9 * static_cast<double>(*since)));
 }
 
 }  // namespace limber

@@ -113,12 +113,13 @@ RunAnswer answer_of(const RunOptions& options, const RunRecord& record, const Ru
   judge_calibration(options, record, s, out);
   if (s.inputs.lost_since_ns) {
     const double since = seconds_between(record.trajectory.front().t_ns, *s.inputs.lost_since_ns);
-    out = {
-        AnswerLight::kRed,
-        fmt::format("lost since {:.1f} s", since),
-        {"the filter broke down, or images contradict its state, and nothing brought it back; until then: " +
-         out.headline},
-        fmt::format("use no pose later than {:.1f} s; the notes below say what failed", since)};
+    out = {AnswerLight::kRed,
+           fmt::format("lost since {:.1f} s", since),
+           {"the filter broke down, or images or its own sigmas contradict its state, and nothing brought it "
+            "back; "
+            "until then: " +
+            out.headline},
+           fmt::format("use no pose later than {:.1f} s; the notes below say what failed", since)};
   }
   out.sentences.push_back(pose_in_words(record, s));
   if (!s.truth_is_level) {

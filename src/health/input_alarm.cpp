@@ -63,13 +63,14 @@ bool InputAlarm::judge(const PoseCorrection& c, InputContradiction& found) {
   static const double threshold = chi_square_quantile(1.0 - kFalseAlarms, 6.0);
   const double now = z.squaredNorm() / (kStatedNoise * noise),
                lasting = mean_.squaredNorm() / (kPersistence * weight_ * noise);
-  doubtful_ = std::max(now, lasting) > kDoubtful;
-  if (++frames_ <= kYoung || std::max(now, lasting) <= threshold) {
+  statistic_ = std::max(now, lasting);
+  doubtful_ = statistic_ > kDoubtful;
+  if (++frames_ <= kYoung || statistic_ <= threshold) {
     return false;
   }
   const double share =
       now > threshold ? 1.0 : std::min(std::sqrt(mean_.squaredNorm() / z.squaredNorm()), 1.0);
-  found = {share * c.dx.tail<3>().norm(), share * c.dx.head<3>().norm(), c.dt, std::max(now, lasting)};
+  found = {share * c.dx.tail<3>().norm(), share * c.dx.head<3>().norm(), c.dt, statistic_};
   mean_.setZero();
   weight_ = 0.0;
   last_ns_ = c.t_ns;

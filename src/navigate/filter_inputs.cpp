@@ -123,7 +123,9 @@ void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& r
     counted.covariance *= kTrustingFactor;
   }
   InputContradiction found;
-  if (input_alarm_.judge(counted, found)) {
+  const bool contradicted = input_alarm_.judge(counted, found);
+  report.inputs.chi2 = input_alarm_.statistic() * (blind_to_rig ? 1.0 : kTrustingFactor);
+  if (contradicted) {
     report.inputs.status = std::max(report.inputs.status, InputStatus::kContradicted);
     report.inputs.contradiction = found;
     distrust_inputs(found);

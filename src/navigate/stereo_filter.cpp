@@ -295,6 +295,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   report.t_ns = frame.t_ns;
   report.observed = frame.observations.size();
   report.inputs = report_inputs(frame.t_ns);
+  report.sigma_px = 0.5 * sigma_px().norm();
 
   // A motion that only images tell takes several frames to become clear, and so do depths: no landmark is
   // given up meanwhile.

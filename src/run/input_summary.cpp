@@ -11,10 +11,12 @@ namespace {
 
 constexpr std::int64_t kSameEventNs = 1'000'000'000;
 constexpr std::size_t kMostRemarks = 8;
-/// Innovations that many times as large as expected, most points refused by a gate that was overruled, for
-/// that long [s]: no calibration is so wrong, the state is.
-constexpr double kLostNis = 300.0, kLostAfter = 1.0;
+/// Innovations that many times as large as expected, or that many pixels of noise to explain them, most
+/// points refused by a gate that was overruled, for that long [s]: no calibration is so wrong, the state is.
+/// The former is beside a noise that may have been learned from such innovations, the latter is not.
+constexpr double kLostNis = 300.0, kLost_px = 10.0, kLostAfter = 1.0;
 constexpr const char* kContradictedState = "state contradicted";
+constexpr const char* kOverruled = "gate overruled";
 constexpr double kWorthARemark = 0.05;  // [s], a shorter gap is a dropped sample or two
 
 double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
@@ -59,7 +61,9 @@ void count(const FrameReport& frame, InputSummary& out) {
 }
 
 bool contradicts_the_state(const FrameReport& frame) {
-  return frame.gate_overruled && frame.nis > kLostNis * static_cast<double>(frame.dof);
+  const auto dof = static_cast<double>(frame.dof);
+  const double misfit = frame.nis * frame.sigma_px * frame.sigma_px;
+  return frame.gate_overruled && (frame.nis > kLostNis * dof || misfit > kLost_px * kLost_px * dof);
 }
 
 std::string in_words(const RunEvent& e) {
@@ -87,6 +91,9 @@ std::string in_words(const RunEvent& e) {
   }
   if (e.what == kContradictedState) {
     return fmt::format("{} most points contradict the state by far", when);
+  }
+  if (e.what == kOverruled) {
+    return fmt::format("{} most points contradict the rig or the state: sigmas are too small", when);
   }
   if (e.what == "reset") {
     return fmt::format("{} the filter had broken down and began anew, {} times", when, e.frames);
@@ -128,6 +135,9 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
     if (frame.status == UpdateStatus::kEmpty && frame.t_ns > before_ns) {
       add("no points");
     }
+    if (frame.gate_overruled) {
+      add(kOverruled);
+    }
     if (!contradicts_the_state(frame)) {
       contradicted_since_ns.reset();
     } else if (!contradicted_since_ns) {
@@ -150,7 +160,8 @@ std::vector<std::string> remarks_on_inputs(const InputSummary& summary) {
   std::size_t more = 0;
   for (const RunEvent& event : summary.events) {
     const bool trifle = (event.what == "gap" && event.longest_s < kWorthARemark) ||
-                        (event.what == "no points" && event.to_ns - event.from_ns < kSameEventNs);
+                        ((event.what == "no points" || event.what == kOverruled) &&
+                         event.to_ns - event.from_ns < kSameEventNs);
     if (trifle) {
       continue;
     }

@@ -17,6 +17,7 @@ constexpr std::int64_t kGapNs = 100'000'000;
 constexpr double kLeastForce = 0.5, kLargestForce = 1.5;  // mean specific force, in gravities
 constexpr double kLargestRate = 10.0;                     // [rad/s] mean, of anything that carries cameras
 constexpr double kSuspiciousNis = 3.0;                    // per degree of freedom
+constexpr double kLargeNoise_px = 4.0;                    // rectified tracks need 0.1 to 3.5
 constexpr double kModestNis = 0.4;                        // "
 
 double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
@@ -70,6 +71,20 @@ void remark_on_units(const std::vector<ImuSample>& imu, double gravity, std::vec
   }
   if (rate > kLargestRate) {
     remarks.push_back(fmt::format("the gyroscope shows {:.3g} rad/s on average: is its unit rad/s?", rate));
+  }
+}
+
+/// Where so much pixel noise was learned that it is no noise of pixels.
+void remark_on_large_noise(const std::vector<FrameReport>& frames, std::vector<std::string>& remarks) {
+  const auto first =
+      std::ranges::find_if(frames, [](const FrameReport& frame) { return frame.sigma_px > kLargeNoise_px; });
+  if (first != frames.end()) {
+    remarks.push_back(fmt::format(
+        "more than {:.0f} px of pixel noise were needed from {:.3f} s on to explain the points: they "
+        "contradict "
+        "each other or the prediction (moving things, images of another time, a rig that bends), and sigmas "
+        "are too small",
+        kLargeNoise_px, seconds(first->t_ns)));
   }
 }
 
@@ -133,6 +148,7 @@ std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method
         "the right camera saw no point in any frame: this is navigation with the left camera alone");
   }
   if (record.pixel_noise) {
+    remark_on_large_noise(record.frames, remarks);
     remarks.push_back(fmt::format(
         "pixel noise learned: white noise of {:.2g} px is assumed at the end; a point's errors in two frames "
         "that follow each other have a correlation of {:.2g}",

@@ -9,6 +9,9 @@
 namespace limber {
 namespace {
 
+/// Older files lack the noise of pixels and the test of the inputs.
+constexpr std::size_t kFrameColumnsOfOld = 17, kFrameColumns = 19;
+
 std::size_t count(const detail::TableReader& table, std::size_t column) {
   const std::int64_t value = table.integer(column);
   if (value < 0) {
@@ -54,6 +57,8 @@ FrameRow frame_row(const FrameReport& report) {
   row.inputs = report.inputs.status;
   row.gap_s = report.inputs.gap_s;
   row.reset = report.reset;
+  row.sigma_px = report.sigma_px;
+  row.inputs_chi2 = report.inputs.chi2;
   return row;
 }
 
@@ -61,8 +66,8 @@ std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
   detail::TableReader table(
       path, {.names = {"t_ns", "observed", "used", "initialized", "removed", "refused", "gate_overruled",
                        "nis [-]", "dof", "constrained_rank", "status", "inputs", "gap_s", "faulty_samples",
-                       "reset", "filter_ms", "source_ms"},
-             .counts = {17}});
+                       "reset", "sigma_px [px]", "inputs_chi2 [-]", "filter_ms", "source_ms"},
+             .counts = {kFrameColumnsOfOld, kFrameColumns}});
   std::vector<FrameRow> rows;
   while (table.next()) {
     FrameRow row;
@@ -80,8 +85,12 @@ std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
     row.inputs = one_of(kInputs, table, 11);
     row.gap_s = table.number(12);
     row.reset = count(table, 14) != 0;
-    row.filter_ms = table.number(15);
-    row.source_ms = table.number(16);
+    if (table.columns() == kFrameColumns) {
+      row.sigma_px = table.number(15);
+      row.inputs_chi2 = table.number(16);
+    }
+    row.filter_ms = table.number(table.columns() - 2);
+    row.source_ms = table.number(table.columns() - 1);
     rows.push_back(row);
   }
   table.require_a_row("frame");

@@ -202,16 +202,17 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
 std::string frames_csv(const RunRecord& record) {
   std::string text =
       "#t_ns,observed,used,initialized,removed,refused,gate_overruled,nis "
-      "[-],dof,constrained_rank,status,inputs,gap_s,faulty_samples,reset,filter_ms,source_ms\n";
+      "[-],dof,constrained_rank,status,inputs,gap_s,faulty_samples,reset,sigma_px [px],inputs_chi2 "
+      "[-],filter_ms,source_ms\n";
   auto out = std::back_inserter(text);
   for (std::size_t k = 0; k < record.frames.size(); ++k) {
     const FrameReport& f = record.frames[k];
     const auto& faults = f.inputs.faults.count;
-    fmt::format_to(out, "{},{},{},{},{},{},{:d},{},{},{},{},{},{:.6g},{},{:d},{:.3f},{:.3f}\n", f.t_ns,
-                   f.observed, f.used, f.initialized, f.removed, f.refused.size(), f.gate_overruled, f.nis,
-                   f.dof, f.rank, to_string(f.status), to_string(f.inputs.status), f.inputs.gap_s,
-                   std::accumulate(faults.begin(), faults.end(), std::size_t{0}), f.reset, record.frame_ms[k],
-                   record.source_ms[k]);
+    fmt::format_to(out, "{},{},{},{},{},{},{:d},{},{},{},{},{},{:.6g},{},{:d},{:.4g},{:.4g},{:.3f},{:.3f}\n",
+                   f.t_ns, f.observed, f.used, f.initialized, f.removed, f.refused.size(), f.gate_overruled,
+                   f.nis, f.dof, f.rank, to_string(f.status), to_string(f.inputs.status), f.inputs.gap_s,
+                   std::accumulate(faults.begin(), faults.end(), std::size_t{0}), f.reset, f.sigma_px,
+                   f.inputs.chi2, record.frame_ms[k], record.source_ms[k]);
   }
   return text;
 }

@@ -75,36 +75,69 @@ TEST(MisledSince, IsNeverWhereTheMisfitIsAsUsualOrOverSoonOrThereFromTheBegin) {
   EXPECT_FALSE(misled_since({}, rig_ok));
 }
 
-/// A drone whose IMU's stamps jump by 0.1 s, or a gyro by 0.05 rad/s, eight seconds before the end.
-TEST(MisledSince, SaysSinceWhenEkfIsLostAfterAnInputFailedAndNothingOfASoundRun) {
+/// A drone of sixteen seconds.
+Recording drone(std::uint64_t seed) {
   Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
   scenario.duration = 16.0;
-  Recording recording = simulate(scenario, 131);
+  return simulate(scenario, seed);
+}
+
+std::int64_t eighth_second(const Recording& log) { return log.frames.front().t_ns + 8'000'000'000; }
+
+InputSummary judged(const Recording& log, Method method) {
   RunOptions options;
-  options.method = Method::kEkf;
-  const auto judged = [&](const Recording& log) {
-    RunRecord record = run_recording(log, options, matched_frames(log));
-    RunSummary summary = summarize(log, options, record);
-    add_misled(options, record, summary);
-    EXPECT_EQ(summary.inputs.lost_since_ns.has_value(),
-              !record.notes.empty() && record.notes.back().find("the run is lost since") == 0);
-    return summary.inputs;
-  };
-  EXPECT_FALSE(judged(recording).lost_since_ns);
-  const std::int64_t at_ns = recording.frames.front().t_ns + 8'000'000'000;
+  options.method = method;
+  RunRecord record = run_recording(log, options, matched_frames(log));
+  RunSummary summary = summarize(log, options, record);
+  add_misled(options, record, summary);
+  EXPECT_EQ(summary.inputs.lost_since_ns.has_value(),
+            !record.notes.empty() && record.notes.back().find("the run is lost since") == 0);
+  return summary.inputs;
+}
+
+/// Stamps that jump by 0.1 s, or a gyro by 0.05 rad/s, eight seconds before the end.
+TEST(MisledSince, SaysSinceWhenEkfIsLostAfterAnInputFailedAndNothingOfASoundRun) {
+  const Recording recording = drone(131);
+  EXPECT_FALSE(judged(recording, Method::kEkf).lost_since_ns);
+  const std::int64_t at_ns = eighth_second(recording);
   Recording stepped = recording;
   for (ImuSample& sample : stepped.imu) {
     sample.t_ns += sample.t_ns >= at_ns ? kFrame : 0;
   }
-  const InputSummary late = judged(stepped);
+  const InputSummary late = judged(stepped, Method::kEkf);
   ASSERT_TRUE(late.lost_since_ns);
   EXPECT_NEAR(1e-9 * static_cast<double>(*late.lost_since_ns - at_ns), 0.0, 2.0);
-  EXPECT_THAT(late.events, Contains(::testing::Field(&RunEvent::what, "misled")));
+  EXPECT_THAT(late.events,
+              Contains(::testing::Field(&RunEvent::what, ::testing::AnyOf("misled", "bias moved"))));
   Recording turned = recording;
   for (ImuSample& sample : turned.imu) {
     sample.omega_imu.x() += sample.t_ns >= at_ns ? 0.05 : 0.0;
   }
-  EXPECT_TRUE(judged(turned).lost_since_ns);
+  EXPECT_TRUE(judged(turned, Method::kEkf).lost_since_ns);
+}
+
+/// As if the accelerometer's bias stepped at the eighth second [m/s^2].
+Recording pushed(Recording log, double step) {
+  const std::int64_t at_ns = eighth_second(log);
+  for (ImuSample& sample : log.imu) {
+    sample.accel_imu.y() += sample.t_ns >= at_ns ? step : 0.0;
+  }
+  return log;
+}
+
+/// A step that is too small for the innovations moves the bias by tens of its sigmas. A larger one is noticed
+/// by a filter that no rig can lead astray, which then is not lost.
+TEST(MisledSince, SaysSinceWhenAMethodIsLostWhoseBiasMovedFurtherThanItsSigmas) {
+  const Recording recording = drone(132);
+  for (const Method method : {Method::kEkf, Method::kEkfFull, Method::kLcekf}) {
+    EXPECT_FALSE(judged(recording, method).lost_since_ns);
+    const InputSummary summary = judged(pushed(recording, 0.12), method);
+    ASSERT_TRUE(summary.lost_since_ns) << to_string(method);
+    EXPECT_NEAR(1e-9 * static_cast<double>(*summary.lost_since_ns - eighth_second(recording)), 0.0, 2.0);
+  }
+  const InputSummary noticed = judged(pushed(recording, 0.5), Method::kLcekf);
+  EXPECT_THAT(noticed.events, Contains(::testing::Field(&RunEvent::what, "contradicted")));
+  EXPECT_FALSE(noticed.lost_since_ns);
 }
 
 }  // namespace

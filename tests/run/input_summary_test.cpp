@@ -101,6 +101,34 @@ TEST(InputSummary, ARunIsLostWhereMostPointsContradictTheStateByFarForASecond) {
   EXPECT_THAT(remarks_on_inputs(summary), Contains(HasSubstr("most points contradict the state by far")));
 }
 
+/// Noise that is learned from innovations grows with them, and hides them.
+TEST(InputSummary, ARunIsLostWhereTheContradictionIsLargeInPixelsWhateverNoiseIsAssumed) {
+  std::vector<FrameReport> frames = sound_frames(100);
+  for (std::size_t k = 40; k < 80; ++k) {
+    frames[k].gate_overruled = true;
+    frames[k].dof = 100;
+    frames[k].nis = 6.0 * 100.0;
+    frames[k].sigma_px = 4.0;
+  }
+  EXPECT_FALSE(summarize_inputs(frames).lost_since_ns) << "9.8 px";
+  for (FrameReport& frame : frames) frame.sigma_px = 5.0;
+  EXPECT_EQ(summarize_inputs(frames).lost_since_ns, frames[40].t_ns) << "12 px";
+  for (FrameReport& frame : frames) frame.gate_overruled = false;
+  EXPECT_FALSE(summarize_inputs(frames).lost_since_ns) << "most points agree";
+}
+
+TEST(InputSummary, SaysWhereMostPointsWereOverruledForASecondOrLonger) {
+  std::vector<FrameReport> frames = sound_frames(100);
+  const auto remark = HasSubstr("from 1.950 s to 3.450 s most points contradict the rig or the state");
+  for (std::size_t k = 40; k < 50; ++k) frames[k].gate_overruled = true;
+  EXPECT_THAT(remarks_on_inputs(summarize_inputs(frames)), IsEmpty());
+  for (std::size_t k = 50; k < 70; ++k) frames[k].gate_overruled = true;
+  const InputSummary summary = summarize_inputs(frames);
+  EXPECT_THAT(remarks_on_inputs(summary), Contains(remark));
+  EXPECT_EQ(summary.events.at(0).frames, 30U);
+  EXPECT_FALSE(summary.lost_since_ns);
+}
+
 TEST(InputSummary, OfARunWithAGapNamesItAndCountsItsFrames) {
   Recording recording = testing::short_recording();
   std::erase_if(recording.imu,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -11,8 +12,8 @@
 namespace limber {
 namespace {
 
-/// What a run has learned by its end of a drone's recording that does not state the noise of its pixels.
-PixelNoiseReport learned(Method method, double white_px, const PixelScenario& pixels = {}) {
+/// A run over a drone's recording that does not state the noise of its pixels.
+RunRecord unstated_run(Method method, double white_px, const PixelScenario& pixels = {}) {
   Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
   scenario.duration = 10.0;
   scenario.noise.pixel = white_px;
@@ -21,7 +22,12 @@ PixelNoiseReport learned(Method method, double white_px, const PixelScenario& pi
   const Recording recording = simulate(scenario, 3);
   RunOptions options;
   options.method = method;
-  const RunRecord record = run_recording(recording, options, matched_frames(recording));
+  return run_recording(recording, options, matched_frames(recording));
+}
+
+/// What it has learned by its end.
+PixelNoiseReport learned(Method method, double white_px, const PixelScenario& pixels = {}) {
+  const RunRecord record = unstated_run(method, white_px, pixels);
   EXPECT_TRUE(record.pixel_noise);
   return record.pixel_noise.value_or(PixelNoiseReport{});
 }
@@ -43,6 +49,16 @@ TEST_P(UnstatedPixelNoise, IsSeveralTimesTheErrorsWhereTheyLast) {
   EXPECT_GT(found.correlation, 0.75);
   EXPECT_GT(found.sigma_px, 0.6);
   EXPECT_LT(found.sigma_px, 1.5);
+}
+
+/// Such noise hides whatever makes it necessary.
+TEST_P(UnstatedPixelNoise, IsRemarkedOnWhereItIsMoreThanTracksHave) {
+  const auto remark = ::testing::Contains(::testing::HasSubstr("px of pixel noise were needed from"));
+  const RunRecord usual = unstated_run(GetParam(), 1.0), large = unstated_run(GetParam(), 6.0);
+  EXPECT_THAT(usual.notes, ::testing::Not(remark));
+  EXPECT_THAT(large.notes, remark);
+  EXPECT_NEAR(usual.frames.back().sigma_px, usual.pixel_noise->sigma_px, 0.1);
+  EXPECT_GT(large.frames.back().sigma_px, 4.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, UnstatedPixelNoise, ::testing::Values(Method::kEkf, Method::kLcekf),

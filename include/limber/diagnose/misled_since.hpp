@@ -22,8 +22,10 @@ namespace limber {
 [[nodiscard]] std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
                                                        const std::optional<HealthSummary>& rig);
 
-/// @brief Calls a run of `ekf` with an IMU lost since it was misled: in lost_since_ns, an event "misled" and
-/// a note. Does nothing where it is lost already.
+/// @brief Calls a run with an IMU lost, in lost_since_ns, an event and a note: `ekf` since it was misled
+/// ("misled"), any method since a bias is impossible ("impossible bias") or moved further than its sigmas
+/// allow ("bias moved"). Where the rig is wrong, which may move a bias as well, nobody judged it, or biases
+/// move all along, the last is said, but the run is not lost for it. Does nothing where it is lost already.
 void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summary);
 
 }  // namespace limber

@@ -51,6 +51,9 @@ class InputAlarm {
   /// sound ones is): a fault begins to show before it is proven.
   [[nodiscard]] bool active(std::int64_t t_ns) const;
 
+  /// Of the last frame: chi-square, 6 degrees of freedom, the larger of both tests; 0 before the first.
+  [[nodiscard]] double statistic() const { return statistic_; }
+
   static constexpr double kCalm = 2.0;          ///< [s]
   static constexpr double kFalseAlarms = 1e-7;  ///< per frame and test
 
@@ -58,6 +61,7 @@ class InputAlarm {
   Eigen::Matrix<double, 6, 1> mean_ = Eigen::Matrix<double, 6, 1>::Zero();  // of whitened corrections, fading
   double weight_ = 0.0;                                                     // sum of squared weights of mean_
   double noise_ = 1.0;                                                      // NIS / dof, smoothed
+  double statistic_ = 0.0;
   int frames_ = 0;
   bool doubtful_ = false;
   std::int64_t last_ns_ = std::numeric_limits<std::int64_t>::min();

@@ -43,6 +43,9 @@ struct InputReport {
   double gap_s = 0.0;       ///< longest gap that the frame lies in or after, as far as it is known
   InputFaultCounts faults;  ///< samples with each fault
   std::optional<InputContradiction> contradiction;  ///< what the images said against them
+  /// How far the images corrected what the inputs predicted: chi-square of 6 degrees of freedom, for a filter
+  /// that no calibration can lead astray; 0 where nothing was tested.
+  double chi2 = 0.0;
 };
 
 /// @param faults  samples since the frame at begin_ns
@@ -57,6 +60,7 @@ struct FrameReport {
   /// since the frame before
   InputReport inputs;
   bool reset = false;     ///< the filter had broken down and began anew, see StereoFilter::process
+  double sigma_px = 0.0;  ///< pixel noise that the frame was taken with, rms of u0, v0, u1, v1 [px]
   double nis = 0.0;       ///< of the projected rows [-]
   Eigen::Index dof = 0;   ///< of nis
   Eigen::Index rank = 0;  ///< constrained directions that this frame's geometry can see
