@@ -152,6 +152,9 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
     }
     before_ns = frame.t_ns;
   }
+  if (frames.size() > 1 && out.updated == 0 && !out.lost_since_ns) {
+    out.lost_since_ns = frames.front().t_ns;
+  }
   return out;
 }
 
@@ -174,7 +177,11 @@ std::vector<std::string> remarks_on_inputs(const InputSummary& summary) {
   if (more > 0) {
     out.push_back(fmt::format("{} more such events: see events in summary.json", more));
   }
-  if (summary.lost_since_ns) {
+  const bool began_anew =
+      std::ranges::any_of(summary.events, [](const RunEvent& event) { return event.what == "reset"; });
+  if (summary.lost_since_ns && summary.updated == 0 && !began_anew) {
+    out.emplace_back("the run is lost from its begin: no frame corrected the state");
+  } else if (summary.lost_since_ns) {
     out.push_back(
         fmt::format("the run is lost since {:.3f} s: what follows is in another world than what was before",
                     seconds(*summary.lost_since_ns)));

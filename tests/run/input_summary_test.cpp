@@ -83,6 +83,16 @@ TEST(InputSummary, SaysSinceWhenARunIsLost) {
   EXPECT_THAT(remarks_on_inputs(summary), Contains(HasSubstr("the run is lost since 3.000 s")));
 }
 
+TEST(InputSummary, ARunIsLostFromItsBeginWhereNoFrameCorrectedTheState) {
+  std::vector<FrameReport> frames = sound_frames(40);
+  for (FrameReport& frame : frames) frame.status = UpdateStatus::kEmpty;
+  const InputSummary summary = summarize_inputs(frames);
+  EXPECT_EQ(summary.lost_since_ns, frames.front().t_ns);
+  EXPECT_THAT(remarks_on_inputs(summary), Contains(HasSubstr("lost from its begin: no frame corrected")));
+  frames[20].status = UpdateStatus::kUpdated;
+  EXPECT_FALSE(summarize_inputs(frames).lost_since_ns);
+}
+
 TEST(InputSummary, ARunIsLostWhereMostPointsContradictTheStateByFarForASecond) {
   std::vector<FrameReport> frames = sound_frames(100);
   const auto contradict = [&](std::size_t from, std::size_t to, double nis) {
