@@ -81,7 +81,8 @@ TEST(StereoFilterRefusals, AStateWithoutATimeKeepsItWhereTheFirstFrameIsRefused)
   frame.t_ns = 1'000'000'000'000;
   frame.observations[0].uv_cam0.setConstant(std::nan(""));
   EXPECT_THROW((void)filter.process(frame), std::invalid_argument);
-  EXPECT_THROW(filter.add_imu({frame.t_ns, Vector3d::Constant(std::nan("")), {}}), std::invalid_argument);
+  EXPECT_THROW(filter.add_imu({frame.t_ns, Vector3d::Constant(std::nan("")), Vector3d::Zero()}),
+               std::invalid_argument);
   EXPECT_EQ(filter.estimate().nav().t_ns, 0);
 }
 
@@ -89,9 +90,10 @@ TEST(StereoFilterRefusals, InputsOfAnotherMotionModelAreRefused) {
   const Scene scene = small_scene();
   StereoFilter imu(scene.options, scene.calibration, scene.initial);
   EXPECT_THROW(imu.add_odometry({}), std::invalid_argument);
-  imu.add_imu({10, {}, {}});
-  EXPECT_THROW(imu.add_imu({10, {}, {}}), std::invalid_argument);
-  EXPECT_THROW(imu.add_imu({11, Vector3d::Constant(std::nan("")), {}}), std::invalid_argument);
+  const Vector3d zero = Vector3d::Zero();
+  imu.add_imu({10, zero, zero});
+  EXPECT_THROW(imu.add_imu({10, zero, zero}), std::invalid_argument);
+  EXPECT_THROW(imu.add_imu({11, Vector3d::Constant(std::nan("")), zero}), std::invalid_argument);
 }
 
 TEST(StereoFilterRefusals, ShowsTheTrueRigToTheOracleAlone) {
