@@ -166,7 +166,7 @@ std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
 }
 
 void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summary) {
-  if (record.motion != MotionModel::kImu || summary.inputs.lost_since_ns) {
+  if (record.motion != MotionModel::kImu || record.frames.empty() || summary.inputs.lost_since_ns) {
     return;
   }
   const std::int64_t end_ns = record.frames.back().t_ns;
