@@ -26,6 +26,7 @@
 #include "limber/datasets/write_euroc.hpp"
 #include "limber/run_files/run_results.hpp"
 #include "messages.hpp"
+#include "output_folder.hpp"
 #include "progress.hpp"
 #include "recording_options.hpp"
 #include "replaceable.hpp"
@@ -309,6 +310,7 @@ void convert(const ConvertArguments& arguments) {
   if (results || is_trajectory(arguments.out)) {
     refuse_options_of_recordings(arguments);
   }
+  const ClaimedPlace claimed(arguments.out);
   bool partial = false;
   if (results) {
     if (!arguments.recording.topics.empty()) {

@@ -47,8 +47,7 @@ void require_writable_folder(const fs::path& path) {
   }
 }
 
-ClaimedFolder::ClaimedFolder(const fs::path& path) {
-  require_writable_folder(path);
+ClaimedPlace::ClaimedPlace(const fs::path& path) {
   const fs::path place = (fs::weakly_canonical(fs::absolute(path)) / "").lexically_normal();
   sockaddr_un name{};
   name.sun_family = AF_UNIX;
@@ -62,12 +61,14 @@ ClaimedFolder::ClaimedFolder(const fs::path& path) {
   const auto size = static_cast<socklen_t>(sizeof(sa_family_t) + 1 + text.size());
   if (bind(socket_, reinterpret_cast<const sockaddr*>(&name), size) != 0 && errno == EADDRINUSE) {
     close(socket_);
-    throw DataError(path.string(), 0, "a folder that no other limber is working for",
-                    "one that is claimed by a limber that runs: wait for it, or choose another folder");
+    throw DataError(path.string(), 0, "a place that no other limber is working for",
+                    "one that is claimed by a limber that runs: wait for it, or choose another one");
   }
 }
 
-ClaimedFolder::~ClaimedFolder() {
+ClaimedFolder::ClaimedFolder(const fs::path& path) : ClaimedPlace((require_writable_folder(path), path)) {}
+
+ClaimedPlace::~ClaimedPlace() {
   if (socket_ >= 0) {
     close(socket_);
   }

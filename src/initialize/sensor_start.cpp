@@ -67,9 +67,9 @@ bool same_start(const NavigatorOptions& a, const StereoCalibration& rig_of_a, co
   const WindowModel of_a = window_model(a, rig_of_a), of_b = window_model(b, rig_of_b);
   return rig_of_a == rig_of_b && of_a.right == of_b.right &&
          of_a.directions.cols() == of_b.directions.cols() && of_a.directions == of_b.directions &&
-         a.motion == b.motion && a.imu_noise == b.imu_noise &&
-         a.constant_velocity_noise == b.constant_velocity_noise && a.sigma_px == b.sigma_px &&
-         a.gravity == b.gravity;
+         (a.method == Method::kAdaptive) == (b.method == Method::kAdaptive) && a.motion == b.motion &&
+         a.imu_noise == b.imu_noise && a.constant_velocity_noise == b.constant_velocity_noise &&
+         a.sigma_px == b.sigma_px && a.gravity == b.gravity;
 }
 
 SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,
@@ -131,7 +131,13 @@ SensorStartResult SensorStart::result() {
   out.report = !w.solution || w.solved_s < w.length() ? w.solve_and_judge()
                : w.unused.empty()                     ? w.judged()
                                                       : w.report;
-  if (w.solution) {
+  if (const std::optional<StartWindow> trusting = w.trusting(out.report.status)) {
+    out.initial = trusting->handed_over();
+    out.initial.distrusting = std::make_shared<const InitialState>(w.handed_over());
+    out.trajectory = trusting->trajectory();
+    out.report.scale_sigma = trusting->scale_sigma();
+    out.report.tilt_sigma = trusting->tilt_sigma();
+  } else if (w.solution) {
     out.initial = w.handed_over();
     out.trajectory = w.trajectory();
   } else {

@@ -7,6 +7,7 @@
 
 #include "hand_over.hpp"
 #include "limber/core/median.hpp"
+#include "rig_offset.hpp"
 #include "start_window.hpp"
 
 namespace limber::detail {
@@ -21,8 +22,9 @@ namespace {
 constexpr double kSeenParallax = 0.02;  // [rad], of the usual point
 /// Misfit over the least of all solutions: of one that can be gone back to, of one that contradicts it.
 constexpr double kAgrees = 1.4, kDisagrees = 3.0;
-constexpr double kRefines = 0.9;  // of the scale's sigma, from one solution to the next
-constexpr double kTrend = 1.2;    // of the window's length
+constexpr double kFitsAsWell = 1.1;  // of a rig that is trusted, which has fewer unknowns
+constexpr double kRefines = 0.9;     // of the scale's sigma, from one solution to the next
+constexpr double kTrend = 1.2;       // of the window's length
 
 }  // namespace
 
@@ -106,6 +108,26 @@ StartReport StartWindow::solve_and_judge() {
     out.missing = "a finer scale: it still gets better";
   }
   return out;
+}
+
+/// The same window with the rig as it is, for a method that trusts it until it is proven wrong: if the start
+/// is ready, and what this window knows of the rig proves nothing.
+std::optional<StartWindow> StartWindow::trusting(StartStatus status) const {
+  if (model.options.method != Method::kAdaptive || !solution || status != StartStatus::kReady) {
+    return std::nullopt;
+  }
+  const double noise = std::max(normal.cost / expected_cost(model, *solution), 1.0);
+  if (!looks_sound(rig_offset(model, *solution, covariance, noise))) {
+    return std::nullopt;
+  }
+  StartWindow out = *this;
+  out.model.directions = MatrixXd(6, 0);
+  for (WindowFrame& frame : out.solution->frames) {
+    frame.theta.resize(0);
+  }
+  out.settle_solution();
+  const bool fits = out.solution && out.normal.cost < kFitsAsWell * normal.cost;
+  return fits ? std::optional(std::move(out)) : std::nullopt;
 }
 
 /// Once in a window the biases may step.

@@ -226,6 +226,18 @@ void StartWindow::solve() {
   const double left = normal.left;
   normal = linearise(model, *solution);
   normal.left = left;
+  clean_and_cover();
+  solved_s = length();
+}
+
+/// The solution again, for a model that is another one now.
+void StartWindow::settle_solution() {
+  normal = settled_window(model, *solution);
+  clean_and_cover();
+}
+
+/// Takes mismatches out of the solution; what it knows then.
+void StartWindow::clean_and_cover() {
   for (int round = 0; round < kCleanings && drop_mismatches(model, *solution) > 0; ++round) {
     normal = settled_window(model, *solution);
   }
@@ -233,7 +245,6 @@ void StartWindow::solve() {
   if (covariance.size() == 0) {
     solution.reset();
   }
-  solved_s = length();
 }
 
 }  // namespace limber::detail

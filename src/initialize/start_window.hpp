@@ -71,6 +71,8 @@ struct StartWindow {
   [[nodiscard]] std::vector<SmoothedState> trajectory() const;
   [[nodiscard]] SensorStartResult unsolved() const;
   void solve();
+  void settle_solution();
+  void clean_and_cover();
   /// The rig says nothing about how long a metre is.
   [[nodiscard]] bool leaves_scale_open() const {
     return !model.right ||
@@ -79,6 +81,7 @@ struct StartWindow {
   [[nodiscard]] StartReport judged() const;
   [[nodiscard]] bool still_refines(const StartReport& now, double scale_before, double solved_before_s) const;
   StartReport solve_and_judge();
+  [[nodiscard]] std::optional<StartWindow> trusting(StartStatus status) const;
   bool explain_by_step();
   bool explain_by_clock();
   WindowState solved_with(const StampJump& step, WindowState state, WindowNormal& there);

@@ -80,8 +80,10 @@ Navigator::Navigator(const NavigatorOptions& options, const StereoCalibration& c
   }
   if (options.method == Method::kAdaptive) {
     const HealthMonitor alarm(handover_alarm(), baseline_);
-    const Checkpoint begin{std::make_shared<const StereoFilter>(filter_), initial.nav.t_ns, {}};
-    supervision_.emplace(Supervision{StereoFilter(constrained(options), calibration, initial), alarm, alarm,
+    const InitialState& blind = initial.distrusting ? *initial.distrusting : initial;
+    const Checkpoint begin{
+        std::make_shared<const StereoFilter>(options, calibration, blind), initial.nav.t_ns, {}};
+    supervision_.emplace(Supervision{StereoFilter(constrained(options), calibration, blind), alarm, alarm,
                                      begin, begin, initial.nav.t_ns, initial.nav.t_ns});
   }
 }

@@ -336,10 +336,12 @@ TEST_F(LongRun, HasItsFolderForItselfAndHandsItOverHoweverItEnds) {
       second = testing::run_limber({"run", "no-recording", "--out", (out() / "").string(), "--force"});
     }
     testing::expect_refused(second, 1,
-                            out().string() + "/: expected a folder that no other limber is working for");
+                            out().string() + "/: expected a place that no other limber is working for");
     EXPECT_THAT(
         testing::run_limber({"run", "no-recording", "--methods", "ekf,lcekf", "--out", out().string()}).err,
         HasSubstr("claimed by a limber that runs"));
+    EXPECT_THAT(testing::run_limber({"convert", "no-recording", "--out", out().string()}).err,
+                HasSubstr("claimed by a limber that runs"));
     first.signal(end);
     (void)first.wait();
     EXPECT_THAT(testing::run_limber({"run", "no-recording", "--out", out().string(), "--force"}).err,

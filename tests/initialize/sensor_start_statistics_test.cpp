@@ -40,14 +40,17 @@ VectorXd body_error(const NavigationState& estimate, const NavigationState& trut
 }
 
 /// The scene's biases are small beside what a start expects of one, which NEES of 15 shows as less than 15.
-void expect_consistent(const std::function<SceneOptions(std::uint64_t)>& make, Method method) {
+/// @return how many of the ten trust a rig that they need not trust
+int expect_consistent(const std::function<SceneOptions(std::uint64_t)>& make, Method method,
+                      const StartOptions& how = {}) {
   constexpr int kRuns = 10;
   double nees = 0.0, map_nees = 0.0;
-  int points = 0;
+  int points = 0, trusting = 0;
   for (int k = 1; k <= kRuns; ++k) {
     const Scene scene = make_scene(make(static_cast<std::uint64_t>(k)));
-    const Started started = start(scene, options_of(scene, method));
+    const Started started = start(scene, options_of(scene, method), how);
     const InitialState& initial = started.result.initial;
+    trusting += initial.distrusting ? 1 : 0;
     const NavigationState& truth = scene.truth[started.frames - 1];
     const VectorXd e = body_error(initial.nav, truth).head(9);
     nees += e.dot(MatrixXd(initial.body_covariance.topLeftCorner(9, 9)).llt().solve(e)) / 9.0 / kRuns;
@@ -67,12 +70,23 @@ void expect_consistent(const std::function<SceneOptions(std::uint64_t)>& make, M
   EXPECT_LE(nees, 1.4);
   EXPECT_GE(map_nees / points, 0.5);
   EXPECT_LE(map_nees / points, 1.4);
+  return trusting;
 }
 
-TEST(SensorStart, OfATrustedRigIsAsSureAsItSays) { expect_consistent(of_seed, Method::kEkf); }
+TEST(SensorStart, OfATrustedRigIsAsSureAsItSays) { EXPECT_EQ(expect_consistent(of_seed, Method::kEkf), 0); }
+
+TEST(SensorStart, OfARigThatIsTrustedAfterAllIsAsSureAsItSays) {
+  const auto long_enough = [](std::uint64_t seed) {
+    SceneOptions out = of_seed(seed);
+    out.duration_s = 8.0;
+    return out;
+  };
+  EXPECT_GE(expect_consistent(long_enough, Method::kAdaptive, testing::at_once()), 8);
+}
 
 TEST(SensorStart, OfARigThatIsWrongIsAsSureAsItSaysWhereTheMethodDistrustsIt) {
-  expect_consistent([](std::uint64_t seed) { return testing::wrong_rig(seed); }, Method::kLcekf);
+  const auto wrong = [](std::uint64_t seed) { return testing::wrong_rig(seed); };
+  EXPECT_EQ(expect_consistent(wrong, Method::kLcekf), 0);
 }
 
 /// What a rig at the origin sees that turns about its left camera: no way to know how far a point is.

@@ -42,6 +42,14 @@ inline Started start(const Scene& scene, const NavigatorOptions& options, const 
   return out;
 }
 
+/// Scenes are short: as soon as the scale is known to a twentieth.
+inline StartOptions at_once() {
+  StartOptions how;
+  how.open_scale_sigma = 0.05;
+  how.longest_fine_s = 0.0;
+  return how;
+}
+
 inline SceneOptions of_seed(std::uint64_t seed) {
   SceneOptions options;
   options.seed = seed;

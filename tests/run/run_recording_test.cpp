@@ -73,7 +73,7 @@ TEST(RunRecording, OfASharedStartIsBitByBitThatOfItsOwn) {
     EXPECT_EQ(shared.cleaning.frames, alone.cleaning.frames) << to_string(method);
     EXPECT_EQ(shared.cleaning.leapt_matches, alone.cleaning.leapt_matches) << to_string(method);
   }
-  EXPECT_EQ(starts.size(), 3u) << "of ekf, of those that distrust the rig, of mono-left";
+  EXPECT_EQ(starts.size(), 4u) << "of ekf, of those that distrust the rig, of adaptive, of mono-left";
 }
 
 TEST(RunRecording, DrawsAnotherStartForAnotherSeedOrRun) {

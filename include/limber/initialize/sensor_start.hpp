@@ -119,6 +119,7 @@ struct SensorStartResult {
 /// a navigator that starts from the result goes on with `unused` and the next frame; those before are spent.
 /// Methods that trust the rig (ekf) take its right pixels as they are. All others let theta go free in every
 /// frame, in the directions that are constrained, so that they learn nothing from a rig that they distrust.
+/// `adaptive` does that, too, and then trusts the rig if nothing in the window contradicts it.
 /// With odometry nothing is unknown, and the first frame is the start.
 /// @note docs/derivations/start.md
 class SensorStart {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "limber/state/estimate.hpp"
@@ -19,6 +20,9 @@ struct InitialState {
   std::vector<Landmark> landmarks = {};
   Eigen::MatrixXd landmarks_covariance = {};  ///< 3n×3n
   Eigen::MatrixXd landmarks_body = {};        ///< with the body, 3n×body_size()
+  /// Of `adaptive`, where the above trusts the rig: the same start without that trust. Its parallel filter
+  /// begins there, and it goes back there once the rig is proven wrong. Else none.
+  std::shared_ptr<const InitialState> distrusting = nullptr;
 };
 
 /// An initial state with uncorrelated, isotropic uncertainty.
