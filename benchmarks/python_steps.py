@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """What it costs to go frame by frame in Python: processor time of a run by hand (clean, start from the sensors, add_imu, process,
-estimate) against limber.run, which does all of it in C++; by turns, and the poses of both must be the same, bit by bit.
+estimate) against limber.run, which does all of it in C++, and against the same loop in C++ (--cpp, track logs alone); by turns, and
+the poses of all must be the same, bit by bit.
 
-  PYTHONPATH=build/release/python benchmarks/python_steps.py RECORDING|SCENARIO [--method M] [--turns N]
+  PYTHONPATH=build/release/python benchmarks/python_steps.py RECORDING|SCENARIO [--method M] [--turns N] [--cpp build/release/benchmarks/steps]
 """
 import argparse
 import statistics
+import subprocess
 import time
 from pathlib import Path
 
@@ -40,24 +42,41 @@ def timed(work):
     return time.process_time() - begin, result
 
 
+def in_cpp(program, recording, method):
+    """Its processor time, and where the body is at the end."""
+    seconds, *p = map(float, subprocess.run([program, recording, method], check=True, capture_output=True, text=True).stdout.split())
+    return seconds, p
+
+
+def summary(name, times, of):
+    ratios = [b / a for a, b in zip(of, times)]
+    return f"{name} {statistics.median(times):.2f} s, ratio {statistics.median(ratios):.3f} ({min(ratios):.3f} to {max(ratios):.3f})"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("recording")
     parser.add_argument("--method", default="lcekf")
     parser.add_argument("--turns", type=int, default=7)
+    parser.add_argument("--cpp", help="the program steps, for a track log")
     arguments = parser.parse_args()
     recording = limber.read(arguments.recording) if Path(arguments.recording).is_dir() else limber.simulate(arguments.recording, seed=1)
-    program, hand, ratios = [], [], []
+    program, hand, cpp = [], [], []
     for _ in range(arguments.turns):
-        ours, run = timed(lambda: limber.run(recording, arguments.method))
-        theirs, p = timed(lambda: by_hand(recording, arguments.method))
+        seconds, run = timed(lambda: limber.run(recording, arguments.method))
+        program.append(seconds)
+        seconds, p = timed(lambda: by_hand(recording, arguments.method))
+        hand.append(seconds)
         if not np.array_equal(p, run.p[-len(p):]):
             raise SystemExit("the poses differ")
-        program.append(ours)
-        hand.append(theirs)
-        ratios.append(theirs / ours)
-    print(f"{len(run.p)} frames: limber.run {statistics.median(program):.2f} s, by hand {statistics.median(hand):.2f} s of processor time; "
-          f"ratio {statistics.median(ratios):.3f} ({min(ratios):.3f} to {max(ratios):.3f})")
+        if arguments.cpp:
+            seconds, last = in_cpp(arguments.cpp, arguments.recording, arguments.method)
+            cpp.append(seconds)
+            if last != list(p[-1]):
+                raise SystemExit("the last pose of the loop in C++ differs")
+    print(f"{len(run.p)} frames, processor time: limber.run {statistics.median(program):.2f} s;", summary("by hand in Python", hand, program))
+    if cpp:
+        print(f"the loop in C++ {statistics.median(cpp):.2f} s;", summary("in Python", hand, cpp))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // On a robot nothing is known of the start: an OnlineNavigator takes samples and frames from the first one
-// on.
+// on. A thread that must not wait for the start, some tenths of a second, takes a BackgroundNavigator.
 #include <limber/initialize/online_navigator.hpp>
 #include <limber/simulate/simulator.hpp>
 

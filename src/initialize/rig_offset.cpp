@@ -15,8 +15,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Lenses that are a little wrong look like a rig that is: of sound ones with realistic pixels one in ten is
-/// below. 0.03 deg is far below.
+/// Lenses that are a little wrong look like a rig that is: of sound ones with realistic pixels a quarter is
+/// below. Rigs that are off by 0.05 deg are far below (docs/evidence/start.md).
 constexpr double kLeastChance = 1e-3;
 constexpr double kMostScatter = 1.25;  // of a rig that stays as it is: 1, within 0.1
 

@@ -159,7 +159,7 @@ TEST(EvaluateCommand, AgreesWithARunBesideARealTruthThatIsNotLevel) {
   LIMBER_NEED_DATA(april, "track_logs/euroc_imu_april");
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "run";
-  const auto run = run_limber({"run", april.string(), "--out", out.string()});
+  const auto run = run_limber({"run", april.string(), "--max-points", "40", "--out", out.string()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("the world of the truth is not level, its vertical is 77"));
   const Json summary = Json::parse(testing::read_text(out / "summary.json"));

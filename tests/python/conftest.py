@@ -1,13 +1,23 @@
 # SPDX-License-Identifier: MIT
+import re
+
 import pytest
 
 import limber
 
 
-def short(name, duration=5.0, seed=1, **options):
-    scenario = limber.Scenario.parse(limber.Scenario(limber._SCENARIOS / f"{name}.yaml").text)
+def short_scenario(name, duration):
+    """One of limber's, cut short, with half of its points: what a run costs goes with their square."""
+    text = limber.Scenario(limber._SCENARIOS / f"{name}.yaml").text
+    points = re.compile(r"(?m)^(  points: )(\d+)$")
+    assert points.search(text)
+    scenario = limber.Scenario.parse(points.sub(lambda found: f"{found[1]}{int(found[2]) // 2}", text))
     scenario.duration = duration
-    return limber.simulate(scenario, seed, **options)
+    return scenario
+
+
+def short(name, duration=5.0, seed=1, **options):
+    return limber.simulate(short_scenario(name, duration), seed, **options)
 
 
 @pytest.fixture(scope="session")

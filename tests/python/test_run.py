@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import limber
-from conftest import short
+from conftest import short, short_scenario
 
 PROGRAM = os.environ["LIMBER_PROGRAM"]
 
@@ -31,9 +31,7 @@ def test_a_run_is_that_of_the_program_bit_by_bit(recording, tmp_path, method):
 
 
 def test_a_simulation_is_that_of_the_program(recording, tmp_path):
-    scenario = limber.Scenario.parse(limber.Scenario(limber._SCENARIOS / "drone_constant.yaml").text)
-    scenario.duration = 5.0
-    (tmp_path / "short.yaml").write_text(scenario.text)
+    (tmp_path / "short.yaml").write_text(short_scenario("drone_constant", 5.0).text)
     subprocess.run([PROGRAM, "simulate", tmp_path / "short.yaml", "--seed", "1", "--out", tmp_path / "log"], check=True,
                    capture_output=True)
     assert np.array_equal(limber.read(tmp_path / "log").imu, recording.imu)
@@ -182,8 +180,7 @@ def test_smoothing_may_be_causal():
 
 
 def test_a_study_is_a_table(tmp_path):
-    scenario = limber.Scenario.parse(limber.Scenario(limber._SCENARIOS / "drone_constant.yaml").text)
-    scenario.duration = 3.0  # a start may take half of it, and 1 s tells a drone too little
+    scenario = short_scenario("drone_constant", 3.0)  # a start may take half of it, and 1 s tells a drone too little
     study = limber.study(scenario, "ekf,lcekf", runs=2, database=tmp_path / "study.sqlite")
     rows = study.table()
     assert [row["method"] for row in rows] == ["ekf", "lcekf"] and all(row["runs"] == 2 for row in rows)

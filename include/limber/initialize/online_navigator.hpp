@@ -50,7 +50,7 @@ class OnlineNavigator {
   void add_odometry(const OdometrySample& sample);
 
   /// @brief One frame, to the start or to the filter. A call in which the start solves its window takes as
-  /// long as many others.
+  /// long as many others; BackgroundNavigator is for those who must not wait.
   /// @throws std::invalid_argument as StereoFilter::process
   OnlineReport process(const StereoFrame& frame);
 
