@@ -16,7 +16,7 @@ def short_scenario(name, duration):
     return scenario
 
 
-def short(name, duration=5.0, seed=1, **options):
+def short(name, duration=6.0, seed=1, **options):
     return limber.simulate(short_scenario(name, duration), seed, **options)
 
 

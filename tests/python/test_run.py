@@ -31,7 +31,7 @@ def test_a_run_is_that_of_the_program_bit_by_bit(recording, tmp_path, method):
 
 
 def test_a_simulation_is_that_of_the_program(recording, tmp_path):
-    (tmp_path / "short.yaml").write_text(short_scenario("drone_constant", 5.0).text)
+    (tmp_path / "short.yaml").write_text(short_scenario("drone_constant", 6.0).text)
     subprocess.run([PROGRAM, "simulate", tmp_path / "short.yaml", "--seed", "1", "--out", tmp_path / "log"], check=True,
                    capture_output=True)
     assert np.array_equal(limber.read(tmp_path / "log").imu, recording.imu)
