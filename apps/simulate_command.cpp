@@ -28,11 +28,6 @@
 namespace limber::app {
 namespace {
 
-constexpr const char* kExamples =
-    "\nA track log has matched points in the place of images.\n"
-    "Example:\n  limber simulate scenarios/paper_ii.yaml --seed 1 --out data/paper_ii\n"
-    "  limber simulate scenarios/drone_none.yaml --images --scene hall --image-noise 2 --out data/hall";
-
 struct SimulateArguments {
   std::filesystem::path scenario, out;
   std::uint64_t seed = 0, run = 0;
@@ -184,7 +179,9 @@ void add_simulate_command(CLI::App& app) {
 #ifdef LIMBER_WITH_FRONTEND
   add_picture_options(*command, *arguments);
 #endif
-  command->footer(kExamples);
+  command->footer(
+      "\nA track log has matched points in the place of images.\n"
+      "Example:\n  limber simulate scenarios/paper_ii.yaml --seed 1 --out data/paper_ii");
   command->callback([arguments] { simulate(*arguments); });
 }
 
