@@ -64,8 +64,18 @@ bool moves_the_centre(const std::vector<DecalibrationSignal>& signals) {
   });
 }
 
+bool turns(const std::vector<DecalibrationSignal>& signals) {
+  return std::any_of(signals.begin(), signals.end(), [](const DecalibrationSignal& signal) {
+    return !signal.amplitude.head<3>().isZero(0.0);
+  });
+}
+
 void bend_pictures(const DecalibrateArguments& arguments, const Recording& recording,
                    const std::vector<DecalibrationSignal>& signals) {
+  if (!turns(signals)) {
+    throw DataError(arguments.as, 0,
+                    "an ax, ay or az that is not zero, since images can be turned, not moved", "none");
+  }
   if (moves_the_centre(signals)) {
     print_warning("images can be turned, not moved: tx, ty, tz of the profile are left out");
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// limber simulate: a scenario becomes a track log.
+// limber simulate: a scenario becomes a track log, or images.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -11,6 +11,7 @@
 #include "limber/datasets/track_log.hpp"
 #include "limber/io/atomic_file.hpp"
 #include "limber/simulate/scenario_file.hpp"
+#include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
@@ -43,6 +44,9 @@ struct SimulateArguments {
 void render(const SimulateArguments& arguments, const Scenario& scenario) {
   require_place_for_recording(arguments.out, arguments.force);
   const ClaimedFolder claimed(arguments.out);
+  if (!are_white(scenario.pixels)) {
+    print_note("errors of pixels are for matched points; those of images come from images and tracking");
+  }
   PictureOptions options = arguments.pictures;
   options.scene = scene_from_string(arguments.scene);
   const FolderUnlessEmpty parent(std::filesystem::absolute(arguments.out).lexically_normal().parent_path());
@@ -156,11 +160,12 @@ void simulate(const SimulateArguments& arguments) {
 
 void add_simulate_command(CLI::App& app) {
   auto arguments = std::make_shared<SimulateArguments>();
-  CLI::App* command = app.add_subcommand("simulate", "Make a recording (track log) from a scenario");
+  CLI::App* command =
+      app.add_subcommand("simulate", "Make a recording, of matched points or images, from a scenario");
   command->add_option("SCENARIO", arguments->scenario, "Scenario file (YAML), see scenarios/README.md")
       ->required()
       ->check(not_empty());
-  command->add_option("--out", arguments->out, "Folder for the track log")->check(not_empty());
+  command->add_option("--out", arguments->out, "Folder for the recording")->check(not_empty());
   command->add_option("--seed", arguments->seed, "Of everything random")
       ->check(whole_number())
       ->capture_default_str();
@@ -174,7 +179,9 @@ void add_simulate_command(CLI::App& app) {
 #ifdef LIMBER_WITH_FRONTEND
   add_picture_options(*command, *arguments);
 #endif
-  command->footer("\nExample:\n  limber simulate scenarios/paper_ii.yaml --seed 1 --out data/paper_ii");
+  command->footer(
+      "\nA track log has matched points in the place of images.\n"
+      "Example:\n  limber simulate scenarios/paper_ii.yaml --seed 1 --out data/paper_ii");
   command->callback([arguments] { simulate(*arguments); });
 }
 

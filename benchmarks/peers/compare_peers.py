@@ -75,7 +75,15 @@ def run_limber(arguments, recording, folder, method, start, _):
     settings = " ".join(options) + digest(arguments.limber)
     code, cpu_s, peak_mb = measured([arguments.limber, "run", recording, *options, "--out", folder / "run"], folder / "log.txt")
     poses = limber_poses(folder / "run", recordings.stereo_stamps(recording)[0])
-    return {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": hashed(settings)}, poses
+    result = {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": hashed(settings)}
+    return result | {"split": limber_split(folder / "run")}, poses
+
+
+def limber_split(folder):
+    """As openvins.split: tracking and filter of a frame, p50 and p99 on the clock; None of a run that has not ended."""
+    summary = folder / "summary.json"
+    times = json.loads(summary.read_text())["ms_per_frame"] if summary.exists() else {}
+    return {"track_ms": times["track"], "filter_ms": times} if "track" in times else None
 
 
 def reported(log):
@@ -90,8 +98,9 @@ def run_openvins(arguments, recording, folder, system, start, _):
     trajectory = folder / "trajectory.csv"
     code, cpu_s, peak_mb = measured([arguments.runner, "run", config, recording, trajectory, *([state] if state else [])],
                                     folder / "log.txt")
-    settings = "".join(file.read_text() for file in sorted(folder.glob("*.yaml"))) + digest(arguments.runner)
-    result = {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": hashed(settings), "changed": changed}
+    settings = "".join(file.read_text() for file in sorted(folder.glob("*.yaml"))).replace(str(folder), "")
+    result = {"exit": code, "cpu_s": cpu_s, "peak_mb": peak_mb, "settings": hashed(settings + digest(arguments.runner)),
+              "changed": changed, "split": openvins.split(folder)}
     if code == 0:
         result.update(reported(folder / "log.txt"))
     return result, poses_from(trajectory)

@@ -39,7 +39,7 @@ def places(profiles):
     constant = sorted((degrees(p), p) for p in profiles if degrees(p) is not None)
     moving = [p for p in profiles if degrees(p) is None]
     span = constant[-1][0] - constant[0][0] if constant else 0.0
-    step = max(0.8, 0.18 * span)
+    step = max(0.8, 0.24 * span)
     beyond = (constant[-1][0] if constant else 0.0) + max(1.0, step)
     return ([(p, x, f"{x:g}") for x, p in constant]
             + [(p, beyond + step * i, label(p)) for i, p in enumerate(moving)])

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Files that OpenVINS reads, made from one of its own folders of settings and from a recording."""
+import math
 import re
+import statistics
 
 import euroc
 
@@ -81,12 +83,34 @@ def start(recording, gravity):
     return [1e-9 * t_ns, q[1], q[2], q[3], q[0], *p, *v, *gyro, *accelerometer]
 
 
+# What OpenVINS writes of a frame [s]: stamp, tracking, the steps of its filter, marginalisation with the triangulation of all
+# tracks for its display, all of it.
+TIMES = "times.txt"
+
+
+def split(folder):
+    """{"track_ms", "filter_ms"}: p50 and p99 over the frames that it updated with, on the clock, without what serves its display;
+    None where there are none."""
+    path = folder / TIMES
+    frames = [list(map(float, row)) for row in euroc.rows(path, 4)] if path.exists() else []
+    if not frames:
+        return None
+    return {"track_ms": quantiles([1e3 * row[1] for row in frames]),
+            "filter_ms": quantiles([1e3 * (row[-1] - row[1] - row[-2]) for row in frames])}
+
+
+def quantiles(values):
+    """p50, and the p99 that is one of the values."""
+    return {"p50": statistics.median(values), "p99": sorted(values)[math.ceil(0.99 * len(values)) - 1]}
+
+
 def write_settings(settings, recording, folder, calibrate, start_from, points):
     """Writes what a run needs into a folder, from a folder of OpenVINS' settings; returns (estimator config, start file
     or None, changes)."""
     folder.mkdir(parents=True, exist_ok=True)
     text = (settings / "estimator_config.yaml").read_text()
     changed = changes(text, calibrate, start_from, points)
+    changed.update({"record_timing_information": "true", "record_timing_filepath": f'"{folder / TIMES}"'})
     config = folder / "estimator_config.yaml"
     config.write_text(with_settings(text, changed))
     (folder / "kalibr_imucam_chain.yaml").write_text(camchain([euroc.camera(recording, f"cam{i}") for i in range(2)]))

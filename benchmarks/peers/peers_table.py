@@ -73,11 +73,24 @@ def cost_table(results, rows):
     return "\n".join(lines)
 
 
+def split_table(results, rows):
+    """Tracking and filter within one run, on the clock: of each the median over all profiles."""
+    lines = ["| system, start | tracking, p50 [ms] | p99 | filter, p50 [ms] | p99 |", "| --- | --- | --- | --- | --- |"]
+    for row in rows:
+        splits = [r["split"] for r in results if (r["system"], r["start"]) == row and r.get("split")]
+        if splits:
+            cells = [f"{statistics.median(s[stage][q] for s in splits):.1f}"
+                     for stage in ("track_ms", "filter_ms") for q in ("p50", "p99")]
+            lines.append(f"| {row[0]}, {row[1]} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
 def tables_of(results):
-    """All three, rows and profiles in the order of the results."""
+    """All four, rows and profiles in the order of the results."""
     profiles = list(dict.fromkeys(r["bend"] for r in results))
     rows = list(dict.fromkeys((r["system"], r["start"]) for r in results))
-    return "\n\n".join([accuracy_table(results, profiles, rows), repetition_table(results, rows), cost_table(results, rows)])
+    return "\n\n".join([accuracy_table(results, profiles, rows), repetition_table(results, rows), cost_table(results, rows),
+                        split_table(results, rows)])
 
 
 def tables(results):

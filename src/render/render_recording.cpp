@@ -15,6 +15,7 @@
 #include "limber/images/picture.hpp"
 #include "limber/io/atomic_file.hpp"
 #include "render/truth_files.hpp"
+#include "simulate/faults.hpp"
 
 namespace limber {
 namespace {
@@ -88,6 +89,31 @@ std::vector<FramePictures> draw_faults(std::size_t frames, const PictureOptions&
   return drawn;
 }
 
+/// The exposure that a frame shows: its own, but where faults repeat frames or delay the right camera.
+struct Exposure {
+  std::array<std::int64_t, 2> t_ns = {};  ///< of the left camera, of the right one
+  std::size_t number = 0;                 ///< of the frame that it was taken for; its noise goes with it
+};
+
+/// Of each frame of the recording.
+std::vector<Exposure> exposures_of(const Scenario& scenario, std::uint64_t seed, std::uint64_t run) {
+  Scenario sound = scenario;
+  sound.faults.clear();
+  std::vector<StereoFrame> frames = simulate(sound, seed, run).frames;
+  for (StereoFrame& frame : frames) {
+    frame.observations = {{.track_id = frame.t_ns}};  // goes where the frame's pixels would
+  }
+  detail::spoil_frames(scenario.faults, frames);
+  std::vector<Exposure> out;
+  for (const StereoFrame& frame : frames) {
+    const std::int64_t t_ns = frame.observations.front().track_id;
+    const bool repeated = !out.empty() && out.back().t_ns[0] == t_ns;
+    out.push_back({{t_ns, t_ns - detail::right_delay(scenario.faults, t_ns)},
+                   repeated ? out.back().number : out.size()});
+  }
+  return out;
+}
+
 /// Writes pictures of both cameras at once.
 class PictureWriter {
  public:
@@ -95,9 +121,9 @@ class PictureWriter {
     for (const char* camera : kNames) fs::create_directories(mav0 / camera / "data");
   }
 
-  void write(std::int64_t t_ns, std::size_t n, const FramePictures& pictures) {
-    auto right = std::async(std::launch::async, [&] { write(1, t_ns, n, pictures); });
-    write(0, t_ns, n, pictures);
+  void write(std::int64_t t_ns, const Exposure& exposure, const FramePictures& pictures) {
+    auto right = std::async(std::launch::async, [&] { write(1, t_ns, exposure, pictures); });
+    write(0, t_ns, exposure, pictures);
     right.get();
   }
 
@@ -110,11 +136,12 @@ class PictureWriter {
  private:
   static constexpr std::array<const char*, 2> kNames = {"cam0", "cam1"};
 
-  void write(std::size_t camera, std::int64_t t_ns, std::size_t n, const FramePictures& pictures) {
+  void write(std::size_t camera, std::int64_t t_ns, const Exposure& exposure, const FramePictures& pictures) {
     if (!pictures.has[camera]) return;
     const std::size_t shown = pictures.swapped ? 1 - camera : camera;
     const std::string name = fmt::format("{:019}.png", t_ns);
-    write_png(mav0_ / kNames[camera] / "data" / name, studio_.lens(shown), studio_.picture(shown, t_ns, n));
+    write_png(mav0_ / kNames[camera] / "data" / name, studio_.lens(shown),
+              studio_.picture(shown, exposure.t_ns[shown], exposure.number));
     lists_[camera] += fmt::format("{},{}\n", t_ns, name);
   }
 
@@ -140,13 +167,14 @@ std::size_t render_recording(const Scenario& scenario, std::uint64_t seed, std::
   detail::write_scene(studio.scene(), times_of(recording.truth.motion.states), mav0 / "scene0");
   const std::vector<std::int64_t> times = times_of(recording.frames);
   const std::vector<FramePictures> pictures = draw_faults(times.size(), options, seed, run);
+  const std::vector<Exposure> exposures = exposures_of(scenario, seed, run);
   if (options.dropped > 0.0 || options.swapped > 0.0) {
     detail::write_faulty_frames(times, pictures, mav0 / "scene0" / "faulty_frames.csv");
   }
   PictureWriter writer(studio, mav0);
   for (std::size_t n = 0; n < times.size(); ++n) {
     if (stop && stop()) throw std::runtime_error("stopped: nothing is written");
-    writer.write(times[n], n, pictures[n]);
+    writer.write(times[n], exposures[n], pictures[n]);
     if (progress) progress(n + 1);
   }
   writer.write_lists();

@@ -95,6 +95,11 @@ TEST_F(DecalibrateCommand, BendsWhatSimulateHasRendered) {
   ASSERT_EQ(run_limber({"decalibrate", pictures.string(), "--as", "az=1", "--out", out().string()}).exit_code,
             0);
   EXPECT_NEAR(read_recording(out()).truth.rig.front().theta[2], 0.017453292519943295, 1e-9);
+  const auto moved =
+      run_limber({"decalibrate", pictures.string(), "--as", "tx=5%", "--out", (folder() / "moved").string()});
+  EXPECT_EQ(moved.exit_code, 1);
+  EXPECT_THAT(moved.err, HasSubstr("images can be turned, not moved"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "moved"));
   EXPECT_EQ(
       run_limber({"simulate", scenario.string(), "--scene", "hall", "--out", pictures.string()}).exit_code,
       2);

@@ -42,6 +42,12 @@ TEST_F(SimulateImages, TellsTheReadoutTimeIfAsked) {
   EXPECT_EQ(render({"--images", "--tell-readout"}).exit_code, 2) << "without --rolling-shutter";
 }
 
+TEST_F(SimulateImages, SaysThatErrorsOfPixelsAreNotForThem) {
+  const auto result = render({"--images", "--pixels", "realistic"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("errors of pixels are for matched points"));
+}
+
 TEST_F(SimulateImages, RefusesWhatMakesNoSense) {
   EXPECT_EQ(render({"--rolling-shutter", "0.02"}).exit_code, 2) << "without --images";
   EXPECT_THAT(render({"--images", "--dropped", "2"}).err, HasSubstr("expected a number from 0 to 1"));

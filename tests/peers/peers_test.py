@@ -195,7 +195,9 @@ class Results(unittest.TestCase):
             "| --- | --- | --- | --- |", "", "| system, start | CPU of the process [s] | a frame, with decoding [ms] | without [ms] "
             "| peak memory [MB] |", "| --- | --- | --- | --- | --- |", "| openvins, own | 0.30 | 30.0 | 7.2 | 100 |",
             "| ekf, own | 0.30 | 30.0 | ≤ 25.0 | 100 |", ""])
-        self.assertEqual(text.splitlines()[15:18], ["drive", "", "| system, start | nothing |"])
+        self.assertEqual(text.splitlines()[15:21], [
+            "| system, start | tracking, p50 [ms] | p99 | filter, p50 [ms] | p99 |", "| --- | --- | --- | --- | --- |", "",
+            "drive", "", "| system, start | nothing |"])
 
     def test_repetitions_are_compared_within_a_profile(self):
         def one(bend, system, trajectory, ate):
@@ -204,6 +206,30 @@ class Results(unittest.TestCase):
                 one("", "libviso2", "c", 0.1), one("", "libviso2", "d", 0.25), one("", "libviso2", "e", None), one("", "lcekf", "f", 1)]
         text = peers_table.repetition_table(runs, [("ekf", "own"), ("libviso2", "own"), ("lcekf", "own")])
         self.assertEqual(text.splitlines()[2:], ["| ekf, own | 2 | 2 of 2 | 1 |", "| libviso2, own | 3 | 0 of 1 | 2.5 |"])
+
+    def test_openvins_time_is_split_into_tracking_and_filter_without_its_display(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            self.assertIsNone(openvins.split(folder))
+            write(folder, openvins.TIMES, "# stamp,tracking,...,total\n1,0.006,0.001,0.002,0.009\n2,0.005,0,0.001,0.006\n3,0.007,0,0.003,0.020\n")
+            split = openvins.split(folder)
+        self.assertEqual({stage: {q: round(ms, 9) for q, ms in found.items()} for stage, found in split.items()},
+                         {"track_ms": {"p50": 6.0, "p99": 7.0}, "filter_ms": {"p50": 1.0, "p99": 10.0}})
+
+    def test_limber_time_is_split_alike_and_a_run_that_did_not_end_has_none(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = pathlib.Path(folder)
+            self.assertIsNone(compare_peers.limber_split(folder))
+            write(folder, "summary.json", '{"ms_per_frame": {"p50": 2, "p99": 4, "track": {"p50": 5, "p99": 8}}}')
+            split = compare_peers.limber_split(folder)
+        self.assertEqual((split["track_ms"]["p99"], split["filter_ms"]["p50"]), (8, 2))
+
+    def test_the_split_is_a_median_over_the_runs_that_have_one(self):
+        def one(track, update):
+            split = {"track_ms": {"p50": track, "p99": 2 * track}, "filter_ms": {"p50": update, "p99": 3 * update}}
+            return {"system": "ekf", "start": "truth", "split": split}
+        runs = [one(5, 1), one(6, 2), one(9, 3), {"system": "ekf", "start": "truth", "split": None}, {"system": "libviso2", "start": "none"}]
+        self.assertEqual(peers_table.split_table(runs, [("libviso2", "none"), ("ekf", "truth")]).splitlines()[2:], ["| ekf, truth | 6.0 | 12.0 | 2.0 | 6.0 |"])
 
     def test_frames_of_a_track_log_are_counted_once(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "limber/render/render_recording.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -98,6 +100,25 @@ TEST(MovingBoxes, AreTrackedWhereTheyGoAndTheWorldBesideThem) {
   EXPECT_LT(rms(right), 0.15);
   std::sort(on_boxes.begin(), on_boxes.end());
   EXPECT_LT(on_boxes[on_boxes.size() / 2], 0.15);  // some slide along the edges of boxes
+}
+
+TEST(RenderedFaults, RepeatFramesAndDelayTheRightCamera) {
+  const testing::TemporaryFolder sound, faulty;
+  Scenario scenario = small_drone(0.3);
+  ASSERT_EQ(render_recording(scenario, 5, 0, {}, sound.path()), 7u);
+  scenario.faults = {FramesRepeated{.at = 0.1, .duration = 0.1},
+                     RightLate{.at = 0.2, .duration = 0.1, .delay = 0.05}};
+  ASSERT_EQ(render_recording(scenario, 5, 0, {}, faulty.path()), 7u);
+  const auto image = [](const testing::TemporaryFolder& folder, const char* camera, int k) {
+    return testing::read_text(folder.path() / "mav0" / camera / "data" /
+                              fmt::format("{:019}.png", 50'000'000L * k));
+  };
+  const std::array<int, 7> left = {0, 1, 1, 1, 4, 5, 6}, right = {0, 1, 1, 1, 3, 4, 6};
+  for (int k = 0; k < 7; ++k) {
+    EXPECT_EQ(image(faulty, "cam0", k), image(sound, "cam0", left[k])) << k;
+    EXPECT_EQ(image(faulty, "cam1", k), image(sound, "cam1", right[k])) << k;
+  }
+  EXPECT_NE(image(sound, "cam0", 3), image(sound, "cam0", 4));
 }
 
 class PictureLens : public ::testing::TestWithParam<Distortion> {};

@@ -9,7 +9,8 @@
 namespace limber {
 
 /// @brief Writes what `simulate` makes as an EuRoC folder with images in place of matched points. The rig
-/// bends between the images; where they are blurred or their shutter rolls, during the exposure too.
+/// bends between the images; where they are blurred or their shutter rolls, during the exposure too. Faults
+/// of frames are those of the images; errors of pixels beyond the images' own noise are not for them.
 /// @param folder    is filled with mav0; should be a StagedFolder
 /// @param progress  told the number of pairs done; may be empty
 /// @param stop      asked before every pair: true ends the work by std::runtime_error; may be empty
