@@ -77,7 +77,7 @@ std::string note_on(const TrustedRigOff& off, const RunOptions& options, const H
       "they are "
       "too small. --method lcekf and adaptive do not rely on it",
       to_string(options.method), rig.seconds(off.from_ns), rig.seconds(off.to_ns), off.in_words,
-      is_wrong(rig.verdict) ? "" : ", within what the verdict tolerates");
+      rig.verdict == HealthVerdict::kOk ? ", within the tolerance" : "");
 }
 
 }  // namespace

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "limber/datasets/read_recording.hpp"
 #include "limber/diagnose/calibration_mistakes.hpp"
 #include "limber/diagnose/depth_effect.hpp"
 #include "limber/simulate/scenario_file.hpp"
+#include "real_data.hpp"
 #include "run/short_recording.hpp"
 #include "source_folder.hpp"
 
@@ -111,6 +113,22 @@ TEST(CalibrationMistakes, TakeARigThatHasTurnedForNoWrongBaseline) {
   }
   for (const double degrees : {-0.3, 0.0, 0.3}) {
     EXPECT_TRUE(placement_mistake(wrong, street(rig, degrees * kDegree))) << degrees;
+  }
+}
+
+/// Cars' rigs off by degrees were called a baseline of the wrong sign, or a wrong lens.
+TEST(CalibrationMistakes, AreNoneInRealRigsThatHaveTurnedByDegrees) {
+  LIMBER_NEED_DATA(folder, "track_logs");
+  for (const char* const name : {"kitti_09_26_drive_0036", "kitti_09_30_drive_0020"}) {
+    const Recording drive = read_recording(folder / name);
+    for (const double degrees : {-5.0, -3.0, -1.0, 2.0, 4.0}) {
+      for (const Eigen::Index axis : {0, 1, 2}) {
+        StereoCalibration off = drive.calibration;
+        off.theta(axis) += degrees * kDegree;
+        EXPECT_THAT(calibration_mistakes(off, drive.frames), IsEmpty())
+            << name << ' ' << axis << ' ' << degrees;
+      }
+    }
   }
 }
 

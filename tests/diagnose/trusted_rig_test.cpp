@@ -84,7 +84,7 @@ HealthSummary rig_of(const CalibrationState& present) {
   return out;
 }
 
-/// Student's t with 24 degrees exceeds 4.47 with 0.001 / 6.
+/// Student's t with 24 degrees exceeds 4.46 with 0.001 / 6.
 TEST(TrustedRigOff, IsBeyondWhatOneInAThousandExactRigsShows) {
   EXPECT_FALSE(trusted_rig_off(rig_of(stretch(4.4)), of_ekf()));
   const auto off = trusted_rig_off(rig_of(stretch(4.55)), of_ekf());
@@ -143,7 +143,7 @@ TEST(TrustedRig, IsSaidOfEkfWhereTheRigIsGoodEnoughAndNotExact) {
   const TrustingRun of_ekf = run_trusting(off, Method::kEkf);
   EXPECT_THAT(of_ekf.notes,
               Contains(::testing::AllOf(kSaysSo, HasSubstr("at the end by az -0.0"), HasSubstr(" deg"),
-                                        HasSubstr("within what the verdict tolerates"))));
+                                        HasSubstr(", within the tolerance: they are"))));
   EXPECT_THAT(of_ekf.events, Contains(Field(&RunEvent::what, "trusted rig off")));
   EXPECT_THAT(run_trusting(off, Method::kEkf, true).notes, Not(Contains(kSaysSo)));
   EXPECT_THAT(run_trusting(off, Method::kLcekf).events, IsEmpty());
