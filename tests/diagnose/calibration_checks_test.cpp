@@ -121,7 +121,7 @@ TEST(CalibrationMistakes, AreNoneInRealRigsThatHaveTurnedByDegrees) {
   LIMBER_NEED_DATA(folder, "track_logs");
   for (const char* const name : {"kitti_09_26_drive_0036", "kitti_09_30_drive_0020"}) {
     const Recording drive = read_recording(folder / name);
-    for (const double degrees : {-5.0, -3.0, -1.0, 2.0, 4.0}) {
+    for (const double degrees : {-5.0, -3.0, 2.0}) {
       for (const Eigen::Index axis : {0, 1, 2}) {
         StereoCalibration off = drive.calibration;
         off.theta(axis) += degrees * kDegree;
