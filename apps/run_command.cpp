@@ -18,6 +18,7 @@
 #include "interrupt.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/diagnose/misled_since.hpp"
+#include "limber/diagnose/trusted_rig.hpp"
 #include "live_view.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
@@ -147,6 +148,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
   RunSummary summary = summarize(recording, options, record);
   add_misled(options, record, summary);
   add_readout(readout.estimate(), recording.calibration, record, summary);
+  add_trusted_rig(options, record, summary);
   write_run(arguments.out, arguments.force, options, record, summary);
   if (arguments.notes != nullptr) {
     *arguments.notes = record.notes;

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 SCENARIOS = Path(__file__).resolve().parent.parent / "scenarios"
-WORDS = ("contradict", "the run is lost", "its sigma", "px of pixel noise", "broken down")
+WORDS = ("contradict", "the run is lost", "its sigma", "px of pixel noise", "broken down", "take the rig for exact")
 LASTING = "per_track: 0.3, correlated: 0.15, field: 0.2"
 
 

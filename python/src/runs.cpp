@@ -14,6 +14,7 @@
 #include "health_since.hpp"
 #include "limber/diagnose/misled_since.hpp"
 #include "limber/diagnose/run_summary.hpp"
+#include "limber/diagnose/trusted_rig.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/run_files/run_output.hpp"
@@ -125,6 +126,7 @@ Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, 
   app::add_damaged(images, record);
   RunSummary summary = summarize(*recording, options, record);
   add_misled(options, record, summary);
+  add_trusted_rig(options, record, summary);
   return {recording, options, std::move(record), std::move(summary)};
 }
 

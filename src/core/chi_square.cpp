@@ -131,4 +131,10 @@ double chi_square_quantile(double probability, double dof) {
   return x;
 }
 
+double student_survival(double t, double dof) {
+  const double z2 = dof * std::log1p(t * t / dof);
+  const double factor = (8.0 * dof + 1.0) / (8.0 * dof + 3.0);
+  return chi_square_survival(factor * factor * z2, 1.0);
+}
+
 }  // namespace limber

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "diagnose/run_events.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
 #include "limber/diagnose/bias_move.hpp"
@@ -106,17 +107,8 @@ std::optional<std::size_t> begin_of_growth(std::span<const Block> blocks, std::s
   return std::nullopt;
 }
 
-/// Counts the frames of an event and puts it in its place.
-void add_event(RunEvent event, const RunRecord& record, InputSummary& inputs) {
-  event.frames = static_cast<std::size_t>(std::ranges::count_if(record.frames, [&](const FrameReport& frame) {
-    return event.from_ns <= frame.t_ns && frame.t_ns <= event.to_ns;
-  }));
-  inputs.events.push_back(std::move(event));
-  std::ranges::stable_sort(inputs.events, {}, &RunEvent::from_ns);
-}
-
 void call_lost(const RunEvent& event, const std::string& why, RunRecord& record, InputSummary& inputs) {
-  add_event(event, record, inputs);
+  detail::add_event(event, record, inputs);
   inputs.lost_since_ns = event.from_ns;
   record.notes.push_back(
       fmt::format("the run is lost since {:.3f} s: {}", 1e-9 * static_cast<double>(event.from_ns), why));
@@ -139,7 +131,7 @@ void judge_move(const BiasMove& move, RunRecord& record, RunSummary& summary) {
               what + ": an input failed (a bias or a clock that stepped), and no sigma since then is true",
               record, summary.inputs);
   } else {
-    add_event(event, record, summary.inputs);
+    detail::add_event(event, record, summary.inputs);
     record.notes.push_back(what + ": the sigmas of this run are too small");
   }
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string_view>
@@ -36,71 +37,108 @@ std::vector<FramePair> some_pairs(std::span<const StereoFrame> frames) {
   return out;
 }
 
-/// Median over the pairs of what the left camera's motion leaves [px]; infinity where too few have a motion.
-double left_over_px(const StereoCalibration& calibration, const std::vector<FramePair>& pairs) {
-  std::vector<double> left;
+/// What the left camera's motion leaves, pair by pair [px]; nothing where no motion was found. Of two rigs
+/// that tell depths to begin with the better one: that of the calibration, and that of its epipolar lines.
+std::vector<std::optional<double>> left_over_px(StereoCalibration calibration, const RigParameters& turned,
+                                                const std::vector<FramePair>& pairs) {
+  const std::array rigs = {calibration.theta, turned};
+  std::vector<std::optional<double>> out;
   for (const auto& [from, to] : pairs) {
-    if (const auto motion = left_motion(calibration, *from, *to)) {
-      left.push_back(motion->left_px);
+    std::optional<double>& least = out.emplace_back();
+    for (const RigParameters& theta : rigs) {
+      calibration.theta = theta;
+      const auto motion = left_motion(calibration, *from, *to);
+      if (motion && (!least || motion->left_px < *least)) {
+        least = motion->left_px;
+      }
     }
   }
-  return left.size() < kFewestPairs ? std::numeric_limits<double>::infinity() : upper_median(std::move(left));
+  return out;
 }
 
-StereoCalibration with_lens(StereoCalibration calibration, const Distortion& distortion) {
-  calibration.cam0.distortion = calibration.cam1.distortion = distortion;
-  return calibration;
+/// What two lenses leave, as medians [px].
+struct Comparison {
+  double given = 0.0, other = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] bool tells() const { return given >= kLeast_px && kRatio * other < given; }
+  [[nodiscard]] std::string in_words(std::string_view as_given, std::string_view as_other) const {
+    return fmt::format("are off by {:.2f} px {}, {} by {:.2f} px ({} s apart)", given, as_given, as_other,
+                       other, kApart);
+  }
+};
+
+/// Over the pairs in which both lenses have a motion: where the solution of one fails, as it does from depths
+/// of a rig that has moved, that is no fault of the lens. Nothing where there are too few.
+std::optional<Comparison> compared(const std::vector<std::optional<double>>& given,
+                                   const std::vector<std::optional<double>>& other) {
+  std::vector<double> of_given, of_other;
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    if (given[k] && other[k]) {
+      of_given.push_back(*given[k]);
+      of_other.push_back(*other[k]);
+    }
+  }
+  if (of_given.size() < kFewestPairs) {
+    return std::nullopt;
+  }
+  return Comparison{upper_median(std::move(of_given)), upper_median(std::move(of_other))};
 }
+
+/// A calibration that is tried with other lenses.
+struct LensTest {
+  const StereoCalibration& calibration;
+  const RigParameters& turned;
+  std::vector<FramePair> pairs;
+  std::vector<std::optional<double>> given;
+
+  [[nodiscard]] std::optional<Comparison> with(const Distortion& distortion) const {
+    StereoCalibration other = calibration;
+    other.cam0.distortion = other.cam1.distortion = distortion;
+    return compared(given, left_over_px(other, turned, pairs));
+  }
+};
 
 struct RadialLens {
-  double k1 = 0.0, left_px = std::numeric_limits<double>::infinity();
+  double k1 = 0.0;
+  Comparison comparison{};
 };
 
 /// The k1 that leaves least, among those around `middle`.
-RadialLens best_lens(const StereoCalibration& calibration, const std::vector<FramePair>& pairs, double middle,
-                     double reach, double step) {
+RadialLens best_lens(const LensTest& test, double middle, double reach, double step) {
   RadialLens best;
   const int steps = static_cast<int>(std::lround(reach / step));
   for (int k = -steps; k <= steps; ++k) {
     const double k1 = middle + k * step;
-    const double left = left_over_px(with_lens(calibration, RadialTangential{k1, 0.0, 0.0, 0.0}), pairs);
-    if (left < best.left_px) {
-      best = {k1, left};
+    const auto comparison = test.with(RadialTangential{k1, 0.0, 0.0, 0.0});
+    if (comparison && comparison->other < best.comparison.other) {
+      best = {k1, *comparison};
     }
   }
   return best;
 }
 
-std::string compared(double given, std::string_view as_given, double other, std::string_view as_other) {
-  const std::string wrong = std::isfinite(given) ? fmt::format("are off by {:.2f} px {}", given, as_given)
-                                                 : fmt::format("fit no motion {}", as_given);
-  return fmt::format("{}, {} by {:.2f} px ({} s apart)", wrong, as_other, other, kApart);
-}
-
 }  // namespace
 
 std::optional<std::string> rectification_mistake(const StereoCalibration& calibration,
+                                                 const RigParameters& turned,
                                                  std::span<const StereoFrame> frames) {
   const std::vector<FramePair> pairs = some_pairs(frames);
-  const double given = left_over_px(calibration, pairs);
-  if (given < kLeast_px) {
-    return std::nullopt;
-  }
+  const LensTest test{calibration, turned, pairs, left_over_px(calibration, turned, pairs)};
   if (!std::holds_alternative<NoDistortion>(calibration.cam0.distortion)) {
-    const double without = left_over_px(with_lens(calibration, NoDistortion{}), pairs);
-    if (!(kRatio * without < given)) {
+    const auto without = test.with(NoDistortion{});
+    if (!without || !without->tells()) {
       return std::nullopt;
     }
     return "the images look rectified, and the calibration is that of raw ones: the left camera's points " +
-           compared(given, "with its distortion", without, "without");
+           without->in_words("with its distortion", "without");
   }
-  const RadialLens coarse = best_lens(calibration, pairs, 0.0, kLargestK1, kStepK1);
-  const RadialLens lens = best_lens(calibration, pairs, coarse.k1, kStepK1, kFineK1);
-  if (!(kRatio * lens.left_px < given)) {
+  const RadialLens coarse = best_lens(test, 0.0, kLargestK1, kStepK1);
+  const RadialLens lens = best_lens(test, coarse.k1, kStepK1, kFineK1);
+  if (!lens.comparison.tells()) {
     return std::nullopt;
   }
   return "the images look raw, and the calibration is that of rectified ones: the left camera's points " +
-         compared(given, "without distortion", lens.left_px, fmt::format("with k1 = {:.2f}", lens.k1));
+         lens.comparison.in_words("without distortion", fmt::format("with k1 = {:.2f}", lens.k1));
 }
 
 }  // namespace limber::detail

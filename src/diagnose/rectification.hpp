@@ -16,10 +16,14 @@ namespace limber::detail {
 /// Judged by the left camera alone, over pairs of frames 0.6 s apart: how far points lie from where the
 /// camera's motion and their best depths put them. No rig that has moved changes that, a wrong lens does
 /// where the camera turns or moves sideways; moving straight ahead hides it. (Left and right see a point
-/// through nearly the same part of nearly the same lens: stereo hardly tells.)
+/// through nearly the same part of nearly the same lens: stereo hardly tells.) Only pairs count in which a
+/// motion is found with either lens.
+/// Depths to begin with are those of the calibration, or of the same rig `turned` as its epipolar lines say,
+/// whichever leaves less: of a rig that has moved the former lead nowhere.
 /// - Rectified: the calibration has distortion, and without it less than two thirds are left.
 /// - Raw: it has none, and with a radial distortion less than two thirds are left.
 [[nodiscard]] std::optional<std::string> rectification_mistake(const StereoCalibration& calibration,
+                                                               const RigParameters& turned,
                                                                std::span<const StereoFrame> frames);
 
 }  // namespace limber::detail

@@ -23,7 +23,7 @@ using detail::ClusteredRows;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kLongestStep = 0.3;  // [s] between frames that follow each other
+constexpr double kLongestBetween = 0.3;  // [s] between frames that follow each other
 constexpr std::size_t kEnoughRows = 200, kEnoughPairs = 50;
 constexpr int kShifts = 8;
 constexpr double kAround = 0.15;             // length of what is before and behind a turn [s]
@@ -67,7 +67,7 @@ ClusteredRows epipolar_rows(const StereoCalibration& calibration, std::span<cons
     const double dt = seconds_between(frames[n - 1].t_ns, frames[n + 1].t_ns);
     for (const auto& [id, pair] : now) {
       const auto a = before.find(id), b = after.find(id);
-      if (a == before.end() || b == after.end() || dt > 2.0 * kLongestStep) {
+      if (a == before.end() || b == after.end() || dt > 2.0 * kLongestBetween) {
         continue;
       }
       VectorXd row(6);

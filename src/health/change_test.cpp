@@ -20,13 +20,6 @@ constexpr double kLeastExcess = 0.02;  // kurtosis less than Gaussian is none
 constexpr double kLargest = 25.0;      // square by its robust mean: larger ones count as this
 constexpr double kMedianOfSquare = 0.455;
 
-/// Two-sided p-value of Student's t: Wallace's approximation.
-double t_survival(double t, double dof) {
-  const double z2 = dof * std::log1p(t * t / dof);
-  const double factor = (8.0 * dof + 1.0) / (8.0 * dof + 3.0);
-  return chi_square_survival(factor * factor * z2, 1.0);
-}
-
 /// Of z, whose squares are given: mean square, and kurtosis.
 struct Moments {
   double second = 0.0, kurtosis = 0.0;
@@ -82,7 +75,7 @@ double least_chance(const BetaEstimate& change, const ChangeWays& ways, const Sc
     const double size = std::abs(ways[k].along.dot(change.beta));
     if (size > ways[k].relevant) {
       const double variance = scatters[k].factor * ways[k].along.dot(change.covariance * ways[k].along);
-      least = std::min(least, t_survival(size / std::sqrt(std::max(variance, 1e-30)), scatters[k].dof));
+      least = std::min(least, student_survival(size / std::sqrt(std::max(variance, 1e-30)), scatters[k].dof));
     }
   }
   return least;

@@ -84,6 +84,16 @@ TEST(ChiSquare, QuantileInvertsTheDistribution) {
   EXPECT_EQ(chi_square_quantile(0.0, 3.0), 0.0);
 }
 
+/// Values of scipy.stats.t.
+TEST(Student, IsNearTheTablesInTheTailsToo) {
+  EXPECT_NEAR(student_survival(2.0, 5.0) / 0.101939, 1.0, 0.01);
+  EXPECT_NEAR(student_survival(-4.47, 5.0) / 0.00657926, 1.0, 0.05);
+  EXPECT_NEAR(student_survival(4.47, 24.0) / 1.598558e-4, 1.0, 0.01);
+  EXPECT_NEAR(student_survival(8.0, 24.0) / 3.156001e-8, 1.0, 0.04);
+  EXPECT_EQ(student_survival(0.0, 24.0), 1.0);
+  EXPECT_THROW((void)student_survival(std::numeric_limits<double>::quiet_NaN(), 24.0), std::invalid_argument);
+}
+
 TEST(ChiSquare, RefusesWhatHasNoMeaning) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW((void)chi_square_cdf(1.0, 0.0), std::invalid_argument);

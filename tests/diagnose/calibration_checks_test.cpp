@@ -6,9 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "limber/datasets/read_recording.hpp"
 #include "limber/diagnose/calibration_mistakes.hpp"
 #include "limber/diagnose/depth_effect.hpp"
 #include "limber/simulate/scenario_file.hpp"
+#include "real_data.hpp"
 #include "run/short_recording.hpp"
 #include "source_folder.hpp"
 
@@ -77,6 +79,72 @@ TEST(CalibrationMistakes, NameSwappedCameras) {
   const Recording recording = sound_recording();
   EXPECT_THAT(calibration_mistakes(recording.calibration, swapped(recording.frames)),
               ElementsAre(HasSubstr("the two cameras are swapped")));
+}
+
+/// A car's points, far and near, whose right camera has turned by `vergence`.
+std::vector<StereoFrame> street(const StereoCalibration& calibration, double vergence) {
+  StereoCalibration turned = calibration;
+  turned.theta(1) += vergence;
+  const Pose T_cam1_cam0 = pose_from_rig(turned.theta);
+  StereoFrame frame;
+  for (int i = 0; i < 400; ++i) {
+    const double z = 4.0 * std::pow(40.0, (i % 20) / 19.0);
+    const Eigen::Vector3d X(z * (-0.6 + 1.2 * ((7 * i) % 23) / 22.0),
+                            z * (-0.3 + 0.6 * ((5 * i) % 19) / 18.0), z);
+    const Eigen::Vector3d right = T_cam1_cam0 * X;
+    StereoObservation o;
+    o.track_id = i;
+    o.uv_cam0 = project(calibration.cam0, X).value().uv;
+    o.uv_cam1 = project(calibration.cam1, right).value().uv;
+    o.in_cam0 = o.in_cam1 = true;
+    frame.observations.push_back(o);
+  }
+  return {frame};
+}
+
+/// Vergence puts points behind the rig, as a baseline of the wrong sign does: the epipolar lines know which.
+TEST(CalibrationMistakes, TakeARigThatHasTurnedForNoWrongBaseline) {
+  StereoCalibration rig = sound_recording().calibration;
+  rig.theta = side_by_side(0.5);
+  StereoCalibration wrong = rig;
+  wrong.theta = -rig.theta;
+  for (const double degrees : {-5.0, -3.0, -2.0, -1.0, 0.0, 1.0, 3.0, 5.0}) {
+    EXPECT_FALSE(placement_mistake(rig, street(rig, degrees * kDegree))) << degrees;
+  }
+  for (const double degrees : {-0.3, 0.0, 0.3}) {
+    EXPECT_TRUE(placement_mistake(wrong, street(rig, degrees * kDegree))) << degrees;
+  }
+}
+
+/// Cars' rigs off by degrees were called a baseline of the wrong sign, or a wrong lens.
+TEST(CalibrationMistakes, AreNoneInRealRigsThatHaveTurnedByDegrees) {
+  LIMBER_NEED_DATA(folder, "track_logs");
+  for (const char* const name : {"kitti_09_26_drive_0036", "kitti_09_30_drive_0020"}) {
+    const Recording drive = read_recording(folder / name);
+    for (const double degrees : {-5.0, -3.0, 2.0}) {
+      for (const Eigen::Index axis : {0, 1, 2}) {
+        StereoCalibration off = drive.calibration;
+        off.theta(axis) += degrees * kDegree;
+        EXPECT_THAT(calibration_mistakes(off, drive.frames), IsEmpty())
+            << name << ' ' << axis << ' ' << degrees;
+      }
+    }
+  }
+}
+
+/// Most points of this flight are so far that they agree whichever way the baseline points.
+TEST(CalibrationMistakes, NameWhatNearPointsAloneCanTell) {
+  const Recording recording =
+      simulate(read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml"), 3);
+  const StereoCalibration& rig = recording.calibration;
+  const Pose T_imu_cam1 = rig.T_body_cam0 * pose_from_rig(rig.theta).inverse();
+  StereoCalibration wrong = rig;
+  wrong.T_body_cam0 = rig.T_body_cam0.inverse();
+  wrong.theta = rig_from_pose(T_imu_cam1 * wrong.T_body_cam0);
+  EXPECT_FALSE(placement_mistake(rig, recording.frames));
+  const auto mistake = placement_mistake(wrong, recording.frames);
+  ASSERT_TRUE(mistake);
+  EXPECT_THAT(*mistake, HasSubstr("T_BS of both cameras is inverted"));
 }
 
 TEST(CalibrationMistakes, NameATransformThatIsInverted) {

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#include "diagnose/run_events.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace limber::detail {
+
+void add_event(RunEvent event, const RunRecord& record, InputSummary& inputs) {
+  event.frames = static_cast<std::size_t>(std::ranges::count_if(record.frames, [&](const FrameReport& frame) {
+    return event.from_ns <= frame.t_ns && frame.t_ns <= event.to_ns;
+  }));
+  inputs.events.push_back(std::move(event));
+  std::ranges::stable_sort(inputs.events, {}, &RunEvent::from_ns);
+}
+
+}  // namespace limber::detail
