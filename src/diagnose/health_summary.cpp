@@ -215,7 +215,7 @@ std::string advice_on(HealthVerdict verdict, bool moves) {
   }
   switch (verdict) {
     case HealthVerdict::kOk:
-      return "nothing; --method ekf gets the most out of a sound rig";
+      return "nothing; --method ekf gets the most out of a rig that is exact";
     case HealthVerdict::kSuspect:
     case HealthVerdict::kDegraded:
       return "recalibrate when you can; --method lcekf or adaptive do not rely on the calibration";

@@ -28,15 +28,15 @@ constexpr double kNoisePrior = 500.0;
 constexpr double kNamedAtOnce = 3.5;
 /// ... and later, while evidence gathers and many frames are looked at.
 constexpr double kNamedLater = 4.5;
-constexpr double kSuspectFactor = 20.0;    // suspect where an alarm's p-value is that near
-constexpr double kRecovered = 0.01;        // p-value of a window that ends an alarm
-constexpr double kLongestFrame = 1.0;      // [s], a longer gap has no more chances of a false alarm
-constexpr double kFirstFrame = 0.01;       // [s], taken for the time since a frame that was not
-constexpr double kKeptPerWindow = 0.9;     // of what earlier windows said about scatter
-constexpr double kRemembered = 0.98;       // of the largest scatter of a window, per window
-constexpr double kLuckyScatter = 1.25;     // the largest of many windows of white frames
-constexpr std::size_t kFewestFrames = 10;  // of a window that has a scatter
-constexpr double kWhiteEnough = 0.2;       // correlation of neighbours that pose and map may cause
+constexpr double kSuspectFactor = 20.0;        // suspect where an alarm's p-value is that near
+constexpr double kRecovered = 0.01;            // p-value of a window that ends an alarm
+constexpr double kLongestFrame = 1.0;          // [s], a longer gap has no more chances of a false alarm
+constexpr double kFirstFrame = 0.01;           // [s], taken for the time since a frame that was not
+constexpr double kKeptPerWindow = 0.9;         // of what earlier windows said about scatter
+constexpr double kRemembered = 0.98;           // of the largest scatter of a window, per window
+constexpr double kLuckyScatter = 1.25;         // the largest of many windows of white frames
+constexpr std::size_t kFewestOfAScatter = 10;  // of a window that has a scatter
+constexpr double kWhiteEnough = 0.2;           // correlation of neighbours that pose and map may cause
 constexpr double kMostCorrelated = 0.95;
 /// When a window is looked at, as shares of its length.
 constexpr std::array<double, 5> kLooks = {1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 1.0};
@@ -73,7 +73,7 @@ void HealthMonitor::scatter(const ParameterEvidence& frame) {
     double squares = 0.0, numbers = 0.0;
     squares_ *= kKeptPerWindow;
     products_ *= kKeptPerWindow;
-    for (std::size_t k = 0; k < whitened_.size() && whitened_.size() >= kFewestFrames; ++k) {
+    for (std::size_t k = 0; k < whitened_.size() && whitened_.size() >= kFewestOfAScatter; ++k) {
       squares += (whitened_[k] - mean).squaredNorm() * n / (n - 1.0);
       numbers += static_cast<double>(mean.size());
       products_ += k > 0 ? (whitened_[k] - mean).dot(whitened_[k - 1] - mean) : 0.0;
