@@ -69,7 +69,7 @@ TEST_F(CalibrationOption, ThatIsInvertedIsNamedOnceAndInTheResults) {
   EXPECT_EQ(count_of(result.err, "limber: warning: " + said), 1U) << result.err;
   EXPECT_EQ(count_of(result.err, said), 1U) << result.err;
   EXPECT_THAT(result.err,
-              HasSubstr("% of the stereo points agree with the calibration, 100 % would without"));
+              HasSubstr("% of the stereo points that tell agree with the calibration, 100 % would without"));
   EXPECT_THAT(read_text(out() / "summary.json"), HasSubstr(said));
 }
 
