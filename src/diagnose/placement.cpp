@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "diagnose/directions.hpp"
 #include "limber/core/factors.hpp"

@@ -4,10 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <memory>
-#include <numbers>
 
 #include "initialize/started.hpp"
+#include "limber/core/angle.hpp"
 #include "limber/navigate/navigator.hpp"
 
 namespace limber {
@@ -25,8 +26,6 @@ Started started(const SceneOptions& of, Method method) {
   const Scene scene = make_scene(of);
   return testing::start(scene, options_of(scene, method), at_once());
 }
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 double velocity_sigma(const InitialState& initial) {
   return std::sqrt(
@@ -58,8 +57,8 @@ TEST(TrustingStart, IsNoneWhereTheWindowContradictsTheRig) {
     error[k] = size;
     return error;
   };
-  const RigParameters turned = axis(0, 0.1 * kDegree), moved = axis(4, 0.003),
-                      shaken = axis(1, 0.3 * kDegree);
+  const RigParameters turned = axis(0, 0.1 / kToDegrees), moved = axis(4, 0.003),
+                      shaken = axis(1, 0.3 / kToDegrees);
   for (const auto& error : {std::function<RigParameters(double)>([&](double) { return turned; }),
                             std::function<RigParameters(double)>([&](double) { return moved; }),
                             std::function<RigParameters(double)>(

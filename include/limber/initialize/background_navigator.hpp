@@ -23,7 +23,7 @@ struct BackgroundReport {
 ///
 /// Inputs and frames are worked off in the order in which they came: the same bits as by one thread, later
 /// only where there was much to do. While the start computes frames pile up; those of one second need some
-/// thirtieths of a second then. waiting() says how many there are, for who would rather drop some.
+/// hundredths of a second then. waiting() says how many there are, for who would rather drop some.
 ///
 /// Calls may come from several threads; their order is that of the queue.
 class BackgroundNavigator {

@@ -104,7 +104,8 @@ struct SensorStartResult {
 };
 
 /// @brief Whether starts for both would be the same, from the same frames and inputs: what they ask of the
-/// rig (which of theta is free, whether the right pixels are used), rig and noises agree.
+/// rig (which of theta is free, whether the right pixels are used, whether it may be trusted after all), rig
+/// and noises agree.
 [[nodiscard]] bool same_start(const NavigatorOptions& a, const StereoCalibration& rig_of_a,
                               const NavigatorOptions& b, const StereoCalibration& rig_of_b);
 
