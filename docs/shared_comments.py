@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Doxygen's input filter: the comment of variables that are declared together is that of each of them.
+"""What Doxygen reads: headers in which the comment of variables that are declared together is that of each of them.
 
     double low = 0.0, high = 0.0;  ///< [px]
 
-    shared_comments.py HEADER      prints it with one declaration for each, in the same line
+    shared_comments.py HEADERS OUT      copies a folder of headers, with one declaration for each, in the same line
 """
+import pathlib
 import re
 import sys
 
@@ -53,14 +54,22 @@ def joined(lines):
     return lines
 
 
-def main():
-    with open(sys.argv[1], encoding="utf-8") as header:
-        lines = joined(header.read().splitlines())
-    before = []
-    for line in lines:
-        print(separated(line, " ".join(before)))
+def rewritten(text):
+    """The header, line by line."""
+    out, before = [], []
+    for line in joined(text.splitlines()):
+        out.append(separated(line, " ".join(before)))
         comment = re.match(r"\s*///(?!<) ?(.*)$", line)
         before = [*before, comment[1]] if comment else []
+    return "\n".join(out) + "\n"
+
+
+def main():
+    headers, out = map(pathlib.Path, sys.argv[1:])
+    for header in sorted(headers.rglob("*.hpp")):
+        copy = out / header.relative_to(headers)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_text(rewritten(header.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 if __name__ == "__main__":
