@@ -3,7 +3,8 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <optional>
+#include <utility>
+#include <vector>
 
 #include "limber/core/factors.hpp"
 #include "limber/measure/stereo_model.hpp"
@@ -24,6 +25,9 @@ namespace {
 /// position and velocity, counted in what the inputs know of them.
 constexpr double kNoiseInformation = 16.8;
 constexpr double kLeastInformation = 0.25;  // a factor of seven either way
+
+/// The inverse depths of n points among their triplets.
+constexpr auto kDepths = [](Index n) { return Eigen::seqN(Index{2}, n, Eigen::fix<3>); };
 
 /// A point in the last left camera, and what its error is made of.
 struct LastView {
@@ -63,76 +67,103 @@ LastView view_from_last(const WindowModel& model, const WindowState& state, cons
   return out;
 }
 
-}  // namespace
+/// The points that are in front of the last left camera. Their errors are `rows` times those of the layout's
+/// rest, and beside that each has its own.
+struct LastPoints {
+  std::vector<Landmark> landmarks;
+  MatrixXd rows;              // 3n × rest
+  std::vector<Matrix3d> own;  // covariances
+};
 
-InitialState hand_over(const WindowModel& model, const WindowState& state, const WindowNormal& normal,
-                       const MatrixXd& frames) {
-  const Index body = model.body_size();
-  const Index last = static_cast<Index>(state.frames.size() - 1) * model.frame_size();
-  InitialState out;
-  out.nav = state.frames.back().nav;
-  out.body_covariance = frames.block(last, last, body, body);
-  const std::vector<Index> rest = normal.layout.rest();
-  std::vector<MatrixXd> rows;  // each point's error in those of the frames
-  std::vector<Matrix3d> own;   // and what it has beside
+LastPoints points_from_last(const WindowModel& model, const WindowState& state, const WindowNormal& normal) {
+  const FrameLayout& layout = normal.layout;
+  const Index last = layout.pose_in_rest(layout.frames - 1);
+  LastPoints out;
+  out.rows.resize(normal.W.cols(), layout.rest_size());
   for (std::size_t j = 0; j < state.points.size(); ++j) {
     const WindowPoint& point = state.points[j];
     if (!(point.landmark.value.z() > 0.0)) {
       continue;
     }
     const LastView view = view_from_last(model, state, point);
-    const Matrix3d V = normal.V[j].inverse();
-    const Matrix3d JV = view.J_point * V;
-    MatrixXd B = MatrixXd::Zero(3, frames.cols());
-    B(Eigen::all, rest) = -JV * normal.W.middleCols<3>(static_cast<Index>(3 * j)).transpose();
-    B.middleCols<6>(last) += view.J_last;
-    B.middleCols<6>(static_cast<Index>(point.anchor()) * model.frame_size()) += view.J_anchor;
-    rows.push_back(std::move(B));
-    own.push_back(JV * view.J_point.transpose());
+    const Matrix3d JV = view.J_point * normal.V[j].inverse();
+    auto rows = out.rows.middleRows<3>(static_cast<Index>(3 * out.own.size()));
+    rows = -JV * normal.W.middleCols<3>(static_cast<Index>(3 * j)).transpose();
+    rows.middleCols<6>(last) += view.J_last;
+    rows.middleCols<6>(layout.pose_in_rest(static_cast<Index>(point.anchor()))) += view.J_anchor;
+    out.own.push_back(JV * view.J_point.transpose());
     out.landmarks.push_back(view.landmark);
   }
-  const auto n = static_cast<Index>(3 * rows.size());
-  MatrixXd B(n, frames.cols());
-  for (std::size_t j = 0; j < rows.size(); ++j) {
-    B.middleRows<3>(static_cast<Index>(3 * j)) = rows[j];
+  out.rows.conservativeResize(static_cast<Index>(3 * out.own.size()), Eigen::NoChange);
+  return out;
+}
+
+/// Of what inverse depths have in common, from their covariance.
+double common_information(const VectorXd& rho, const MatrixXd& C) {
+  if (rho.size() < 3) {
+    return 0.0;
   }
-  const MatrixXd BC = multiply(B, frames);
-  out.landmarks_body = BC.middleCols(last, body);
-  out.landmarks_covariance = multiply(BC, transposed(B));
-  for (std::size_t j = 0; j < own.size(); ++j) {
-    out.landmarks_covariance.block<3, 3>(static_cast<Index>(3 * j), static_cast<Index>(3 * j)) += own[j];
+  const VectorXd by_depth = rho.cwiseInverse();
+  const VectorXd x =
+      Cholesky(by_depth.asDiagonal() * C * by_depth.asDiagonal()).solve(VectorXd::Ones(rho.size()));
+  return x.allFinite() && x.sum() > 0.0 ? x.sum() : 0.0;
+}
+
+VectorXd inverse_depths(const std::vector<Landmark>& landmarks) {
+  VectorXd out(static_cast<Index>(landmarks.size()));
+  for (std::size_t j = 0; j < landmarks.size(); ++j) {
+    out[static_cast<Index>(j)] = landmarks[j].value.z();
   }
   return out;
 }
 
-double scale_information(const InitialState& state) {
-  const auto n = static_cast<Index>(state.landmarks.size());
-  if (n < 3) {
-    return 0.0;
+}  // namespace
+
+InitialState hand_over(const WindowModel& model, const WindowState& state, const WindowNormal& normal,
+                       const MatrixXd& frames) {
+  const Index body = model.body_size();
+  const Index last = static_cast<Index>(state.frames.size() - 1) * model.frame_size();
+  const std::vector<Index> rest = normal.layout.rest();
+  LastPoints points = points_from_last(model, state, normal);
+  InitialState out;
+  out.nav = state.frames.back().nav;
+  out.body_covariance = frames.block(last, last, body, body);
+  out.landmarks_body = multiply(points.rows, frames(rest, Eigen::seqN(last, body)).eval());
+  out.landmarks_covariance = congruence(points.rows, frames(rest, rest).eval());
+  for (std::size_t j = 0; j < points.own.size(); ++j) {
+    const auto at = static_cast<Index>(3 * j);
+    out.landmarks_covariance.block<3, 3>(at, at) += points.own[j];
   }
-  MatrixXd C(n, n);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      C(i, j) = state.landmarks_covariance(3 * i + 2, 3 * j + 2) /
-                (state.landmarks[static_cast<std::size_t>(i)].value.z() *
-                 state.landmarks[static_cast<std::size_t>(j)].value.z());
-    }
+  out.landmarks = std::move(points.landmarks);
+  return out;
+}
+
+double scale_information(const WindowModel& model, const WindowState& state, const WindowNormal& normal,
+                         const MatrixXd& frames) {
+  const std::vector<Index> rest = normal.layout.rest();
+  const LastPoints points = points_from_last(model, state, normal);
+  const auto n = static_cast<Index>(points.own.size());
+  const MatrixXd of_depths = points.rows(kDepths(n), Eigen::all);
+  MatrixXd C = congruence(of_depths, frames(rest, rest).eval());
+  for (Index j = 0; j < n; ++j) {
+    C(j, j) += points.own[static_cast<std::size_t>(j)](2, 2);
   }
-  const VectorXd x = Cholesky(C).solve(VectorXd::Ones(n));
-  return x.allFinite() && x.sum() > 0.0 ? x.sum() : 0.0;
+  return common_information(inverse_depths(points.landmarks), C);
+}
+
+double without_noise(double scale_information) {
+  return std::min(std::max(scale_information - kNoiseInformation, kLeastInformation), scale_information);
 }
 
 void take_noise_from_scale(InitialState& state) {
-  const double stated = scale_information(state);
+  const VectorXd rho = inverse_depths(state.landmarks);
+  const auto depths = kDepths(rho.size());
+  const double stated = common_information(rho, state.landmarks_covariance(depths, depths));
   if (stated == 0.0) {
     return;
   }
-  const double known = std::max(stated - kNoiseInformation, kLeastInformation);
-  VectorXd scale = VectorXd::Zero(state.landmarks_covariance.rows());
-  for (std::size_t j = 0; j < state.landmarks.size(); ++j) {
-    scale[3 * static_cast<Index>(j) + 2] = state.landmarks[j].value.z();
-  }
-  state.landmarks_covariance += std::max(1.0 / known - 1.0 / stated, 0.0) * scale * scale.transpose();
+  state.landmarks_covariance(depths, depths) +=
+      (1.0 / without_noise(stated) - 1.0 / stated) * rho * rho.transpose();
 }
 
 }  // namespace limber::detail

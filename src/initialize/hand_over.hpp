@@ -12,12 +12,16 @@ namespace limber::detail {
                                      const WindowNormal& normal, const Eigen::MatrixXd& frames);
 
 /// @brief What tells of the scale of a map that nothing but motion gives one: 1/sigma^2 of the logarithm of
-/// what all inverse depths have in common, 1ᵀ C⁻¹ 1; 0 of fewer than three points.
-[[nodiscard]] double scale_information(const InitialState& state);
+/// what all inverse depths have in common, 1ᵀ C⁻¹ 1; 0 of fewer than three points. As hand_over() would give
+/// it, at a fraction of its cost.
+[[nodiscard]] double scale_information(const WindowModel& model, const WindowState& state,
+                                       const WindowNormal& normal, const Eigen::MatrixXd& frames);
 
-/// @brief Takes from the scale's information what noise alone can give, and widens the points' covariance by
-/// as much along their common scale.
+/// @brief What is left of the scale's information without what noise alone can give.
 /// @note docs/derivations/start.md, "noise is no information"
+[[nodiscard]] double without_noise(double scale_information);
+
+/// Widens the points' covariance along their common scale until that is known so well.
 void take_noise_from_scale(InitialState& state);
 
 }  // namespace limber::detail

@@ -40,7 +40,8 @@ double StartWindow::tilt_sigma() const {
 
 /// Of the logarithm of what all inverse depths have in common.
 double StartWindow::scale_sigma() const {
-  const double information = scale_information(handed_over());
+  const double stated = scale_information(model, *solution, normal, covariance);
+  const double information = leaves_scale_open() ? without_noise(stated) : stated;
   return information > 0.0 ? 1.0 / std::sqrt(information) : kUnknown;
 }
 

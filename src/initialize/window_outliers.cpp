@@ -37,7 +37,9 @@ std::vector<View> views(const WindowModel& model, WindowState& state) {
         if (!used || (cam == 1 && !model.right)) {
           return;
         }
-        const auto projection = project_sighting(state, rigs[sighting.frame], cam, point, sighting.frame);
+        const MountedRig& rig = rigs[sighting.frame];
+        const auto projection =
+            project_point(rig[cam], point_in_body(state, rig, cam, point, sighting.frame));
         const Vector2d sigma = model.options.sigma_px.segment<2>(2 * static_cast<Eigen::Index>(cam));
         const Vector2d& uv = cam == 0 ? o.uv_cam0 : o.uv_cam1;
         out.push_back(

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "window_problem.hpp"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -10,24 +10,21 @@
 #include "limber/core/so3.hpp"
 #include "limber/measure/stereo_model.hpp"
 #include "limber/predict/input_noise.hpp"
+#include "window_pixels.hpp"
 
 namespace limber::detail {
 
 using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
-using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using L = StateLayout;
 
 namespace {
 
-constexpr double kHuberSigmas = 3.0;     // standard deviations of a pixel, both axes
-constexpr double kFreeTheta = 1e3;       // plausible errors: as good as nothing is known
-constexpr double kFreeBaselines = 10.0;  // sigma of an inverse depth, over the baseline: the same
-constexpr double kStraightDepth = 0.5;   // share of an inverse depth
-constexpr double kLost = 30.0;           // cost of a point that does not project
+constexpr double kFreeTheta = 1e3;      // plausible errors: as good as nothing is known
+constexpr double kStraightDepth = 0.5;  // share of an inverse depth
 
 double squared(double x) { return x * x; }
 
@@ -102,99 +99,6 @@ void add_motion(const WindowModel& model, const WindowState& state, WindowNormal
   }
 }
 
-/// Columns of one pixel's Jacobian that belong to frames.
-struct FrameBlock {
-  Index col = 0;   // among all unknowns of the frames
-  Index rest = 0;  // in the layout's rest
-  Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::ColMajor, 2, 6> J;
-};
-
-struct PixelRows {
-  Vector2d r;  // whitened and weighted, measured minus predicted
-  Eigen::Matrix<double, 2, 3> J_point;
-  std::array<FrameBlock, 3> blocks;
-  std::size_t used = 0;
-};
-
-void add_rows(const PixelRows& rows, std::size_t point, WindowNormal& out) {
-  const auto at = static_cast<Index>(3 * point);
-  out.V[point] += rows.J_point.transpose() * rows.J_point;
-  out.g_points.segment<3>(at) += rows.J_point.transpose() * rows.r;
-  for (std::size_t i = 0; i < rows.used; ++i) {
-    const FrameBlock& bi = rows.blocks[i];
-    out.W.block(bi.rest, at, bi.J.cols(), 3) += bi.J.transpose() * rows.J_point;
-    out.g.segment(bi.col, bi.J.cols()) += bi.J.transpose() * rows.r;
-    for (std::size_t j = 0; j < rows.used; ++j) {
-      const FrameBlock& bj = rows.blocks[j];
-      if (bi.col >= bj.col) {
-        out.A.block(bi.col, bj.col, bi.J.cols(), bj.J.cols()) += bi.J.transpose() * bj.J;
-      }
-    }
-  }
-}
-
-/// One pixel of one sighting, as rows or as the cost of a point that is lost.
-void add_pixel(const WindowModel& model, const WindowState& state, const MountedRig& rig, std::size_t cam,
-               std::size_t point, const WindowSighting& sighting, WindowNormal& out) {
-  const WindowPoint& p = state.points[point];
-  const std::optional<PointProjection> projection = project_sighting(state, rig, cam, p, sighting.frame);
-  const StereoObservation& o = sighting.observation;
-  if (!projection) {
-    out.cost += kLost;
-    return;
-  }
-  const Vector2d whiten = model.options.sigma_px.segment<2>(2 * static_cast<Index>(cam)).cwiseInverse();
-  const Vector2d r = whiten.cwiseProduct((cam == 0 ? o.uv_cam0 : o.uv_cam1) - projection->uv);
-  const double norm = r.norm();
-  const double weight = norm <= kHuberSigmas ? 1.0 : std::sqrt(kHuberSigmas / norm);
-  out.cost += norm <= kHuberSigmas ? 0.5 * norm * norm : kHuberSigmas * (norm - 0.5 * kHuberSigmas);
-  const Eigen::Matrix2d G = weight * whiten.asDiagonal().toDenseMatrix();
-  PixelRows rows;
-  rows.r = weight * r;
-  rows.J_point = G * projection->J_landmark;
-  Eigen::Matrix<double, 2, 6> J_pose, J_anchor;
-  J_pose << projection->J_position, projection->J_attitude;
-  J_anchor << projection->J_anchor_position, projection->J_anchor_attitude;
-  const bool own = p.anchor() == sighting.frame;
-  const auto frame = static_cast<Index>(sighting.frame);
-  const Index at = frame * model.frame_size();
-  rows.blocks[rows.used++] = {at, out.layout.pose_in_rest(frame),
-                              G * (own ? (J_pose + J_anchor).eval() : J_pose)};
-  if (!own) {
-    const auto anchored = static_cast<Index>(p.anchor());
-    rows.blocks[rows.used++] = {anchored * model.frame_size(), out.layout.pose_in_rest(anchored),
-                                G * J_anchor};
-  }
-  if (rig[cam].depends_on_theta && model.directions.cols() > 0) {
-    rows.blocks[rows.used++] = {at + model.body_size(), out.layout.theta_in_rest(frame),
-                                G * projection->J_theta * model.directions};
-  }
-  add_rows(rows, point, out);
-}
-
-void add_points(const WindowModel& model, const WindowState& state, WindowNormal& out) {
-  std::vector<MountedRig> rigs;
-  for (const WindowFrame& frame : state.frames) {
-    rigs.push_back(rig_at(model, frame));
-  }
-  const double free = squared(model.calibration.baseline() / kFreeBaselines);
-  for (std::size_t j = 0; j < state.points.size(); ++j) {
-    const WindowPoint& point = state.points[j];
-    for (const WindowSighting& sighting : point.seen) {
-      if (sighting.observation.in_cam0) {
-        add_pixel(model, state, rigs[sighting.frame], 0, j, sighting, out);
-      }
-      if (sighting.observation.in_cam1 && model.right) {
-        add_pixel(model, state, rigs[sighting.frame], 1, j, sighting, out);
-      }
-    }
-    const double rho = point.landmark.value.z();
-    out.V[j](2, 2) += free;
-    out.g_points(static_cast<Index>(3 * j) + 2) -= free * rho;
-    out.cost += 0.5 * free * rho * rho;
-  }
-}
-
 void add_free_theta(const WindowModel& model, const WindowState& state, WindowNormal& out) {
   const double weight = 1.0 / squared(kFreeTheta);
   for (std::size_t k = 0; k < state.frames.size(); ++k) {
@@ -206,14 +110,17 @@ void add_free_theta(const WindowModel& model, const WindowState& state, WindowNo
   }
 }
 
-/// A := 0, n×n. Nothing ever writes above the blocks of the diagonal: what is zero there stays so.
-void clear_lower(Index n, Index block, MatrixXd& A) {
+/// A := 0. Other frames than the neighbours are known to poses alone, and nothing ever writes above the
+/// blocks of the diagonal: what is zero there stays so.
+void clear(const FrameLayout& layout, MatrixXd& A) {
+  const Index size = layout.size(), n = layout.frames * size;
   if (A.rows() != n) {
     A.setZero(n, n);
     return;
   }
-  for (Index at = 0; at < n; at += block) {
-    A.block(at, at, n - at, block).setZero();
+  for (Index at = 0; at < n; at += size) {
+    A.block(at, at, n - at, layout.pose).setZero();
+    A.block(at, at + layout.pose, std::min(2 * size, n - at), size - layout.pose).setZero();
   }
 }
 
@@ -222,6 +129,16 @@ void clear_lower(Index n, Index block, MatrixXd& A) {
 double moved_inverse_depth(double rho, double step) {
   const double share = step / rho;
   return std::abs(share) < kStraightDepth ? rho / (1.0 - share) : rho + step;
+}
+
+/// Room for the body of every motion model, in whole vectors of the processor: such products are faster than
+/// those of matrices of any size.
+using Padded = Eigen::Matrix<double, 16, 16>;
+
+Padded padded(const MatrixXd& M) {
+  Padded out = Padded::Zero();
+  out.topLeftCorner(M.rows(), M.cols()) = M;
+  return out;
 }
 
 Transition predict_step(const NavigatorOptions& options, const ImuNoise& noise, const InputStep& step,
@@ -245,7 +162,7 @@ double WindowFrame::duration() const {
 
 Transition predict_over(const NavigatorOptions& options, const WindowFrame& frame, NavigationState& nav) {
   const Index n = StateLayout{options.motion}.body_size();
-  Transition whole{MatrixXd::Identity(n, n), MatrixXd::Zero(n, n)};
+  Padded Phi = Padded::Identity(), Q = Padded::Zero();
   ImuNoise noise = options.imu_noise;
   const double root = std::sqrt(frame.duration());
   if (root > 0.0) {
@@ -254,19 +171,19 @@ Transition predict_over(const NavigatorOptions& options, const WindowFrame& fram
   }
   for (const InputStep& step : frame.steps) {
     const Transition part = predict_step(options, noise, step, nav);
-    whole.Phi = multiply(part.Phi, whole.Phi);
-    whole.Q = congruence(part.Phi, whole.Q) + part.Q;
+    const Padded F = padded(part.Phi);
+    Phi = F.lazyProduct(Phi).eval();
+    Q = F.lazyProduct(F.lazyProduct(Q).eval().transpose()).eval();
+    Q.topLeftCorner(n, n) += part.Q;
     nav.t_ns = step.t_end_ns;
   }
-  return whole;
+  return {Phi.topLeftCorner(n, n), Q.topLeftCorner(n, n)};
 }
 
-std::optional<PointProjection> project_sighting(const WindowState& state, const MountedRig& rig,
-                                                std::size_t cam, const WindowPoint& point,
-                                                std::size_t frame) {
+BodyPoint point_in_body(const WindowState& state, const MountedRig& rig, std::size_t cam,
+                        const WindowPoint& point, std::size_t frame) {
   const Anchor anchor{state.frames[point.anchor()].nav.T_world_body, rig[0].T_cam_body.inverse()};
-  return project_point(rig[cam], body_point_at_exposure(rig[cam], state.frames[frame].nav.T_world_body,
-                                                        point.landmark, &anchor));
+  return body_point_at_exposure(rig[cam], state.frames[frame].nav.T_world_body, point.landmark, &anchor);
 }
 
 MountedRig rig_at(const WindowModel& model, const WindowFrame& frame) {
@@ -285,11 +202,15 @@ WindowNormal linearise(const WindowModel& model, const WindowState& state, Windo
   WindowNormal out = std::move(memory);
   out.cost = out.left = 0.0;
   out.layout = model.layout(state.frames.size());
-  clear_lower(n, model.frame_size(), out.A);
+  clear(out.layout, out.A);
   out.W.setZero(out.layout.rest_size(), points);
   out.V.assign(state.points.size(), Matrix3d::Zero());
   out.g = VectorXd::Zero(n);
   out.g_points = VectorXd::Zero(points);
+  out.seen.clear();
+  for (const WindowPoint& point : state.points) {
+    out.seen.push_back({static_cast<Index>(point.anchor()), static_cast<Index>(point.seen.back().frame)});
+  }
   add_prior(model, state.frames.front(), out);
   add_motion(model, state, out);
   add_free_theta(model, state, out);

@@ -81,6 +81,11 @@ struct WindowState {
   std::vector<WindowPoint> points;
 };
 
+/// The first frame that saw a point, and the last.
+struct FrameSpan {
+  Eigen::Index first = 0, last = 0;
+};
+
 /// @brief Normal equations at a state: [A W; Wᵀ V] dx = g, the frames' errors first, then three per point. Of
 /// W only the rows of the layout's rest are there: no pixel tells of velocity and biases.
 struct WindowNormal {
@@ -89,6 +94,7 @@ struct WindowNormal {
   FrameLayout layout;
   Eigen::MatrixXd A, W;  ///< lower triangle of A; W: rest by points
   std::vector<Eigen::Matrix3d> V;
+  std::vector<FrameSpan> seen;  ///< each point: other frames' rows of W are zero
   Eigen::VectorXd g, g_points;
 };
 
@@ -96,10 +102,9 @@ struct WindowNormal {
 [[nodiscard]] WindowNormal linearise(const WindowModel& model, const WindowState& state,
                                      WindowNormal memory = {});
 
-/// Where a camera of the rig sees a point in a frame; nothing where it cannot.
-[[nodiscard]] std::optional<PointProjection> project_sighting(const WindowState& state, const MountedRig& rig,
-                                                              std::size_t cam, const WindowPoint& point,
-                                                              std::size_t frame);
+/// A point from the body, when a camera of the rig took a frame's image.
+[[nodiscard]] BodyPoint point_in_body(const WindowState& state, const MountedRig& rig, std::size_t cam,
+                                      const WindowPoint& point, std::size_t frame);
 
 /// @brief Takes out of a solution the pixels that are mismatched: the robust loss bounds what each pulls, but
 /// they still pull, and count as information. Points of which nothing is left go, and those that can be none.

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "limber/core/factors.hpp"
+#include "points_elimination.hpp"
 #include "window_problem.hpp"
 
 namespace limber::detail {
@@ -35,50 +35,22 @@ constexpr double kLonger = 1.5, kLongestStep = 8.0;  // of a step: what is tried
 constexpr double kUndamped = 1e-11;
 constexpr double kDampingLeast = 1e-12;
 
-/// W V^-1 for damped V.
-MatrixXd times_inverse(const MatrixXd& W, const std::vector<Matrix3d>& V, double damping) {
-  MatrixXd out(W.rows(), W.cols());
-  for (std::size_t j = 0; j < V.size(); ++j) {
-    Matrix3d damped = V[j];
-    damped.diagonal() *= 1.0 + damping;
-    out.middleCols<3>(static_cast<Index>(3 * j)).noalias() =
-        W.middleCols<3>(static_cast<Index>(3 * j)) * damped.inverse();
-  }
-  return out;
-}
-
-/// W V^-1 Wᵀ, the lower triangle: what the points' elimination takes from A.
-MatrixXd by_points(const WindowNormal& normal, const MatrixXd& WV) {
-  MatrixXd out = MatrixXd::Zero(WV.rows(), WV.rows());
-  if (WV.cols() > 0) {  // Eigen multiplies nothing at its peril
-    add_lower_product(out, WV, transposed(normal.W));
-  }
-  return out;
-}
-
 struct Step {
   VectorXd frames, points;
 };
 
 std::optional<Step> step_of(const WindowNormal& normal, double damping) {
-  const MatrixXd WV = times_inverse(normal.W, normal.V, damping);
-  const FramesFactor factor(normal.A, damping, by_points(normal, WV), normal.layout);
+  const PointsElimination points(normal, damping);
+  const FramesFactor factor(normal.A, damping, points.from_matrix(), normal.layout);
   if (!factor.succeeded()) {
     return std::nullopt;
   }
-  Step out;
   const std::vector<Index> rest = normal.layout.rest();
   VectorXd g = normal.g;
-  g(rest) -= WV * normal.g_points;
+  g(rest) -= points.from_gradient();
+  Step out;
   out.frames = factor.solve(g);
-  const VectorXd of_rest = out.frames(rest);
-  out.points = normal.g_points - normal.W.transpose() * of_rest;
-  for (std::size_t j = 0; j < normal.V.size(); ++j) {
-    Matrix3d damped = normal.V[j];
-    damped.diagonal() *= 1.0 + damping;
-    const auto at = static_cast<Index>(3 * j);
-    out.points.segment<3>(at) = damped.inverse() * out.points.segment<3>(at).eval();
-  }
+  out.points = points.step(out.frames(rest));
   if (!out.frames.allFinite() || !out.points.allFinite()) {
     return std::nullopt;
   }
@@ -214,8 +186,7 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
 }
 
 MatrixXd frame_covariance(const WindowNormal& normal) {
-  const MatrixXd WV = times_inverse(normal.W, normal.V, 0.0);
-  const FramesFactor factor(normal.A, 0.0, by_points(normal, WV), normal.layout);
+  const FramesFactor factor(normal.A, 0.0, PointsElimination(normal, 0.0).from_matrix(), normal.layout);
   return factor.succeeded() ? factor.inverse() : MatrixXd();
 }
 

@@ -8,6 +8,7 @@
 
 #include "check_covariance.hpp"
 #include "check_jacobian.hpp"
+#include "initialize/hand_over.hpp"
 #include "initialize/window_guess.hpp"
 #include "navigate/scene.hpp"
 
@@ -159,6 +160,33 @@ TEST(WindowProblem, TheSolverFindsTheScaleBack) {
   const WindowNormal again = solve_window(problem.model, problem.state, 12);
   EXPECT_NEAR(again.cost, solved.cost, 0.02);
   EXPECT_LE(again.left, 0.02);
+}
+
+/// Of what the handed-over inverse depths have in common.
+double information_of(const InitialState& state) {
+  const auto n = static_cast<Index>(state.landmarks.size());
+  VectorXd rho(n);
+  MatrixXd C(n, n);
+  for (Index i = 0; i < n; ++i) {
+    rho[i] = state.landmarks[static_cast<std::size_t>(i)].value.z();
+    for (Index j = 0; j < n; ++j) {
+      C(i, j) = state.landmarks_covariance(3 * i + 2, 3 * j + 2);
+    }
+  }
+  return rho.dot(C.ldlt().solve(rho));
+}
+
+TEST(WindowProblem, WhatItKnowsOfTheScaleIsWhatIsHandedOver) {
+  Problem problem(MotionModel::kImu, 20);
+  const WindowNormal normal = solve_window(problem.model, problem.state, 25);
+  const MatrixXd covariance = frame_covariance(normal);
+  const double stated = scale_information(problem.model, problem.state, normal, covariance);
+  InitialState handed = hand_over(problem.model, problem.state, normal, covariance);
+  ASSERT_GT(handed.landmarks.size(), 3u);
+  EXPECT_NEAR(stated, information_of(handed), 1e-6 * stated);
+  take_noise_from_scale(handed);
+  EXPECT_LT(without_noise(stated), stated);
+  EXPECT_NEAR(without_noise(stated), information_of(handed), 1e-6 * stated);
 }
 
 }  // namespace
