@@ -67,9 +67,9 @@ bool same_start(const NavigatorOptions& a, const StereoCalibration& rig_of_a, co
   const WindowModel of_a = window_model(a, rig_of_a), of_b = window_model(b, rig_of_b);
   return rig_of_a == rig_of_b && of_a.right == of_b.right &&
          of_a.directions.cols() == of_b.directions.cols() && of_a.directions == of_b.directions &&
-         (a.method == Method::kAdaptive) == (b.method == Method::kAdaptive) && a.motion == b.motion &&
-         a.imu_noise == b.imu_noise && a.constant_velocity_noise == b.constant_velocity_noise &&
-         a.sigma_px == b.sigma_px && a.gravity == b.gravity;
+         a.motion == b.motion && a.imu_noise == b.imu_noise &&
+         a.constant_velocity_noise == b.constant_velocity_noise && a.sigma_px == b.sigma_px &&
+         a.gravity == b.gravity;
 }
 
 SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,
@@ -114,7 +114,9 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
   return out;
 }
 
-SensorStartResult SensorStart::result() {
+SensorStartResult SensorStart::result() { return result_for(window_->model.options.method); }
+
+SensorStartResult SensorStart::result_for(Method method) {
   StartWindow& w = *window_;
   if (w.frames.empty()) {
     throw std::invalid_argument("start: no frame yet");
@@ -131,7 +133,8 @@ SensorStartResult SensorStart::result() {
   out.report = !w.solution || w.solved_s < w.length() ? w.solve_and_judge()
                : w.unused.empty()                     ? w.judged()
                                                       : w.report;
-  if (const std::optional<StartWindow> trusting = w.trusting(out.report.status)) {
+  if (const std::optional<StartWindow> trusting =
+          method == Method::kAdaptive ? w.trusting(out.report.status) : std::nullopt) {
     out.initial = trusting->handed_over();
     out.initial.distrusting = std::make_shared<const InitialState>(w.handed_over());
     out.trajectory = trusting->trajectory();

@@ -114,7 +114,7 @@ StartReport StartWindow::solve_and_judge() {
 /// The same window with the rig as it is, for a method that trusts it until it is proven wrong: if the start
 /// is ready, and what this window knows of the rig proves nothing.
 std::optional<StartWindow> StartWindow::trusting(StartStatus status) const {
-  if (model.options.method != Method::kAdaptive || !solution || status != StartStatus::kReady) {
+  if (!solution || status != StartStatus::kReady) {
     return std::nullopt;
   }
   const double noise = std::max(normal.cost / expected_cost(model, *solution), 1.0);

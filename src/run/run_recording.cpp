@@ -137,14 +137,15 @@ void append(std::vector<std::string>& notes, const std::vector<std::string>& mor
 SensorWindow sensor_window(const Recording& recording, const RunSetup& setup, const FrameSource& frames,
                            std::size_t first, const RunCallbacks& callbacks, SharedStarts* shared,
                            double& elsewhere_s) {
-  if (const SensorWindow* known = shared ? shared->kept().find(setup) : nullptr) {
+  if (std::optional<SensorWindow> known = shared ? shared->kept().find(setup) : std::nullopt) {
     for (std::size_t n = first; n < first + known->frames.size() + known->ahead.size(); ++n) {
       (void)frames(n);
     }
     elsewhere_s = 1e-3 * std::accumulate(known->frame_ms.begin(), known->frame_ms.end(), 0.0);
-    return *known;
+    return *std::move(known);
   }
-  SensorWindow out = detail::start_from_sensors(recording, setup, frames, first, callbacks);
+  SensorWindow out =
+      detail::start_from_sensors(recording, setup, frames, first, callbacks, shared != nullptr);
   if (shared && !out.stopped) {
     shared->kept().keep(setup, out);
   }

@@ -1,18 +1,33 @@
 // SPDX-License-Identifier: MIT
 #include "limber/run/shared_starts.hpp"
 
+#include <utility>
+
 #include "shared_starts.hpp"
 
 namespace limber {
 namespace detail {
 
-const SensorWindow* KeptStarts::find(const RunSetup& setup) const {
+namespace {
+
+SensorWindow of_counterpart(SensorWindow window) {
+  std::swap(window.result, *window.counterpart);
+  if (window.ended_waiting) {
+    window.report = window.result.report;
+  }
+  return window;
+}
+
+}  // namespace
+
+std::optional<SensorWindow> KeptStarts::find(const RunSetup& setup) const {
+  const auto is_adaptive = [](const RunSetup& of) { return of.navigator.method == Method::kAdaptive; };
   for (const KeptStart& start : starts) {
     if (same_start(start.setup.navigator, start.setup.calibration, setup.navigator, setup.calibration)) {
-      return &start.window;
+      return is_adaptive(start.setup) == is_adaptive(setup) ? start.window : of_counterpart(start.window);
     }
   }
-  return nullptr;
+  return std::nullopt;
 }
 
 void KeptStarts::keep(const RunSetup& setup, const SensorWindow& window) {

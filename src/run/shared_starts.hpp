@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "start_from_sensors.hpp"
@@ -18,7 +19,7 @@ struct KeptStarts {
   std::vector<KeptStart> starts;
 
   /// Nothing if nobody has asked for the same.
-  [[nodiscard]] const SensorWindow* find(const RunSetup& setup) const;
+  [[nodiscard]] std::optional<SensorWindow> find(const RunSetup& setup) const;
   void keep(const RunSetup& setup, const SensorWindow& window);
 };
 

@@ -2,6 +2,7 @@
 #include "start_from_sensors.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,9 +15,26 @@ constexpr std::int64_t kSmoothedNs = 4'000'000'000;
 constexpr double kLongestShare = 0.5, kLongestMovingShare = 0.8;
 constexpr double kLeastFiltered = 1.0;  // [s]
 
+/// The method of this start that may begin otherwise.
+std::optional<Method> counterpart(const RunSetup& setup) {
+  NavigatorOptions other = setup.navigator;
+  other.method = other.method == Method::kAdaptive ? Method::kEkfFull : Method::kAdaptive;
+  return same_start(setup.navigator, setup.calibration, other, setup.calibration)
+             ? std::optional(other.method)
+             : std::nullopt;
+}
+
+void take_smoothed(std::vector<SmoothedState> smoothed, SensorStartResult& result) {
+  if (smoothed.size() >= result.trajectory.size()) {  // else what came then contradicts
+    smoothed.resize(result.trajectory.size());
+    result.trajectory = std::move(smoothed);
+  }
+}
+
 /// Reads a little further and lets the window's frames have what those behind it say of them.
-void smooth(const SensorData& sensors, const FrameSource& source, std::size_t next, MotionModel motion,
+void smooth(const SensorData& sensors, const FrameSource& source, std::size_t next, const RunSetup& setup,
             InputFeed& feed, SensorStart& start, SensorWindow& window) {
+  const MotionModel motion = setup.navigator.motion;
   const std::int64_t begin_ns = window.frames.front().t_ns;
   for (std::size_t n = next; n < frame_count(sensors) && frame_time(sensors, n) - begin_ns <= kSmoothedNs;
        ++n) {
@@ -24,11 +42,9 @@ void smooth(const SensorData& sensors, const FrameSource& source, std::size_t ne
     feed.feed(start, motion, window.ahead.back().frame.t_ns);
     (void)start.add_frame(window.ahead.back().frame);
   }
-  const std::size_t frames = window.result.trajectory.size();
-  std::vector<SmoothedState> smoothed = start.result().trajectory;
-  if (smoothed.size() >= frames) {  // else what came then contradicts
-    smoothed.resize(frames);
-    window.result.trajectory = std::move(smoothed);
+  take_smoothed(start.result().trajectory, window.result);
+  if (window.counterpart) {
+    take_smoothed(start.result_for(*counterpart(setup)).trajectory, *window.counterpart);
   }
 }
 
@@ -59,7 +75,7 @@ void note_steps(SensorWindow& window) {
 }  // namespace
 
 SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup, const FrameSource& source,
-                                std::size_t first, const RunCallbacks& callbacks) {
+                                std::size_t first, const RunCallbacks& callbacks, bool shared) {
   const MotionModel motion = setup.navigator.motion;
   StartOptions options;
   const double duration_s =
@@ -95,11 +111,15 @@ SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup
   }
   if (out.frames.empty()) return out;  // stopped
   out.result = start.result();
-  if (out.report.status == StartStatus::kWaiting) out.report = out.result.report;
+  if (const auto other = shared ? counterpart(setup) : std::nullopt) {
+    out.counterpart = start.result_for(*other);
+  }
+  out.ended_waiting = out.report.status == StartStatus::kWaiting;
+  if (out.ended_waiting) out.report = out.result.report;
   keep_used(motion == MotionModel::kOdometry ? 0 : out.result.trajectory.size(), std::move(seen), out);
   note_steps(out);
   if (motion != MotionModel::kOdometry && !out.stopped && out.ahead.empty()) {
-    smooth(sensors, source, n, motion, feed, start, out);
+    smooth(sensors, source, n, setup, feed, start, out);
   }
   return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "frame_feed.hpp"
@@ -13,7 +14,11 @@ namespace limber::detail {
 /// The frames that a start from the sensors has used up, and what it made of them.
 struct SensorWindow {
   SensorStartResult result;  // its trajectory is that of `frames`
+  /// Of the methods that this start serves and that begin otherwise: of `adaptive`, or if it is that one's,
+  /// of those that never trust the rig. Only of a start that is shared.
+  std::optional<SensorStartResult> counterpart;
   StartReport report;
+  bool ended_waiting = false;  // no more frames: then the report is the result's
   std::vector<FrameReport> frames;
   std::vector<double> source_ms, frame_ms;
   detail::PointCount points;
@@ -23,8 +28,9 @@ struct SensorWindow {
 
 /// Reads frames from `first` on until they tell where the body is and how it moves, or the caller stops it:
 /// then the window holds what is known by then, no frame if there was none.
+/// @param shared  whether other methods may want this start
 [[nodiscard]] SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup,
                                               const FrameSource& source, std::size_t first,
-                                              const RunCallbacks& callbacks);
+                                              const RunCallbacks& callbacks, bool shared);
 
 }  // namespace limber::detail

@@ -116,11 +116,11 @@ TEST(SensorStart, IsTheSameForMethodsThatLeaveTheSameOfTheRigOpenAndForNothingEl
   const StereoCalibration& rig = scene.calibration;
   const NavigatorOptions lcekf = options_of(scene, Method::kLcekf);
   const auto same = [&](const NavigatorOptions& b) { return same_start(lcekf, rig, b, rig); };
-  for (const Method method : {Method::kLcekf, Method::kEkfFull, Method::kSoft, Method::kConsider}) {
+  for (const Method method :
+       {Method::kLcekf, Method::kEkfFull, Method::kSoft, Method::kConsider, Method::kAdaptive}) {
     EXPECT_TRUE(same(options_of(scene, method))) << to_string(method);
   }
   EXPECT_FALSE(same(options_of(scene, Method::kEkf)));
-  EXPECT_FALSE(same(options_of(scene, Method::kAdaptive)));  // trusts the rig after all, mostly
   EXPECT_FALSE(same(options_of(scene, Method::kMonoLeft)));
   EXPECT_FALSE(same_start(options_of(scene, Method::kEkf), rig, options_of(scene, Method::kMonoLeft), rig));
   const std::vector<std::function<void(NavigatorOptions&)>> changes = {

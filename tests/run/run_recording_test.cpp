@@ -8,10 +8,12 @@
 #include <stdexcept>
 
 #include "limber/datasets/interpolate.hpp"
+#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "message_of.hpp"
 #include "run/recorded_run.hpp"
 #include "run/short_recording.hpp"
+#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -57,6 +59,22 @@ std::string test_name(const ::testing::TestParamInfo<Method>& method) {
 
 INSTANTIATE_TEST_SUITE_P(RunRecording, EveryMethod, ::testing::ValuesIn(kAllMethods), test_name);
 
+RunRecord run_alone(const Recording& recording, Method method) {
+  RunOptions options;
+  options.method = method;
+  return run(recording, options);
+}
+
+void expect_shared(const Recording& recording, Method method, const RunRecord& alone, SharedStarts& starts) {
+  RunOptions options;
+  options.method = method;
+  const RunRecord shared = run_recording(recording, options, matched_frames(recording), {}, &starts);
+  EXPECT_TRUE(same_run(alone, shared)) << to_string(method);
+  EXPECT_EQ(shared.notes, alone.notes) << to_string(method);
+  EXPECT_EQ(shared.cleaning.frames, alone.cleaning.frames) << to_string(method);
+  EXPECT_EQ(shared.cleaning.leapt_matches, alone.cleaning.leapt_matches) << to_string(method);
+}
+
 TEST(RunRecording, OfASharedStartIsBitByBitThatOfItsOwn) {
   Scenario scenario = short_scenario();
   set_pixels(scenario, PixelPreset::kRealistic);
@@ -64,16 +82,25 @@ TEST(RunRecording, OfASharedStartIsBitByBitThatOfItsOwn) {
   SharedStarts starts;
   for (const Method method :
        {Method::kEkf, Method::kLcekf, Method::kEkfFull, Method::kAdaptive, Method::kMonoLeft}) {
-    RunOptions options;
-    options.method = method;
-    const RunRecord alone = run(recording, options);
-    const RunRecord shared = run_recording(recording, options, matched_frames(recording), {}, &starts);
-    EXPECT_TRUE(same_run(alone, shared)) << to_string(method);
-    EXPECT_EQ(shared.notes, alone.notes) << to_string(method);
-    EXPECT_EQ(shared.cleaning.frames, alone.cleaning.frames) << to_string(method);
-    EXPECT_EQ(shared.cleaning.leapt_matches, alone.cleaning.leapt_matches) << to_string(method);
+    expect_shared(recording, method, run_alone(recording, method), starts);
   }
-  EXPECT_EQ(starts.size(), 4u) << "of ekf, of those that distrust the rig, of adaptive, of mono-left";
+  EXPECT_EQ(starts.size(), 3u) << "of ekf, of those that leave theta open, of mono-left";
+}
+
+TEST(RunRecording, OfAdaptiveWhichTrustsTheRigSharesItsStartWithThoseThatDoNot) {
+  Scenario sound = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  sound.duration = 4.5;
+  const Recording recording = simulate(sound, 1);
+  const RunRecord lcekf = run_alone(recording, Method::kLcekf);
+  const RunRecord adaptive = run_alone(recording, Method::kAdaptive);
+  ASSERT_TRUE(adaptive.start.distrusting);
+  EXPECT_NE(adaptive.start.nav.T_world_body.p, lcekf.start.nav.T_world_body.p);
+  SharedStarts starts, starts_of_adaptive;
+  expect_shared(recording, Method::kLcekf, lcekf, starts);
+  expect_shared(recording, Method::kAdaptive, adaptive, starts);
+  expect_shared(recording, Method::kAdaptive, adaptive, starts_of_adaptive);
+  expect_shared(recording, Method::kLcekf, lcekf, starts_of_adaptive);
+  EXPECT_EQ(starts.size() + starts_of_adaptive.size(), 2u);
 }
 
 TEST(RunRecording, DrawsAnotherStartForAnotherSeedOrRun) {

@@ -103,9 +103,9 @@ struct SensorStartResult {
   bool solved = true;  ///< false: images and inputs agree upon no motion, and nothing of them was used
 };
 
-/// @brief Whether starts for both would be the same, from the same frames and inputs: what they ask of the
-/// rig (which of theta is free, whether the right pixels are used, whether it may be trusted after all), rig
-/// and noises agree.
+/// @brief Whether one start serves both, from the same frames and inputs: what they ask of the rig (which of
+/// theta is free, whether the right pixels are used), rig and noises agree. What each begins with:
+/// SensorStart::result_for.
 [[nodiscard]] bool same_start(const NavigatorOptions& a, const StereoCalibration& rig_of_a,
                               const NavigatorOptions& b, const StereoCalibration& rig_of_b);
 
@@ -146,6 +146,10 @@ class SensorStart {
   /// What is known by now, whatever the status.
   /// @throws std::invalid_argument if there was no frame yet
   [[nodiscard]] SensorStartResult result();
+  /// @brief The same for another method that this start serves (same_start): `adaptive` may trust the rig
+  /// after all where the others do not.
+  /// @throws std::invalid_argument as result()
+  [[nodiscard]] SensorStartResult result_for(Method method);
 
  private:
   std::unique_ptr<detail::StartWindow> window_;

@@ -11,7 +11,8 @@ struct KeptStarts;
 }
 
 /// @brief Starts from the sensors that runs over one recording share: what a method asks of its start
-/// (same_start) and one before has asked, too, is not solved again. The results are those of runs that share
+/// (same_start) and one before has asked, too, is not solved again; `adaptive` shares with the methods that
+/// leave all of theta open. The results are those of runs that share
 /// nothing, bit by bit. For runs one after the other, over the same recording, its frames from the same
 /// source, cleaned alike.
 class SharedStarts {
