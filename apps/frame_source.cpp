@@ -28,6 +28,44 @@ double ms_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
 }
 
+template <typename Item>
+using Take = std::function<Item(std::size_t)>;
+
+struct DecodedPair {
+  std::optional<std::array<GreyPixels, 2>> pixels;
+  std::string unreadable;  ///< why there are none; empty: they were read
+  double decode_ms = 0.0;
+};
+
+/// Reads the images of a recording, one pair after the other.
+class PairDecoding {
+ public:
+  explicit PairDecoding(const Recording& recording) : pairs_(recording.images.size()), reader_(recording) {}
+
+  /// Nothing of a damaged pair. @throws DataError where the first pairs are all so: it is not damage then
+  DecodedPair operator()(std::size_t n) {
+    DecodedPair result;
+    const auto begin = std::chrono::steady_clock::now();
+    try {
+      result.pixels = reader_.read(n);
+      any_read_ = true;
+    } catch (const DataError& error) {
+      if (!any_read_ && (++unread_ == kFirstPairs || n + 1 == pairs_)) {
+        throw;
+      }
+      result.unreadable = error.what();
+    }
+    result.decode_ms = ms_since(begin);
+    return result;
+  }
+
+ private:
+  std::size_t pairs_;
+  PairReader reader_;
+  bool any_read_ = false;
+  std::size_t unread_ = 0;
+};
+
 /// A frame, and what it took.
 struct TrackedFrame {
   StereoFrame frame;
@@ -35,68 +73,56 @@ struct TrackedFrame {
   std::string unreadable;  ///< why it has no points; empty: its images were read
 };
 
-/// Reads and tracks the images of a recording, one pair after the other.
-class ImageTracking {
+/// Tracks the images of a recording, one pair after the other.
+class PairTracking {
  public:
-  ImageTracking(const Recording& recording, const TrackerOptions& options)
-      : recording_(recording), reader_(recording), tracker_(recording.calibration, options) {}
+  PairTracking(const Recording& recording, const TrackerOptions& options, Take<DecodedPair> decoded)
+      : recording_(recording), tracker_(recording.calibration, options), decoded_(std::move(decoded)) {}
 
   /// Of a pair that cannot be read no points; they are tracked from the pair before into the next one.
   TrackedFrame operator()(std::size_t n) {
-    TrackedFrame result;
-    result.frame.t_ns = recording_.images[n].t_ns;
-    const auto begin = std::chrono::steady_clock::now();
-    const auto pair = read(n, result.unreadable);
-    result.decode_ms = ms_since(begin);
-    if (pair) {
-      const auto decoded = std::chrono::steady_clock::now();
-      result.frame = tracker_.process(result.frame.t_ns, (*pair)[0].view(), (*pair)[1].view());
-      result.track_ms = ms_since(decoded);
+    DecodedPair pair = decoded_(n);
+    TrackedFrame result{{.t_ns = recording_.images[n].t_ns}, pair.decode_ms, 0.0, std::move(pair.unreadable)};
+    if (pair.pixels) {
+      const auto begin = std::chrono::steady_clock::now();
+      const auto& [left, right] = *pair.pixels;
+      result.frame = tracker_.process(result.frame.t_ns, left.view(), right.view());
+      result.track_ms = ms_since(begin);
     }
     return result;
   }
 
  private:
-  /// Nothing of a damaged pair. @throws DataError where the first pairs are all so: it is not damage then
-  std::optional<std::array<GreyPixels, 2>> read(std::size_t n, std::string& why) {
-    try {
-      auto pair = reader_.read(n);
-      any_read_ = true;
-      return pair;
-    } catch (const DataError& error) {
-      if (!any_read_ && (++unread_ == kFirstPairs || n + 1 == recording_.images.size())) {
-        throw;
-      }
-      why = error.what();
-      return std::nullopt;
-    }
-  }
-
   const Recording& recording_;
-  PairReader reader_;
   StereoTracker tracker_;
-  bool any_read_ = false;
-  std::size_t unread_ = 0;
+  Take<DecodedPair> decoded_;
 };
 
-using TrackedFrames = std::function<TrackedFrame(std::size_t)>;
+/// The same items, made on a thread of their own.
+template <typename Item>
+Take<Item> made_ahead(Take<Item> make, std::size_t count) {
+  auto ahead = std::make_shared<ReadAhead<Item>>(std::move(make), count);
+  return [ahead](std::size_t n) { return ahead->take(n); };
+}
 
-TrackedFrames tracked_frames(const Recording& recording, const FrontendArguments& arguments) {
+Take<TrackedFrame> tracked_frames(const Recording& recording, const FrontendArguments& arguments) {
   TrackerOptions options;
   options.max_tracks = arguments.max_tracks;
-  auto tracking = std::make_shared<ImageTracking>(recording, options);
-  TrackedFrames take = [tracking](std::size_t n) { return (*tracking)(n); };
-  if (arguments.threads > 1) {
-    auto ahead = std::make_shared<ReadAhead<TrackedFrame>>(take, recording.images.size());
-    take = [ahead](std::size_t n) { return ahead->take(n); };
+  const std::size_t pairs = recording.images.size();
+  auto decoding = std::make_shared<PairDecoding>(recording);
+  Take<DecodedPair> decoded = [decoding](std::size_t n) { return (*decoding)(n); };
+  if (arguments.threads > 2) {
+    decoded = made_ahead(std::move(decoded), pairs);
   }
-  return take;
+  auto tracking = std::make_shared<PairTracking>(recording, options, std::move(decoded));
+  Take<TrackedFrame> tracked = [tracking](std::size_t n) { return (*tracking)(n); };
+  return arguments.threads > 1 ? made_ahead(std::move(tracked), pairs) : tracked;
 }
 
 /// Keeps the frames that were taken, one after the other, for those who take them again.
 class KeptFrames {
  public:
-  explicit KeptFrames(TrackedFrames take) : take_(std::move(take)) {}
+  explicit KeptFrames(Take<TrackedFrame> take) : take_(std::move(take)) {}
 
   TrackedFrame operator()(std::size_t n, FrontendRecord& record) {
     if (kept_.empty()) first_ = n;
@@ -111,14 +137,14 @@ class KeptFrames {
   }
 
  private:
-  TrackedFrames take_;
+  Take<TrackedFrame> take_;
   std::size_t first_ = 0;
   std::vector<TrackedFrame> kept_;
 };
 
 /// Frames as `take` makes them, with what it took.
-template <typename Take>
-ImageFrames recorded(Take take) {
+template <typename TakeAndRecord>
+ImageFrames recorded(TakeAndRecord take) {
   auto record = std::make_shared<FrontendRecord>();
   auto damaged = std::make_shared<DamagedPairs>();
   return {[take, record, damaged](std::size_t n) {

@@ -13,7 +13,8 @@ namespace limber::app {
 
 struct FrontendArguments {
   int max_tracks = 120;  ///< points followed at a time
-  int threads = 2;       ///< 1: images are read and tracked when the filter asks for them
+  /// 1: images are decoded and tracked when the filter asks for them; 2: ahead of it; 3: each ahead
+  int threads = 3;
 };
 
 /// Pairs of images that could not be read. Each is a frame without points.

@@ -109,9 +109,11 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       ->each([&arguments](const std::string&) { arguments.for_images = "--max-tracks"; })
       ->capture_default_str();
   command
-      .add_option("--threads", arguments.frontend.threads,
-                  "Images: 2 reads and tracks them while the filter works, 1 in turn; the result is the same")
-      ->check(whole_number(1, 2))
+      .add_option(
+          "--threads", arguments.frontend.threads,
+          "Images: 3 decodes, tracks and filters at the same time, 2 decodes and tracks while the filter "
+          "works, 1 in turn; the result is the same")
+      ->check(whole_number(1, 3))
       ->each([&arguments](const std::string&) { arguments.for_images = "--threads"; })
       ->capture_default_str();
   command

@@ -22,7 +22,7 @@ function(limber_package_of library out)
     set(package SQLiteCpp)
   elseif(library MATCHES "^(BZip2|PNG|TIFF|ZLIB)::")
     set(package ${CMAKE_MATCH_1})
-  elseif(library MATCHES "^(lz4|zstd|spng|turbojpeg|cpp-httplib)$")
+  elseif(library MATCHES "^(lz4|zstd|deflate|spng|turbojpeg|cpp-httplib)$")
     set(package "")  # plain libraries
   else()
     message(FATAL_ERROR "Name the package of '${library}' in cmake/LimberInstall.cmake: "

@@ -37,7 +37,7 @@ limber_package(program limber science "Stereo navigation for rigs that bend: pro
 limber_package(development liblimber-dev libdevel "Stereo navigation for rigs that bend: C++ library")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS libeigen3-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS
-    "libopencv-dev, libpng-dev, libspng-dev, libtiff-dev, libturbojpeg0-dev, libbz2-dev, liblz4-dev, libzstd-dev, zlib1g-dev, libyaml-cpp-dev, libfmt-dev, nlohmann-json3-dev, libsqlitecpp-dev, libtbb-dev, libceres-dev, libcpp-httplib-dev")
+    "libopencv-dev, libpng-dev, libspng-dev, libtiff-dev, libturbojpeg0-dev, libdeflate-dev, libbz2-dev, liblz4-dev, libzstd-dev, zlib1g-dev, libyaml-cpp-dev, libfmt-dev, nlohmann-json3-dev, libsqlitecpp-dev, libtbb-dev, libceres-dev, libcpp-httplib-dev")
 if(LIMBER_BUILD_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python)
   limber_package(python python3-limber python "Stereo navigation for rigs that bend: Python module")

@@ -8,7 +8,7 @@ packages=(
   libeigen3-dev                   # the filter
   libceres-dev  # the smoother
   libyaml-cpp-dev libfmt-dev nlohmann-json3-dev libcli11-dev  # datasets, simulator, program
-  libopencv-dev libpng-dev libspng-dev libtiff-dev libturbojpeg0-dev  # image front end
+  libopencv-dev libpng-dev libspng-dev libtiff-dev libturbojpeg0-dev libdeflate-dev  # image front end
   libbz2-dev liblz4-dev libzstd-dev zlib1g-dev  # bags
   libcpp-httplib-dev              # the live view
   libsqlitecpp-dev libtbb-dev libopenmpi-dev openmpi-bin  # studies

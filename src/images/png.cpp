@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// PNG: read by libpng, whose filters are faster, written by libspng.
+// PNG: read by libpng, unless it is plain, and written by libspng.
 #include <png.h>
 #include <spng.h>
 #include <zlib.h>
@@ -9,10 +9,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "images/codecs.hpp"
+#include "images/plain_png.hpp"
 #include "images/samples.hpp"
 
 namespace limber::images {
@@ -119,7 +121,10 @@ bool is_png(std::string_view file) {
   return file.starts_with("\x89PNG\r\n\x1a\n"sv);
 }
 
-Picture decode_png(std::string_view file) { return PngReader(file).read(); }
+Picture decode_png(std::string_view file) {
+  std::optional<Picture> plain = decode_plain_png(file);
+  return plain ? *std::move(plain) : PngReader(file).read();
+}
 
 }  // namespace limber::images
 

@@ -133,15 +133,13 @@ void append(std::vector<std::string>& notes, const std::vector<std::string>& mor
 
 /// A start of its own, or one that a run before has solved. The frames of that go through the cleaning, which
 /// remembers what it has seen.
-/// @param elsewhere_s  how long that took, if another run has spent it [s]
 SensorWindow sensor_window(const Recording& recording, const RunSetup& setup, const FrameSource& frames,
-                           std::size_t first, const RunCallbacks& callbacks, SharedStarts* shared,
-                           double& elsewhere_s) {
+                           std::size_t first, const RunCallbacks& callbacks, SharedStarts* shared) {
   if (std::optional<SensorWindow> known = shared ? shared->kept().find(setup) : std::nullopt) {
     for (std::size_t n = first; n < first + known->frames.size() + known->ahead.size(); ++n) {
       (void)frames(n);
     }
-    elsewhere_s = 1e-3 * std::accumulate(known->frame_ms.begin(), known->frame_ms.end(), 0.0);
+    known->elsewhere_s = 1e-3 * std::accumulate(known->frame_ms.begin(), known->frame_ms.end(), 0.0);
     return *std::move(known);
   }
   SensorWindow out =
@@ -235,11 +233,10 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   const bool from_truth = options.start == StartMode::kGroundTruth;
   RunRecord record;
   SensorWindow window;
-  double elsewhere_s = 0.0;
   if (from_truth) {
     record.start = detail::start_from_truth(recording, options, setup, frame_time(recording, first));
   } else {
-    window = sensor_window(recording, setup, frames, first, callbacks, shared, elsewhere_s);
+    window = sensor_window(recording, setup, frames, first, callbacks, shared);
     record.start = window.result.initial;
     record.sensor_start = window.report;
     record.stopped = window.stopped;
@@ -312,7 +309,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     }
     done(record.frames.size() - 1, &frame);
   }
-  record.elapsed_s = elsewhere_s + 1e-3 * milliseconds(begin_run, Clock::now());
+  record.elapsed_s = window.elsewhere_s + 1e-3 * milliseconds(begin_run, Clock::now());
   take_end(navigator, record);
   append(record.notes, remarks_on_inputs(summarize_inputs(record.frames)));
   record.cleaning = cleaner.report();

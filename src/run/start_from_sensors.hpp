@@ -24,6 +24,7 @@ struct SensorWindow {
   detail::PointCount points;
   std::deque<ReadFrame> ahead;  // read, and still to be processed
   bool stopped = false;         // by the caller
+  double elsewhere_s = 0.0;     // what it took, if another run has spent that [s]
 };
 
 /// Reads frames from `first` on until they tell where the body is and how it moves, or the caller stops it:

@@ -97,11 +97,14 @@ TEST_F(ImageFolder, IsNavigated) {
 }
 
 TEST_F(ImageFolder, IsNavigatedAlikeOnOneThreadAndOnTwoAndSaysWhatTheImagesTook) {
-  const fs::path alone = mav0().parent_path() / "alone", beside = mav0().parent_path() / "beside";
+  const fs::path alone = mav0().parent_path() / "alone", beside = mav0().parent_path() / "beside",
+                 each = mav0().parent_path() / "each";
   const std::string data = mav0().parent_path().string();
   ASSERT_EQ(testing::run_limber({"run", data, "--threads", "1", "--out", alone.string()}).exit_code, 0);
   ASSERT_EQ(testing::run_limber({"run", data, "--threads", "2", "--out", beside.string()}).exit_code, 0);
+  ASSERT_EQ(testing::run_limber({"run", data, "--threads", "3", "--out", each.string()}).exit_code, 0);
   EXPECT_EQ(testing::read_text(alone / "trajectory.csv"), testing::read_text(beside / "trajectory.csv"));
+  EXPECT_EQ(testing::read_text(alone / "trajectory.csv"), testing::read_text(each / "trajectory.csv"));
   const auto summary = nlohmann::json::parse(testing::read_text(beside / "summary.json"));
   for (const char* const part : {"decode", "track", "end_to_end"}) {
     EXPECT_GT(summary["ms_per_frame"][part]["p50"].get<double>(), 0.0) << part;
@@ -164,7 +167,7 @@ TEST_F(ImageFolder, GoesOnWhereAnImageIsTornOrNoneOrOfAnotherSize) {
       {huge, "found 30000 x 30000 px"}};
   for (const auto& [content, words] : damaged) {
     write_text(image("cam0", 4), content);
-    for (const char* const threads : {"1", "2"}) {
+    for (const char* const threads : {"1", "2", "3"}) {
       expect_one_lost_frame(
           {"run", mav0().parent_path().string(), "--threads", threads, "--out", out().string(), "--force"},
           out(), "at 200000000 ns: " + image("cam0", 4).string() + ": ");

@@ -25,8 +25,11 @@ struct Interval {
 
 def warnings_of(header):
     with tempfile.TemporaryDirectory() as name:
-        (Path(name) / "interval.hpp").write_text(header)
-        settings = (SOURCE / "docs/Doxyfile").read_text() + f'INPUT = "{name}"\nOUTPUT_DIRECTORY = "{name}/site"\nGENERATE_HTML = NO\n'
+        headers, shown = Path(name) / "headers", Path(name) / "shown"
+        headers.mkdir()
+        (headers / "interval.hpp").write_text(header)
+        subprocess.run([sys.executable, SOURCE / "docs/shared_comments.py", headers, shown], check=True)
+        settings = (SOURCE / "docs/Doxyfile").read_text() + f'INPUT = "{shown}"\nOUTPUT_DIRECTORY = "{name}/site"\nGENERATE_HTML = NO\n'
         done = subprocess.run(["doxygen", "-"], input=settings, cwd=SOURCE, text=True, capture_output=True, check=True)
         return [line for line in done.stderr.splitlines() if "is not documented" in line]
 
