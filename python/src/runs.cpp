@@ -105,9 +105,7 @@ void bind_run_options(py::module_& module) {
       py::arg("recording"), py::arg("options"), DOC(set_up_run));
 }
 
-app::ImageFrames on_this_thread(const Recording& recording) {
-  return app::image_frames(recording, {.threads = 1});
-}
+app::ImageFrames frames_of(const Recording& recording) { return app::image_frames(recording, {}); }
 
 Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, const Observer& observe) {
   RunCallbacks callbacks;
@@ -121,7 +119,7 @@ Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, 
       observe(frame.report);
     };
   }
-  const app::ImageFrames images = on_this_thread(*recording);
+  const app::ImageFrames images = frames_of(*recording);
   RunRecord record = run_recording(*recording, options, images.frames, callbacks);
   app::add_damaged(images, record);
   RunSummary summary = summarize(*recording, options, record);
@@ -140,7 +138,7 @@ Run smooth(const std::shared_ptr<Recording>& recording, const RunOptions& run_op
   options.piece_s = model.piece_s;
   options.causal_window_s = causal_window_s;
   options.threads = threads;
-  const app::ImageFrames images = on_this_thread(*recording);
+  const app::ImageFrames images = frames_of(*recording);
   RunRecord record =
       smooth_recording(*recording, options, images.frames, [](std::size_t) { check_signals(); });
   app::add_damaged(images, record);
@@ -182,7 +180,7 @@ void bind_recalibration(py::module_& module) {
       [](const std::shared_ptr<Recording>& recording, const RunOptions& run) {
         RecalibrateOptions options;
         options.run = run;
-        return Recalibrated{recording, app::recalibrate(*recording, options, on_this_thread,
+        return Recalibrated{recording, app::recalibrate(*recording, options, frames_of,
                                                         [](std::size_t) { check_signals(); })};
       },
       py::arg("recording"), py::arg("options"), py::call_guard<py::gil_scoped_release>(),
@@ -359,7 +357,7 @@ void bind_running(py::module_& module) {
           app::require_same_cameras(*earlier, corrected(recording.calibration, options.assume_error),
                                     "since");
         }
-        app::Diagnosis diagnosis = app::diagnose_recording(recording, options, on_this_thread(recording),
+        app::Diagnosis diagnosis = app::diagnose_recording(recording, options, frames_of(recording),
                                                            [](std::size_t) { check_signals(); });
         diagnosis.since = app::since_then(earlier, diagnosis);
         return std::tuple(to_json(diagnosis), to_text(diagnosis),
