@@ -362,9 +362,14 @@ test('the path in space is drawn and can be turned', async () => {
   const before_ = await eye();
   const box = await page.locator('#path-3d .plot').boundingBox();
   const middle = [box.x + box.width / 2, box.y + box.height / 2];
+  const drawn = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   await page.mouse.move(...middle);
   await page.mouse.down();
-  await page.mouse.move(middle[0] + 120, middle[1], { steps: 4 });
+  for (const way of [40, 80, 120]) {  // Plotly asks where the pointer is when it draws: a drag between two pictures is none
+    await drawn();
+    await page.mouse.move(middle[0] + way, middle[1]);
+  }
+  await drawn();
   await page.mouse.up();
   await page.waitForFunction(({ x, y }) => {  // the camera moves when the next picture is drawn
     const now = window.limberReport.plot('path-3d')._fullLayout.scene._scene.getCamera().eye;
