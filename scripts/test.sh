@@ -25,7 +25,7 @@ trap 'echo "limber: FAILED, see above" >&2' ERR
 
 # The folders of tests/ that the sanitizers watch every time: the filter's rooms, and what reads recordings and calibrations.
 watched="core;sensors;predict;measure;state;landmarks;stack;update;health;navigate"
-watched+=";evaluate;io;clean;rig_files;datasets;bags;simulate"
+watched+=";evaluate;io;clean;rig_files;images;datasets;bags;simulate"
 released=(--label-exclude '^full$')
 if $full; then
   watched=""
