@@ -47,12 +47,13 @@ struct Grid {
   }
 };
 
+using Row = Eigen::ArrayXf;
+
 /// Smaller eigenvalue of the mean structure tensor [(grey level / px)^2] of each pixel of `area`, which
 /// must be kBlock / 2 + 1 away from the edges of the image.
 cv::Mat1f corner_strength(const cv::Mat& image, const cv::Rect& area) {
   constexpr int kAround = kBlock / 2;
   const int width = area.width, wide = area.width + 2 * kAround;
-  using Row = Eigen::ArrayXf;
   const auto row_of = [width](cv::Mat1f& sums, int v) { return Eigen::Map<Row>(sums[v], width); };
   Row slope_u(wide), slope_v(wide), product(wide);
   cv::Mat1f uu(area.height + 2 * kAround, width), uv(uu.size()), vv(uu.size());  // sums over kBlock columns
@@ -95,35 +96,42 @@ cv::Mat1f corner_strength(const cv::Mat& image, const cv::Rect& area) {
   return strength;
 }
 
-bool is_largest_of_nine(const cv::Mat1f& values, int u, int v) {
-  const float value = values(v, u);
-  for (int y = v - 1; y <= v + 1; ++y) {
-    const float* row = values[y];
-    if (row[u - 1] > value || row[u] > value || row[u + 1] > value) return false;
-  }
-  return true;
+/// The largest of each value and its two neighbours; of the ends nothing.
+void largest_of_three(const cv::Mat1f& values, int v, Row& out) {
+  const Eigen::Index inner = values.cols - 2;
+  const Eigen::Map<const Row> row(values[v], values.cols);
+  out = row.head(inner).max(row.segment(1, inner)).max(row.tail(inner));
 }
 
 /// Local maxima of the corner strength in `area`, strongest first.
-std::vector<Corner> corners_in(const cv::Mat& image, const cv::Rect& area, double min_strength) {
+std::vector<Corner> corners_in(const cv::Mat& image, const cv::Rect& area, float min_strength) {
   if (area.width < 3 || area.height < 3) return {};
   const cv::Mat1f strength = corner_strength(image, area);
   std::vector<Corner> corners;
+  Row above, here, below, largest;
+  largest_of_three(strength, 0, above);
+  largest_of_three(strength, 1, here);
   for (int v = 1; v + 1 < area.height; ++v) {
-    for (int u = 1; u + 1 < area.width; ++u) {
-      if (strength(v, u) > min_strength && is_largest_of_nine(strength, u, v)) {
+    largest_of_three(strength, v + 1, below);
+    largest = above.max(here).max(below).max(min_strength);
+    const float* row = strength[v] + 1;
+    for (int u = 0; u + 2 < area.width; ++u) {
+      if (row[u] >= largest[u] && row[u] > min_strength) {
         corners.push_back(
-            {cv::Point2f(static_cast<float>(area.x + u), static_cast<float>(area.y + v)), strength(v, u)});
+            {cv::Point2f(static_cast<float>(area.x + 1 + u), static_cast<float>(area.y + v)), row[u]});
       }
     }
+    above.swap(here);
+    here.swap(below);
   }
   std::stable_sort(corners.begin(), corners.end(), stronger);
   return corners;
 }
 
-bool is_free(const cv::Point2f& at, const std::vector<cv::Point2f>& points, double min_distance) {
+bool is_free(const cv::Point2f& at, const std::vector<cv::Point2f>& points, float min_distance) {
   return std::none_of(points.begin(), points.end(), [&](const cv::Point2f& p) {
-    return std::hypot(p.x - at.x, p.y - at.y) < min_distance;
+    const float du = p.x - at.x, dv = p.y - at.y;
+    return du * du + dv * dv < min_distance * min_distance;
   });
 }
 
@@ -137,10 +145,10 @@ class Cell {
   /// The strongest corner that is away from the points; none if there is no such corner left.
   std::optional<Corner> next_free(const cv::Mat& image, const std::vector<cv::Point2f>& points,
                                   const CornerOptions& options) {
-    if (!corners_) corners_ = corners_in(image, area_, options.min_strength);
+    if (!corners_) corners_ = corners_in(image, area_, static_cast<float>(options.min_strength));
     while (next_ < corners_->size()) {
       const Corner& corner = (*corners_)[next_++];
-      if (is_free(corner.at, points, options.min_distance)) return corner;
+      if (is_free(corner.at, points, static_cast<float>(options.min_distance))) return corner;
     }
     return std::nullopt;
   }
@@ -192,7 +200,9 @@ std::vector<Eigen::Vector2d> new_corners(const cv::Mat& image, const std::vector
     std::stable_sort(offers.begin(), offers.end(),
                      [](const Offer& x, const Offer& y) { return stronger(x.corner, y.corner); });
     for (const Offer& offer : offers) {
-      if (points.size() == wanted || !is_free(offer.corner.at, points, options.min_distance)) continue;
+      if (points.size() == wanted ||
+          !is_free(offer.corner.at, points, static_cast<float>(options.min_distance)))
+        continue;
       points.push_back(offer.corner.at);
       ++offer.cell->held;
     }
