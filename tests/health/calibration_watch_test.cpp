@@ -11,6 +11,7 @@
 
 #include "health/stereo_world.hpp"
 #include "limber/core/time.hpp"
+#include "sanitized.hpp"
 
 namespace limber {
 namespace {
@@ -140,6 +141,9 @@ TEST(CalibrationWatch, JudgesADriftAtItsEndAndGivesItsRate) {
 }
 
 TEST(CalibrationWatch, ReckonsWithADriftThatItCannotSee) {
+  if (testing::kSanitized) {
+    GTEST_SKIP() << "a long statistic of what the other tests run, too";
+  }
   int held = 0;
   constexpr int kSeeds = 20;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
