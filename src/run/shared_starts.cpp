@@ -12,9 +12,7 @@ namespace {
 
 SensorWindow of_counterpart(SensorWindow window) {
   std::swap(window.result, *window.counterpart);
-  if (window.ended_waiting) {
-    window.report = window.result.report;
-  }
+  window.report = report_of(window.result, window.of_last_frame);
   return window;
 }
 

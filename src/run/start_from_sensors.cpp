@@ -74,6 +74,13 @@ void note_steps(SensorWindow& window) {
 
 }  // namespace
 
+StartReport report_of(const SensorStartResult& result, const StartReport& of_last_frame) {
+  StartReport out = of_last_frame.status == StartStatus::kWaiting ? result.report : of_last_frame;
+  out.tilt_sigma = result.report.tilt_sigma;
+  out.scale_sigma = result.report.scale_sigma;
+  return out;
+}
+
 SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup, const FrameSource& source,
                                 std::size_t first, const RunCallbacks& callbacks, bool shared) {
   const MotionModel motion = setup.navigator.motion;
@@ -114,8 +121,8 @@ SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup
   if (const auto other = shared ? counterpart(setup) : std::nullopt) {
     out.counterpart = start.result_for(*other);
   }
-  out.ended_waiting = out.report.status == StartStatus::kWaiting;
-  if (out.ended_waiting) out.report = out.result.report;
+  out.of_last_frame = out.report;
+  out.report = report_of(out.result, out.of_last_frame);
   keep_used(motion == MotionModel::kOdometry ? 0 : out.result.trajectory.size(), std::move(seen), out);
   note_steps(out);
   if (motion != MotionModel::kOdometry && !out.stopped && out.ahead.empty()) {

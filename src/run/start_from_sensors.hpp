@@ -17,8 +17,8 @@ struct SensorWindow {
   /// Of the methods that this start serves and that begin otherwise: of `adaptive`, or if it is that one's,
   /// of those that never trust the rig. Only of a start that is shared.
   std::optional<SensorStartResult> counterpart;
-  StartReport report;
-  bool ended_waiting = false;  // no more frames: then the report is the result's
+  StartReport report;         // of the result
+  StartReport of_last_frame;  // why no more were waited for; kWaiting: there were none
   std::vector<FrameReport> frames;
   std::vector<double> source_ms, frame_ms;
   detail::PointCount points;
@@ -26,6 +26,9 @@ struct SensorWindow {
   bool stopped = false;         // by the caller
   double elsewhere_s = 0.0;     // what it took, if another run has spent that [s]
 };
+
+/// What a run says of its start: why it waited no longer, and what is known with this result.
+[[nodiscard]] StartReport report_of(const SensorStartResult& result, const StartReport& of_last_frame);
 
 /// Reads frames from `first` on until they tell where the body is and how it moves, or the caller stops it:
 /// then the window holds what is known by then, no frame if there was none.

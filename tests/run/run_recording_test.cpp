@@ -71,6 +71,7 @@ void expect_shared(const Recording& recording, Method method, const RunRecord& a
   const RunRecord shared = run_recording(recording, options, matched_frames(recording), {}, &starts);
   EXPECT_TRUE(same_run(alone, shared)) << to_string(method);
   EXPECT_EQ(shared.notes, alone.notes) << to_string(method);
+  EXPECT_EQ(shared.sensor_start->scale_sigma, alone.sensor_start->scale_sigma) << to_string(method);
   EXPECT_EQ(shared.cleaning.frames, alone.cleaning.frames) << to_string(method);
   EXPECT_EQ(shared.cleaning.leapt_matches, alone.cleaning.leapt_matches) << to_string(method);
 }
@@ -95,6 +96,7 @@ TEST(RunRecording, OfAdaptiveWhichTrustsTheRigSharesItsStartWithThoseThatDoNot) 
   const RunRecord adaptive = run_alone(recording, Method::kAdaptive);
   ASSERT_TRUE(adaptive.start.distrusting);
   EXPECT_NE(adaptive.start.nav.T_world_body.p, lcekf.start.nav.T_world_body.p);
+  EXPECT_LT(adaptive.sensor_start->scale_sigma, 0.8 * lcekf.sensor_start->scale_sigma);
   SharedStarts starts, starts_of_adaptive;
   expect_shared(recording, Method::kLcekf, lcekf, starts);
   expect_shared(recording, Method::kAdaptive, adaptive, starts);
