@@ -41,7 +41,8 @@ struct TrustedRigOff {
                                                            const std::vector<TrustedPart>& parts);
 
 /// @brief Says so of a run, in an event ("trusted rig off") and a note: its sigmas are too small, whatever
-/// the verdict is. Nothing of a run that is lost, or whose rows are not exposed as assumed.
+/// the verdict is. The same of the scale ("trusted scale off"), where inputs alone show another one: once in
+/// a thousand runs, too. Nothing of a run that is lost, or whose rows are not exposed as assumed.
 void add_trusted_rig(const RunOptions& options, RunRecord& record, RunSummary& summary);
 
 }  // namespace limber
