@@ -93,11 +93,12 @@ std::vector<TrustedPart> trusted_parts(const RunOptions& options, MotionModel mo
   return out;
 }
 
-std::optional<TrustedRigOff> trusted_rig_off(const HealthSummary& rig,
-                                             const std::vector<TrustedPart>& parts) {
+std::optional<TrustedRigOff> trusted_rig_off(const HealthSummary& rig, const std::vector<TrustedPart>& parts,
+                                             double share_of_runs) {
   std::vector<CalibrationState> stretches = rig.past;
   stretches.push_back(rig.present);
-  double least = kOnceInRuns / static_cast<double>(stretches.size() * std::max<std::size_t>(parts.size(), 1));
+  double least =
+      share_of_runs / static_cast<double>(stretches.size() * std::max<std::size_t>(parts.size(), 1));
   const double limit = least;
   std::optional<TrustedRigOff> out;
   for (const CalibrationState& state : stretches) {
