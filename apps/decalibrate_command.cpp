@@ -2,8 +2,12 @@
 // limber decalibrate: a recording as a rig that bends would have made it.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "commands.hpp"
 #include "interrupt.hpp"
@@ -51,7 +55,11 @@ void require_outside(const fs::path& out, const fs::path& recording) {
 /// @throws std::invalid_argument, DataError
 std::vector<DecalibrationSignal> signals_of(const std::string& as, const Recording& recording) {
   if (as.find('=') != std::string::npos && !fs::exists(as)) {
-    return {decalibration_from_string(as, recording.calibration.baseline())};
+    try {
+      return {decalibration_from_string(as, recording.calibration.baseline())};
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(std::string("--as: ") + error.what());
+    }
   }
   std::vector<DecalibrationSignal> signals = limber::read_scenario(as).decalibration;
   if (signals.empty()) throw DataError(as, 0, "a scenario with a decalibration", "none");

@@ -17,8 +17,7 @@
 #include "frame_source.hpp"
 #include "interrupt.hpp"
 #include "limber/core/errors.hpp"
-#include "limber/diagnose/misled_since.hpp"
-#include "limber/diagnose/trusted_rig.hpp"
+#include "limber/diagnose/judge_run.hpp"
 #include "live_view.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
@@ -145,10 +144,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
   if (record.frames.empty()) {
     throw std::runtime_error("stopped before the first frame: nothing is written");
   }
-  RunSummary summary = summarize(recording, options, record);
-  add_misled(options, record, summary);
-  add_readout(readout.estimate(), recording.calibration, record, summary);
-  add_trusted_rig(options, record, summary);
+  const RunSummary summary = judge_run(recording, options, readout.estimate(), record);
   write_run(arguments.out, arguments.force, options, record, summary);
   if (arguments.notes != nullptr) {
     *arguments.notes = record.notes;

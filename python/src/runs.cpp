@@ -12,9 +12,8 @@
 #include "docs.hpp"
 #include "frame_source.hpp"
 #include "health_since.hpp"
-#include "limber/diagnose/misled_since.hpp"
+#include "limber/diagnose/judge_run.hpp"
 #include "limber/diagnose/run_summary.hpp"
-#include "limber/diagnose/trusted_rig.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/run_files/run_output.hpp"
@@ -120,11 +119,15 @@ Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, 
     };
   }
   const app::ImageFrames images = frames_of(*recording);
-  RunRecord record = run_recording(*recording, options, images.frames, callbacks);
+  ReadoutWatch readout(corrected(recording->calibration, options.assume_error));
+  const FrameSource watched = [&](std::size_t n) {
+    StereoFrame frame = images.frames(n);
+    readout.add(frame);
+    return frame;
+  };
+  RunRecord record = run_recording(*recording, options, watched, callbacks);
   app::add_damaged(images, record);
-  RunSummary summary = summarize(*recording, options, record);
-  add_misled(options, record, summary);
-  add_trusted_rig(options, record, summary);
+  RunSummary summary = judge_run(*recording, options, readout.estimate(), record);
   return {recording, options, std::move(record), std::move(summary)};
 }
 

@@ -148,6 +148,10 @@ bool HealthSummary::comes_and_goes() const {
   return returns >= 2 && present.verdict == HealthVerdict::kOk;
 }
 
+HealthVerdict HealthSummary::by_states() const {
+  return comes_and_goes() ? HealthVerdict::kDegraded : present.verdict;
+}
+
 bool HealthSummary::was_wrong() const {
   return std::any_of(past.begin(), past.end(), [](const CalibrationState& s) { return is_wrong(s.verdict); });
 }
@@ -176,7 +180,7 @@ std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frame
     return std::nullopt;
   }
   out.begin_ns = frames.front().t_ns;
-  out.verdict = out.comes_and_goes() ? HealthVerdict::kDegraded : out.present.verdict;
+  out.verdict = out.by_states();
   return out;
 }
 

@@ -13,6 +13,7 @@
 #include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
 #include "limber/diagnose/bias_move.hpp"
+#include "limber/diagnose/trusted_rig.hpp"
 
 namespace limber {
 namespace {
@@ -24,7 +25,8 @@ constexpr std::size_t kSudden = 2;        // blocks in which it grows to that, a
 constexpr std::size_t kFewestFrames = 3;  // of a block
 constexpr double kGrown = 6.0;            // NIS per degree of freedom, over the usual one
 constexpr double kManyRefused = 0.1;
-constexpr double kRefused = 0.05;  // share of the points
+constexpr double kRefused = 0.05;      // share of the points
+constexpr double kDoubtfulRig = 0.01;  // share of exact rigs that look so
 
 /// A second of the run.
 struct Block {
@@ -120,7 +122,14 @@ bool proves_a_fault(const BiasMove& move, const RunSummary& summary) {
   return move.is_sudden() && summary.health && !is_wrong(summary.health->verdict);
 }
 
-void judge_move(const BiasMove& move, RunRecord& record, RunSummary& summary) {
+/// A wrong rig that a method trusts may move a bias as well, and need not be sure.
+std::string or_the_rig(const RunOptions& options, const RunRecord& record, const RunSummary& summary) {
+  const auto off = trusted_rig_off(*summary.health,
+                                   trusted_parts(options, record.motion, record.theta_assumed), kDoubtfulRig);
+  return off ? fmt::format(", or the rig is off, by {}", off->in_words) : "";
+}
+
+void judge_move(const RunOptions& options, const BiasMove& move, RunRecord& record, RunSummary& summary) {
   const std::string what = fmt::format(
       "from {:.3f} s to {:.3f} s the bias of the {} moved by {:.2g} {}, {:.0f} times its sigma",
       1e-9 * static_cast<double>(move.from_ns), 1e-9 * static_cast<double>(move.to_ns),
@@ -128,7 +137,8 @@ void judge_move(const BiasMove& move, RunRecord& record, RunSummary& summary) {
   const RunEvent event{"bias moved", move.from_ns, move.to_ns};
   if (proves_a_fault(move, summary)) {
     call_lost(event,
-              what + ": an input failed (a bias or a clock that stepped), and no sigma since then is true",
+              what + ": an input failed (a bias or a clock that stepped)" +
+                  or_the_rig(options, record, summary) + ", and no sigma since then is true",
               record, summary.inputs);
   } else {
     detail::add_event(event, record, summary.inputs);
@@ -179,7 +189,7 @@ void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summar
               "a bias of the IMU is estimated that no IMU has. Is the calibration wrong, or the IMU's unit?",
               record, summary.inputs);
   } else if (move) {
-    judge_move(*move, record, summary);
+    judge_move(options, *move, record, summary);
   }
 }
 

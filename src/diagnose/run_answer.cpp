@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "limber/core/angle.hpp"
@@ -80,6 +81,26 @@ std::string pose_in_words(const RunRecord& record, const RunSummary& s) {
   return text;
 }
 
+/// What positions are worth whose scale is that of the baseline.
+std::string trust_in_words(const RunRecord& record, const RunSummary& s) {
+  const std::string rest = "positions rest on the length of the baseline, which ";
+  if (!s.scale_check) {
+    return rest + "nothing here shows beside it: they are wrong by as many per cent as it is";
+  }
+  const auto from_start = [&](const TrajectoryRow& row) {
+    return (row.T_world_body.p - record.trajectory.front().T_world_body.p).norm();
+  };
+  const TrajectoryRow& farthest = *std::ranges::max_element(record.trajectory, {}, from_start);
+  const double distance = from_start(farthest), sigma = s.scale_check->scale.sigma;
+  std::string out = rest + fmt::format("the IMU shows to {:.2g} % (1σ): {:.2g} m at {:.3g} m from the start",
+                                       100.0 * sigma, sigma * distance, distance);
+  if (farthest.covariance) {
+    out += fmt::format(", where {:.2g} m are claimed",
+                       std::sqrt(farthest.covariance->diagonal().head<3>().sum()));
+  }
+  return out;
+}
+
 /// The verdict on the calibration, and why.
 void judge_calibration(const RunOptions& options, const RunRecord& record, const RunSummary& s,
                        RunAnswer& out) {
@@ -122,6 +143,9 @@ RunAnswer answer_of(const RunOptions& options, const RunRecord& record, const Ru
            fmt::format("use no pose later than {:.1f} s; the notes below say what failed", since)};
   }
   out.sentences.push_back(pose_in_words(record, s));
+  if (s.rests_on_length) {
+    out.sentences.push_back(trust_in_words(record, s));
+  }
   if (!s.truth_is_level) {
     out.sentences.push_back(fmt::format(
         "the world of the truth is not level, its vertical is {:.1f} deg from the run's: errors, bounds and "

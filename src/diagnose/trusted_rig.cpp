@@ -10,6 +10,7 @@
 #include "diagnose/run_events.hpp"
 #include "limber/core/angle.hpp"
 #include "limber/core/chi_square.hpp"
+#include "limber/run/trusted_axes.hpp"
 
 namespace limber {
 namespace {
@@ -17,30 +18,6 @@ namespace {
 constexpr double kOnceInRuns = 1e-3;  // remarks of runs whose rig is exact
 constexpr double kDegrees = 24.0;     // of freedom, see docs/derivations/health.md
 constexpr std::size_t kMostNamed = 3;
-
-bool lcekf_trusts(const RunOptions& options, MotionModel motion, std::size_t axis) {
-  const ConstraintSet set = options.constraints.value_or(ConstraintSet{
-      has_scale(motion) ? ConstraintSet::Kind::kFull : ConstraintSet::Kind::kRotationDirection, {}});
-  switch (set.kind) {
-    case ConstraintSet::Kind::kFull:
-    case ConstraintSet::Kind::kRotationDirection:
-      return false;
-    case ConstraintSet::Kind::kRotation:
-      return axis >= 3;
-    case ConstraintSet::Kind::kListed:
-      break;
-  }
-  return !set.listed[axis];
-}
-
-bool trusts(const RunOptions& options, MotionModel motion, std::size_t axis) {
-  const auto k = static_cast<Eigen::Index>(axis);
-  if (options.estimated(k) != 0.0 || options.softened(k) != 0.0) {
-    return false;
-  }
-  return options.method == Method::kEkf ||
-         (options.method == Method::kLcekf && lcekf_trusts(options, motion, axis));
-}
 
 /// How sure it is that one part is off in one stretch.
 struct PartOff {
@@ -80,20 +57,35 @@ std::string note_on(const TrustedRigOff& off, const RunOptions& options, const H
       rig.verdict == HealthVerdict::kOk ? ", within the tolerance" : "");
 }
 
+bool is_off(const TrajectoryScale& scale) {
+  const double sigmas = scale.too_long / scale.sigma;
+  return chi_square_survival(sigmas * sigmas, 1.0) < kOnceInRuns;
+}
+
+std::string note_on(const ScaleCheck& check, const RunOptions& options, const RunRecord& record,
+                    const HealthSummary& rig) {
+  const bool is_long = check.scale.too_long > 0.0;
+  return fmt::format(
+      "sigmas of {} take the rig for exact, and beside what the IMU shows from {:.1f} s to {:.1f} s its "
+      "trajectory is {:.2g} ± {:.2g} % too {}, as of a baseline that is {} than the assumed {:.3g} m by as "
+      "much: they are too small. --method lcekf and adaptive do not rely on it",
+      to_string(options.method), rig.seconds(check.from_ns), rig.seconds(check.to_ns),
+      100.0 * std::abs(check.scale.too_long), 100.0 * check.scale.sigma, is_long ? "long" : "short",
+      is_long ? "shorter" : "longer", record.theta_assumed.tail<3>().norm());
+}
+
 }  // namespace
 
 std::vector<TrustedPart> trusted_parts(const RunOptions& options, MotionModel motion,
                                        const RigParameters& theta) {
   std::vector<TrustedPart> out;
   for (std::size_t axis = 0; axis < 6; ++axis) {
-    if (trusts(options, motion, axis)) {
+    if (trusts_axis(options, motion, axis)) {
       out.push_back({std::string(kParameterNames[axis]), RigParameters::Unit(static_cast<Eigen::Index>(axis)),
                      axis < 3});
     }
   }
-  const bool direction_alone = options.method == Method::kLcekf && options.constraints &&
-                               options.constraints->kind == ConstraintSet::Kind::kRotationDirection;
-  if (direction_alone && has_scale(motion)) {
+  if (trusts_length_alone(options) && has_scale(motion)) {
     TrustedPart length{"baseline"};
     length.along.tail<3>() = theta.tail<3>().normalized();
     out.push_back(std::move(length));
@@ -101,11 +93,12 @@ std::vector<TrustedPart> trusted_parts(const RunOptions& options, MotionModel mo
   return out;
 }
 
-std::optional<TrustedRigOff> trusted_rig_off(const HealthSummary& rig,
-                                             const std::vector<TrustedPart>& parts) {
+std::optional<TrustedRigOff> trusted_rig_off(const HealthSummary& rig, const std::vector<TrustedPart>& parts,
+                                             double share_of_runs) {
   std::vector<CalibrationState> stretches = rig.past;
   stretches.push_back(rig.present);
-  double least = kOnceInRuns / static_cast<double>(stretches.size() * std::max<std::size_t>(parts.size(), 1));
+  double least =
+      share_of_runs / static_cast<double>(stretches.size() * std::max<std::size_t>(parts.size(), 1));
   const double limit = least;
   std::optional<TrustedRigOff> out;
   for (const CalibrationState& state : stretches) {
@@ -134,6 +127,10 @@ void add_trusted_rig(const RunOptions& options, RunRecord& record, RunSummary& s
   if (off) {
     record.notes.push_back(note_on(*off, options, *summary.health));
     detail::add_event({"trusted rig off", off->from_ns, off->to_ns}, record, summary.inputs);
+  }
+  if (const auto& check = summary.scale_check; check && is_off(check->scale)) {
+    record.notes.push_back(note_on(*check, options, record, *summary.health));
+    detail::add_event({"trusted scale off", check->from_ns, check->to_ns}, record, summary.inputs);
   }
 }
 

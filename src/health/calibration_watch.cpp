@@ -28,6 +28,17 @@ RigParameters px_by_axis(const BetaEstimate& estimate, const RigParameters& thet
   return px.head<6>().cwiseQuotient(plausible_error(theta.tail<3>().norm()));
 }
 
+/// A rig that moves is no better than it is on average.
+void count_movement(CalibrationState& out) {
+  if (out.tracks < kFewestTracks) {
+    return;
+  }
+  out.verdict = worst(out.verdict, worst(out.by_movement, out.by_depth_movement));
+  if (!out.named && out.moves()) {
+    out.named = out.moving_axis();
+  }
+}
+
 void judge_movement(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                     const Tolerance& tolerance, CalibrationState& out) {
   std::vector<FrameHalves> blocks;
@@ -41,13 +52,7 @@ void judge_movement(const std::vector<RigEvidence>& windows, const RigParameters
   out.by_movement = judge(out.movement.px, tolerance.epipolar_px);
   out.by_depth_movement = out.deep_tracks < kFewestTracks ? HealthVerdict::kCannotTell
                                                           : judge(out.depth_movement.share, tolerance.depth);
-  if (out.tracks < kFewestTracks) {
-    return;
-  }
-  out.verdict = worst(out.verdict, worst(out.by_movement, out.by_depth_movement));
-  if (!out.named && out.moves()) {
-    out.named = out.moving_axis();
-  }
+  count_movement(out);
 }
 
 /// False alarms a window.
@@ -193,6 +198,21 @@ void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bo
   if (is_wrong(out.verdict)) {
     out.named = static_cast<std::size_t>(most_likely_axis(out.estimate, out.bands));
   }
+}
+
+CalibrationState with_scale(const CalibrationState& state, const TrajectoryScale& scale,
+                            const RigParameters& theta, const Tolerance& tolerance) {
+  const NormalEquations::Vector length = along_length(theta);
+  BetaEstimate estimate = state.whole;
+  estimate.beta -= scale.too_long * length;
+  const double variance = scale.sigma * scale.sigma - kLeastScale * kLeastScale;  // which is in there
+  estimate.covariance += std::max(variance, 0.0) * length * length.transpose();
+  CalibrationState out = state;
+  out.verdict = out.by_epipolar = out.by_depth = HealthVerdict::kCannotTell;
+  out.named.reset();
+  judge_estimate(estimate, theta, true, tolerance, out);
+  count_movement(out);
+  return out;
 }
 
 CalibrationWatch::CalibrationWatch(const WatchOptions& options, const StereoCalibration& assumed, bool metric)

@@ -23,8 +23,6 @@ constexpr double kOfAWindow = 3.0, kWorthWindows = 2.0;
 /// Of the covariance by tracks, the share that is by their weights and a common variance, not by the score of
 /// each.
 constexpr double kByWeights = 0.5;
-constexpr double kUnknownScale = 0.25;  // variance of the relative length of a metre that no input knows
-constexpr double kLeastScale = 0.01;    // relative error of a metre: no sensor is believed to know it better
 
 MatrixXd positive_part(const MatrixXd& M) {
   const SymmetricEigen eigen = symmetric_eigen(symmetric_part(M));
@@ -167,8 +165,7 @@ NormalEquations::Matrix by_scale(std::span<const RigEvidence> windows, const Rig
   for (const RigEvidence& window : windows) {
     variance += window.scale_sigma * window.scale_sigma / static_cast<double>(windows.size());
   }
-  NormalEquations::Vector length = NormalEquations::Vector::Zero();
-  length.segment<3>(3) = theta.tail<3>().cwiseQuotient(plausible_error(theta.tail<3>().norm()).tail<3>());
+  const NormalEquations::Vector length = along_length(theta);
   return (metric ? variance : kUnknownScale) * length * length.transpose();
 }
 
@@ -177,6 +174,12 @@ double middle(const RigEvidence& window, std::int64_t origin_ns) {
 }
 
 }  // namespace
+
+NormalEquations::Vector along_length(const RigParameters& theta) {
+  NormalEquations::Vector out = NormalEquations::Vector::Zero();
+  out.segment<3>(3) = theta.tail<3>().cwiseQuotient(plausible_error(theta.tail<3>().norm()).tail<3>());
+  return out;
+}
 
 RigParameters RigEstimate::sigma() const { return covariance.diagonal().cwiseSqrt(); }
 

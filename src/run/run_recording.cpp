@@ -12,10 +12,12 @@
 
 #include "limber/core/angle.hpp"
 #include "limber/core/divergence_error.hpp"
+#include "limber/core/time.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/run/input_summary.hpp"
 #include "limber/run/trajectory_row.hpp"
+#include "limber/run/trusted_axes.hpp"
 #include "remarks.hpp"
 #include "shared_starts.hpp"
 #include "start_from_sensors.hpp"
@@ -35,6 +37,7 @@ using detail::ReadFrame;
 using detail::SensorWindow;
 
 constexpr double kLargestPosition = 1e9;  // [m]
+constexpr double kKeptSeconds = 30.0;     // of RunRecord::last_frames
 
 /// The first and the last time of the inputs that drive the prediction; nothing if it needs none.
 std::optional<std::pair<std::int64_t, std::int64_t>> input_times(const Recording& recording,
@@ -109,6 +112,13 @@ void take_end(const Navigator& navigator, RunRecord& record) {
   }
   if (const LearnedOdometryNoise* learned = navigator.odometry_noise(); learned && learned->knows()) {
     record.odometry_noise = learned->white();
+  }
+}
+
+void keep(const StereoFrame& frame, std::deque<StereoFrame>& last) {
+  last.push_back(frame);
+  while (seconds_between(last.front().t_ns, frame.t_ns) > kKeptSeconds) {
+    last.pop_front();
   }
 }
 
@@ -269,6 +279,8 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   }
   detail::PointCount points = window.points;
   InputFeed feed(recording, window.result.clock_step);
+  const bool asks_for_scale =
+      options.watch && motion == MotionModel::kImu && trusts_length(options, motion, record.theta_assumed);
   for (std::size_t n = first + record.frames.size(); n < frame_count(recording); ++n) {
     if (record.stopped || (callbacks.stop && callbacks.stop())) {
       record.stopped = true;
@@ -306,6 +318,9 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     }
     if (n + 1 == frame_count(recording)) {  // nothing comes any more that the rest of the work could wait for
       record.frames.back().calibration = navigator.calibration_report();
+    }
+    if (asks_for_scale) {
+      keep(frame, record.last_frames);
     }
     done(record.frames.size() - 1, &frame);
   }

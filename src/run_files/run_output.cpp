@@ -12,6 +12,7 @@
 #include "io/json_text.hpp"
 #include "limber/core/angle.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/core/time.hpp"
 #include "limber/datasets/landmarks_ply.hpp"
 #include "limber/diagnose/run_answer.hpp"
 #include "limber/io/atomic_file.hpp"
@@ -117,6 +118,13 @@ Json to_json(const CleaningReport& report) {
           {"waiting_points", report.waiting_points}};
 }
 
+Json to_json(const ScaleCheck& check, std::int64_t begin_ns) {
+  return {{"from_s", seconds_between(begin_ns, check.from_ns)},
+          {"to_s", seconds_between(begin_ns, check.to_ns)},
+          {"too_long_percent", 100.0 * check.scale.too_long},
+          {"sigma_percent", 100.0 * check.scale.sigma}};
+}
+
 Json to_json(const RunAnswer& answer) {
   return {{"light", to_string(answer.light)},
           {"headline", answer.headline},
@@ -194,6 +202,9 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
                                      {"explains", s.readout->explains},
                                      {"contradicts_calibration", s.readout_contradicted}}
                               : Json(nullptr);
+  json["rests_on_length"] = s.rests_on_length;
+  json["scale_check"] =
+      s.scale_check ? to_json(*s.scale_check, record.trajectory.front().t_ns) : Json(nullptr);
   json["cleaning"] = to_json(record.cleaning);
   json["notes"] = record.notes;
   return json;

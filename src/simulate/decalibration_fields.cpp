@@ -16,6 +16,7 @@
 #include "limber/core/errors.hpp"
 #include "limber/core/split.hpp"
 #include "limber/simulate/scenario_file.hpp"
+#include "limber/simulate/scenario_presets.hpp"
 
 namespace limber {
 namespace {
@@ -73,6 +74,21 @@ void visit_vibration(FieldVisitor& io, SinusShape& s) {
   io.number("phase", s.phase, kAnyNumber, {"rad"});
 }
 
+/// What the reader of files says of the signal, about its short form.
+std::string about_short_form(std::string message, const std::string& text) {
+  const auto replace = [&message](std::string_view words, std::string_view by) {
+    if (const std::size_t at = message.find(words); at != std::string::npos) {
+      message.replace(at, words.size(), by);
+    }
+  };
+  message.erase(0, message.find("expected "));  // no file, no line
+  replace("one of the keys shape, amplitude",
+          "one of ax, ay, az (degrees), tx, ty, tz (m, or % of the baseline), shape");
+  replace(" in signal", "");
+  replace("signal.", "");
+  return message + " in '" + text + "'";
+}
+
 }  // namespace
 
 void detail::visit_signal(FieldVisitor& io, DecalibrationSignal& signal, double baseline) {
@@ -120,7 +136,7 @@ DecalibrationSignal decalibration_from_string(const std::string& text, double ba
       io.mapping("signal", [&](FieldVisitor& child) { detail::visit_signal(child, signal, baseline); });
     });
   } catch (const DataError& error) {
-    throw std::invalid_argument(error.what());
+    throw std::invalid_argument(about_short_form(error.what(), text));
   }
   return signal;
 }

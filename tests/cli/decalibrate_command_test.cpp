@@ -43,6 +43,21 @@ TEST_F(DecalibrateCommand, TakesTheDecalibrationOfAScenario) {
   EXPECT_THAT(refused.err, HasSubstr("expected a scenario with a decalibration, found none"));
 }
 
+TEST_F(DecalibrateCommand, SaysOfAProfileWhatTheOptionTakes) {
+  const auto expect = [this](const char* as, const std::string& said) {
+    const auto refused = decalibrate(as, out().string());
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.err, HasSubstr("--as: expected " + said));
+    EXPECT_THAT(refused.err, ::testing::Not(HasSubstr("signal")));
+  };
+  const std::string axes = "one of ax, ay, az (degrees), tx, ty, tz (m, or % of the baseline), shape";
+  expect("roll=2", axes + ", found the unknown key 'roll' in 'roll=2'");
+  expect("ay=1,shape=ramp,end=3,angle=2", axes + ", start, end, found the unknown key 'angle'");
+  expect("ay=1,shape=ramp", "the key end, found no such key in 'ay=1,shape=ramp'");
+  expect("ay=much", "amplitude as a number in [-1000000, 1000000] deg, found 'much'");
+  expect("ay=1,roll", "amplitudes and a shape such as ay=0.5");
+}
+
 TEST_F(DecalibrateCommand, ReplacesOnlyWithForceWhatItMadeAndNeverItsInput) {
   const std::string before = read_text(mav0() / "tracks0" / "data.csv");
   EXPECT_THAT(decalibrate("ay=1", log().string()).err, HasSubstr("expected no folder of this name"));
@@ -71,7 +86,7 @@ TEST_F(DecalibrateCommand, ReplacesOnlyWithForceWhatItMadeAndNeverItsInput) {
 TEST_F(DecalibrateCommand, RefusesProfilesThatItCannotRead) {
   const auto result = decalibrate("ay=fast", out().string());
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("expected signal.amplitude as a number"));
+  EXPECT_THAT(result.err, HasSubstr("expected amplitude as a number"));
   EXPECT_FALSE(std::filesystem::exists(out()));
 }
 

@@ -125,6 +125,23 @@ Recording pushed(Recording log, double step) {
   return log;
 }
 
+/// A baseline that is 5 % too long, and an IMU that knows better: the accelerometer's bias gives way.
+TEST(MisledSince, LeavesOpenThatTheRigIsOffWhereItMayBe) {
+  const auto lost_note = [](const Recording& log) {
+    RunOptions options;
+    options.method = Method::kEkf;
+    RunRecord record = run_recording(log, options, matched_frames(log));
+    RunSummary summary = summarize(log, options, record);
+    add_misled(options, record, summary);
+    EXPECT_TRUE(summary.inputs.lost_since_ns);
+    return record.notes.back();
+  };
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_baseline.yaml");
+  scenario.duration = 20.0;
+  EXPECT_THAT(lost_note(simulate(scenario, 7)), ::testing::HasSubstr(", or the rig is off, by tx +"));
+  EXPECT_THAT(lost_note(pushed(drone(132), 0.12)), ::testing::Not(::testing::HasSubstr("or the rig")));
+}
+
 /// A step that is too small for the innovations moves the bias by tens of its sigmas. A larger one is noticed
 /// by a filter that no rig can lead astray, which then is not lost.
 TEST(MisledSince, SaysSinceWhenAMethodIsLostWhoseBiasMovedFurtherThanItsSigmas) {

@@ -68,6 +68,21 @@ TEST(RunAnswer, WithoutTruthSaysWhatTheFilterClaims) {
                           HasSubstr("no truth is known; the filter claims 0.017 m and 0.99 deg")));
 }
 
+/// A sigma is a promise; this one rests on another.
+TEST(RunAnswer, SaysWhatPositionsRestOnWhereTheLengthOfTheBaselineIsTrusted) {
+  Said said(kOk);
+  said.record.trajectory[7].T_world_body.p.x() = 20.0;
+  said.summary.rests_on_length = true;
+  EXPECT_EQ(
+      said.answer().sentences.back(),
+      "positions rest on the length of the baseline, which nothing here shows beside it: they are wrong "
+      "by as many per cent as it is");
+  said.summary.scale_check = ScaleCheck{0, 0, {0.003, 0.012}};
+  EXPECT_EQ(said.answer().sentences.back(),
+            "positions rest on the length of the baseline, which the IMU shows to 1.2 % (1σ): 0.24 m at 20 m "
+            "from the start, where 0.017 m are claimed");
+}
+
 TEST(RunAnswer, SaysThatThePosesWereAlignedWithATruthThatIsNotLevel) {
   Said said(kOk);
   said.summary.ate_se3_m = 0.01;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "limber/core/angle.hpp"
+#include "limber/run/trusted_axes.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "source_folder.hpp"
 
@@ -57,6 +58,23 @@ TEST(TrustedParts, AreThoseThatAMethodNeitherConstrainsNorCarriesNorEstimates) {
   options.softened(4) = 0.001;
   options.estimated(0) = 0.001;
   EXPECT_EQ(trusted_parts(options, MotionModel::kImu, trusted_theta()).size(), 4u);
+}
+
+TEST(TrustsLength, IsOfTheAxisAlongTheBaseline) {
+  RunOptions options;
+  const auto trusts = [&options] { return trusts_length(options, MotionModel::kImu, trusted_theta()); };
+  EXPECT_FALSE(trusts());
+  options.constraints = constraint_set_from_string("rotation+direction");
+  EXPECT_TRUE(trusts());
+  options.constraints = constraint_set_from_string("ax,ay,az,tx");
+  EXPECT_FALSE(trusts());
+  options.constraints = constraint_set_from_string("ax,ay,az,ty,tz");
+  EXPECT_TRUE(trusts());
+  options.constraints.reset();
+  options.method = Method::kEkf;
+  EXPECT_TRUE(trusts());
+  options.estimated(3) = 0.001;
+  EXPECT_FALSE(trusts());
 }
 
 /// A stretch whose ty is off by so many sigmas of 0.4 mm.

@@ -297,6 +297,30 @@ TEST(CalibrationWatch, AskedAtEveryFrameLooksAtEachWindowOnceAndSaysTheSame) {
   EXPECT_LE(early.size(), late.size() + 1) << "the last window's slices may be left";
 }
 
+/// Where the trajectory is 5 % too long, the baseline that it was taken from is that much shorter.
+TEST(CalibrationWatch, WhatATrustedLengthIsShowsBesideTheScaleOfTheTrajectory) {
+  const World world = fly_past(with_step(0.0, 0.0));
+  const RigParameters& theta = world.assumed.theta;
+  const CalibrationState sound = judge_world(with_step(0.0, 0.0)).last->state;
+  const Tolerance tolerance;
+  const auto along = [&](const CalibrationState& state) {
+    return -theta.tail<3>().normalized().dot(state.estimate.delta.tail<3>()) / theta.tail<3>().norm();
+  };
+  const CalibrationState same = with_scale(sound, {0.0, kLeastScale}, theta, tolerance);
+  EXPECT_EQ(same.verdict, kOk);
+  EXPECT_TRUE(same.estimate.covariance.isApprox(sound.estimate.covariance));
+  const CalibrationState off = with_scale(sound, {0.05, kLeastScale}, theta, tolerance);
+  EXPECT_NEAR(along(off) - along(sound), 0.05, 1e-9);
+  EXPECT_NE(off.verdict, kOk);
+  const CalibrationState far_off = with_scale(sound, {0.3, kLeastScale}, theta, tolerance);
+  EXPECT_EQ(far_off.verdict, kDecalibrated);
+  EXPECT_TRUE(far_off.named);
+  const CalibrationState unknown = with_scale(sound, {}, theta, tolerance);
+  EXPECT_EQ(unknown.verdict, kCannotTell);
+  EXPECT_EQ(unknown.by_epipolar, kOk);
+  EXPECT_NEAR(std::sqrt(unknown.estimate.covariance(3, 3)) / theta.tail<3>().norm(), 0.5, 0.01);
+}
+
 TEST(CalibrationWatch, AnAxisOfItsOwnToleranceCounts) {
   WatchOptions how;
   how.tolerance.axes[0] = Band{0.005 * kDegree, 0.02 * kDegree};

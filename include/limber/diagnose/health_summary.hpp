@@ -25,6 +25,8 @@ struct HealthSummary {
   [[nodiscard]] double seconds(std::int64_t t_ns) const;
   /// `ok` now, and back from degraded or decalibrated at least twice.
   [[nodiscard]] bool comes_and_goes() const;
+  /// `verdict`, by what is present and past.
+  [[nodiscard]] HealthVerdict by_states() const;
   /// Degraded or decalibrated, before the present state.
   [[nodiscard]] bool was_wrong() const;
 };

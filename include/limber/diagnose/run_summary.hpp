@@ -12,6 +12,7 @@
 #include "limber/datasets/trajectory_files.hpp"
 #include "limber/diagnose/health_summary.hpp"
 #include "limber/diagnose/readout_watch.hpp"
+#include "limber/diagnose/scale_check.hpp"
 #include "limber/evaluate/alignment.hpp"
 #include "limber/evaluate/world_tilt.hpp"
 #include "limber/run/input_summary.hpp"
@@ -77,6 +78,10 @@ struct RunSummary {
   /// The frames show another readout time than was assumed: what the run says of itself is not to be
   /// believed.
   bool readout_contradicted = false;
+  /// The method takes the length of the baseline for exact, and positions rest on it (but with odometry,
+  /// which shows its metre in every sample); see add_scale_check.
+  bool rests_on_length = false;
+  std::optional<ScaleCheck> scale_check;  ///< nothing where that is not so, or nothing shows the scale
   /// What was taken out before position_rmse_m, attitude_rmse_deg and anees: "nothing", "position and yaw of
   /// the first pose", the same after "the tilt of the truth's world", or "whole first pose"; empty without
   /// truth.
@@ -114,6 +119,13 @@ inline constexpr std::string_view kFirstPoseAlignment = "position and yaw of the
 /// bends.
 void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibration& assumed,
                  RunRecord& record, RunSummary& summary);
+
+/// @brief Asks what the IMU alone shows of the scale of a run whose method takes the length of the baseline
+/// for exact, and judges the rig anew by that: the filter's own windows agree with whatever length it trusts.
+/// Where nothing shows it, and for stretches of the run that were over by then, that length is not known.
+/// Nothing of a run that is lost.
+void add_scale_check(const Recording& recording, const RunOptions& options, const RunRecord& record,
+                     RunSummary& summary);
 
 /// @brief Judges a run against the recording's ground truth, where it has one.
 /// position_rmse, attitude_rmse and anees are unaligned for a ground truth start; else the estimate is first

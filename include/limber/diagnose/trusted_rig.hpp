@@ -37,11 +37,14 @@ struct TrustedRigOff {
 /// of a stretch rests on. It counts if a run of an exact rig would show it once in a thousand runs: p < 0.001
 /// over the number of parts and stretches. Stretches with fewer than 30 tracks, or of whose tracks fewer have
 /// a depth of their own, count for nothing, as they do for the verdict.
+/// @param share_of_runs  of exact rigs that would show it, in place of 0.001
 [[nodiscard]] std::optional<TrustedRigOff> trusted_rig_off(const HealthSummary& rig,
-                                                           const std::vector<TrustedPart>& parts);
+                                                           const std::vector<TrustedPart>& parts,
+                                                           double share_of_runs = 1e-3);
 
 /// @brief Says so of a run, in an event ("trusted rig off") and a note: its sigmas are too small, whatever
-/// the verdict is. Nothing of a run that is lost, or whose rows are not exposed as assumed.
+/// the verdict is. The same of the scale ("trusted scale off"), where inputs alone show another one: once in
+/// a thousand runs, too. Nothing of a run that is lost, or whose rows are not exposed as assumed.
 void add_trusted_rig(const RunOptions& options, RunRecord& record, RunSummary& summary);
 
 }  // namespace limber

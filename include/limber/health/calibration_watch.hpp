@@ -78,6 +78,20 @@ struct CalibrationState {
 void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bool metric,
                     const Tolerance& tolerance, CalibrationState& out);
 
+/// How wrong the scale of a trajectory is, by what shows it without the rig.
+struct TrajectoryScale {
+  /// share of its lengths by which these are too long
+  double too_long = 0.0;
+  /// of that; 0.5: nothing shows it
+  double sigma = 0.5;
+};
+
+/// @brief The same state, where a filter that trusts the length of the baseline has watched. Such a filter
+/// takes the scale of its trajectory from that length, so that windows agree with both: what they say of the
+/// length is worth what is known of that scale without the rig.
+[[nodiscard]] CalibrationState with_scale(const CalibrationState& state, const TrajectoryScale& scale,
+                                          const RigParameters& theta, const Tolerance& tolerance);
+
 /// After a window.
 struct CalibrationReport {
   CalibrationState state;   ///< since the last change

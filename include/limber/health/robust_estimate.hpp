@@ -10,6 +10,14 @@
 /// What windows say together of the rig, as a constant or as a line over time.
 namespace limber {
 
+/// Variance of the relative length of a metre that no input knows.
+inline constexpr double kUnknownScale = 0.25;
+/// Relative error of a metre: no sensor is believed to know it better.
+inline constexpr double kLeastScale = 0.01;
+
+/// The length of the baseline, all of it, as an error of the rig [plausible errors].
+[[nodiscard]] NormalEquations::Vector along_length(const RigParameters& theta);
+
 /// The rig's error, true minus assumed theta [rad, m], and a covariance that counts tracks and places in the
 /// image, not pixels.
 struct RigEstimate {

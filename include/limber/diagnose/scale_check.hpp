@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "limber/health/calibration_watch.hpp"
+#include "limber/run/run_recording.hpp"
+
+/// @file
+/// Whether the scale of a trajectory that rests on the baseline's length is the one that the IMU shows alone.
+namespace limber {
+
+/// The scale of a run over a stretch, beside that of `lcekf`, which asks the IMU alone.
+struct ScaleCheck {
+  /// first and last frame of the stretch
+  std::int64_t from_ns = 0, to_ns = 0;
+  TrajectoryScale scale;  ///< of the run's trajectory; sigma: at least 1 %
+};
+
+/// @brief Runs `lcekf` once more over the last 30 s of a run (RunRecord::last_frames).
+///
+/// The way of each second, as either sees it from where it then is, gives the scale; the sigmas of the
+/// velocity over the speed say how well `lcekf` knows its own. Of each frame 60 points are taken.
+/// @return nothing where no frames were kept, `lcekf` did not go through, or does not know its scale either
+[[nodiscard]] std::optional<ScaleCheck> check_scale(const Recording& recording, const RunOptions& options,
+                                                    const RunRecord& record);
+
+}  // namespace limber

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "limber/diagnose/scale_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <utility>
+#include <vector>
+
+#include "limber/core/divergence_error.hpp"
+#include "limber/core/time.hpp"
+#include "limber/diagnose/run_summary.hpp"
+#include "limber/run/trusted_axes.hpp"
+
+namespace limber {
+namespace {
+
+constexpr std::size_t kFewestWays = 10;
+constexpr double kWay = 1.0;                         // [s], of the ways that are compared
+constexpr std::int64_t kInputsBefore = 100'000'000;  // [ns], of the first frame
+constexpr std::size_t kMostPoints = 60;              // a frame: enough, and what it costs is bounded
+
+/// What is needed of the recording to go through the frames that were kept.
+Recording stretch_of(const Recording& recording, const RunRecord& record) {
+  const std::int64_t from_ns = record.last_frames.front().t_ns - kInputsBefore;
+  Recording out;
+  out.name = recording.name;
+  out.calibration = recording.calibration;
+  out.imu_noise = recording.imu_noise;
+  out.pixel_noise = recording.pixel_noise;
+  out.imu.assign(std::ranges::lower_bound(recording.imu, from_ns, {}, &ImuSample::t_ns), recording.imu.end());
+  for (const StereoFrame& frame : record.last_frames) {
+    if (recording.images.empty()) {
+      out.frames.push_back(frame);
+    } else {
+      out.images.push_back({frame.t_ns, {}, {}});
+    }
+  }
+  return out;
+}
+
+/// The frames are clean, and at their stamps.
+RunOptions without_trust(RunOptions options) {
+  options.method = Method::kLcekf;
+  options.constraints.reset();
+  options.start = StartMode::kAuto;
+  options.cleaning.clean = options.cleaning.refer_to_stamp = false;
+  options.cleaning.max_points = std::min(options.cleaning.max_points, kMostPoints);
+  options.watch = false;
+  options.stop_when_lost = true;
+  return options;
+}
+
+/// The same frame in both runs.
+struct TwoRows {
+  const TrajectoryRow *trusting, *blind;
+};
+
+std::vector<TwoRows> common_rows(const std::vector<TrajectoryRow>& trusting,
+                                 const std::vector<TrajectoryRow>& blind) {
+  std::vector<TwoRows> out;
+  auto row = trusting.begin();
+  for (const TrajectoryRow& other : blind) {
+    row = std::find_if(row, trusting.end(), [&](const TrajectoryRow& r) { return r.t_ns >= other.t_ns; });
+    if (row != trusting.end() && row->t_ns == other.t_ns) {
+      out.push_back({&*row, &other});
+    }
+  }
+  return out;
+}
+
+Eigen::Vector3d way_seen_from(const TrajectoryRow& from, const TrajectoryRow& to) {
+  return from.T_world_body.R.transpose() * (to.T_world_body.p - from.T_world_body.p);
+}
+
+/// How much longer the ways of the trusting run are, as a share; nothing where there are too few.
+std::optional<double> too_long(const std::vector<TwoRows>& rows) {
+  double product = 0.0, square = 0.0;
+  std::size_t ways = 0;
+  for (auto from = rows.begin(), to = from; to != rows.end(); ++from) {
+    to = std::find_if(to, rows.end(), [&](const TwoRows& row) {
+      return seconds_between(from->blind->t_ns, row.blind->t_ns) >= kWay;
+    });
+    if (to == rows.end()) {
+      break;
+    }
+    const Eigen::Vector3d blind = way_seen_from(*from->blind, *to->blind);
+    product += blind.dot(way_seen_from(*from->trusting, *to->trusting));
+    square += blind.squaredNorm();
+    ++ways;
+  }
+  return ways < kFewestWays || !(square > 0.0) ? std::nullopt : std::optional(product / square - 1.0);
+}
+
+/// Of the speed, as a share of it, over all rows.
+double scale_sigma(const std::vector<TwoRows>& rows) {
+  double squared = 0.0, variance = 0.0;
+  for (const TwoRows& row : rows) {
+    const Eigen::Vector3d& v = *row.blind->v_world_body;
+    squared += v.squaredNorm();
+    variance += v.stableNormalized().cwiseProduct(*row.blind->sigma_v).squaredNorm();
+  }
+  return std::hypot(std::sqrt(variance / squared), kLeastScale);
+}
+
+}  // namespace
+
+std::optional<ScaleCheck> check_scale(const Recording& recording, const RunOptions& options,
+                                      const RunRecord& record) {
+  if (record.last_frames.size() <= kFewestWays) {
+    return std::nullopt;
+  }
+  RunRecord blind;
+  try {
+    blind = run_recording(stretch_of(recording, record), without_trust(options),
+                          [&](std::size_t n) { return record.last_frames[n]; });
+  } catch (const DivergenceError&) {
+    return std::nullopt;
+  } catch (const std::invalid_argument&) {  // no frame to start from
+    return std::nullopt;
+  }
+  const std::vector<TwoRows> rows = common_rows(record.trajectory, blind.trajectory);
+  const std::optional<double> share = too_long(rows);
+  if (!share || summarize_inputs(blind.frames).lost_since_ns) {
+    return std::nullopt;
+  }
+  const double sigma = scale_sigma(rows);
+  if (!(sigma < TrajectoryScale{}.sigma)) {  // at rest, say
+    return std::nullopt;
+  }
+  return ScaleCheck{rows.front().blind->t_ns, rows.back().blind->t_ns, {*share, sigma}};
+}
+
+void add_scale_check(const Recording& recording, const RunOptions& options, const RunRecord& record,
+                     RunSummary& summary) {
+  summary.rests_on_length =
+      record.motion != MotionModel::kOdometry && trusts_length(options, record.motion, record.theta_assumed);
+  if (!summary.health || !summary.rests_on_length || record.motion != MotionModel::kImu ||
+      summary.inputs.lost_since_ns) {
+    return;
+  }
+  summary.scale_check = check_scale(recording, options, record);
+  const auto judged = [&](const CalibrationState& state) {
+    const bool seen = summary.scale_check && summary.scale_check->from_ns < state.to_ns;
+    return with_scale(state, seen ? summary.scale_check->scale : TrajectoryScale{}, record.theta_assumed,
+                      options.tolerance);
+  };
+  HealthSummary& rig = *summary.health;
+  std::ranges::transform(rig.past, rig.past.begin(), judged);
+  rig.present = judged(rig.present);
+  rig.verdict = rig.by_states();
+}
+
+}  // namespace limber

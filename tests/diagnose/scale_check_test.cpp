@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "limber/diagnose/scale_check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "limber/diagnose/judge_run.hpp"
+#include "limber/simulate/scenario_file.hpp"
+#include "source_folder.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::Field;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr std::size_t kAlong = 3;  // the axis of the baseline, tx
+
+/// The first 26 s of a scenario.
+Recording rover(const char* name, std::uint64_t seed) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / name);
+  scenario.duration = 26.0;
+  return simulate(scenario, seed);
+}
+
+struct JudgedRun {
+  RunRecord record;
+  RunSummary summary;
+};
+
+JudgedRun run_judged(const Recording& recording, Method method) {
+  RunOptions options;
+  options.method = method;
+  JudgedRun out;
+  out.record = run_recording(recording, options, matched_frames(recording));
+  out.summary = judge_run(recording, options, {}, out.record);
+  return out;
+}
+
+const auto kSaysTheScale = HasSubstr("its trajectory is");
+
+/// 5 % of 2 m. The filter follows the length: its own windows have no idea, and were `ok`.
+TEST(ScaleCheck, NamesABaselineThatEkfFollows) {
+  const JudgedRun run = run_judged(rover("rover_baseline.yaml", 81), Method::kEkf);
+  ASSERT_TRUE(run.summary.scale_check);
+  const TrajectoryScale& scale = run.summary.scale_check->scale;
+  EXPECT_NEAR(scale.too_long, 0.05, 3.0 * scale.sigma);
+  EXPECT_LT(scale.sigma, 0.015);
+  EXPECT_GE(scale.sigma, 0.01);
+  EXPECT_THAT(
+      run.record.notes,
+      Contains(AllOf(HasSubstr("sigmas of ekf take the rig for exact"), kSaysTheScale,
+                     HasSubstr("% too long, as of a baseline that is shorter than the assumed 2 m"))));
+  EXPECT_THAT(run.summary.inputs.events, Contains(Field(&RunEvent::what, "trusted scale off")));
+  const CalibrationState& rig = run.summary.health->present;
+  EXPECT_NE(run.summary.health->verdict, HealthVerdict::kOk);
+  EXPECT_NE(rig.axes[kAlong], HealthVerdict::kOk);
+  EXPECT_NEAR(rig.estimate.delta(kAlong), 0.1, 3.0 * rig.estimate.sigma()(kAlong));
+  EXPECT_GT(rig.estimate.delta(kAlong), 2.0 * rig.estimate.sigma()(kAlong));
+}
+
+TEST(ScaleCheck, LeavesASoundRigAlone) {
+  const JudgedRun run = run_judged(rover("paper_i.yaml", 81), Method::kEkf);
+  ASSERT_TRUE(run.summary.scale_check);
+  EXPECT_NEAR(run.summary.scale_check->scale.too_long, 0.0, 2.0 * run.summary.scale_check->scale.sigma);
+  EXPECT_THAT(run.record.notes, Not(Contains(kSaysTheScale)));
+  EXPECT_FALSE(is_wrong(run.summary.health->verdict));
+}
+
+TEST(ScaleCheck, IsOfMethodsThatTakeTheLengthForExact) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 8.0;
+  const Recording recording = simulate(scenario, 3);
+  const JudgedRun blind = run_judged(recording, Method::kLcekf);
+  EXPECT_TRUE(blind.record.last_frames.empty());
+  EXPECT_FALSE(blind.summary.rests_on_length);
+  EXPECT_FALSE(blind.summary.scale_check);
+  const JudgedRun trusting = run_judged(recording, Method::kEkf);
+  EXPECT_TRUE(trusting.summary.rests_on_length);
+  ASSERT_TRUE(trusting.summary.scale_check);
+  EXPECT_EQ(trusting.summary.scale_check->to_ns, recording.frames.back().t_ns);
+}
+
+/// `ok` would be about a length that nobody has seen.
+TEST(ScaleCheck, WithoutOneTheLengthIsNotKnown) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 12.0;
+  const Recording recording = simulate(scenario, 3);
+  RunOptions options;
+  options.method = Method::kEkf;
+  RunRecord record = run_recording(recording, options, matched_frames(recording));
+  ASSERT_EQ(summarize(recording, options, record).health->verdict, HealthVerdict::kOk);
+  record.last_frames.clear();
+  const RunSummary summary = judge_run(recording, options, {}, record);
+  EXPECT_FALSE(summary.scale_check);
+  EXPECT_EQ(summary.health->verdict, HealthVerdict::kCannotTell);
+  EXPECT_EQ(summary.health->present.axes[kAlong], HealthVerdict::kCannotTell);
+  EXPECT_EQ(summary.health->present.axes[0], HealthVerdict::kOk);
+}
+
+}  // namespace
+}  // namespace limber
