@@ -15,10 +15,11 @@
 namespace limber {
 
 using Eigen::Vector3d;
-using Matrix = NormalEquations::Matrix;
-using Vector = NormalEquations::Vector;
 
 namespace {
+
+using Matrix = NormalEquations::Matrix;
+using Vector = NormalEquations::Vector;
 
 constexpr double kPrior = NormalEquations::kPrior;
 constexpr std::size_t kFewestPoints = 100;
