@@ -22,7 +22,7 @@ constexpr double kLongGap = 0.1;
 /// Chance that a sound rig is accused by a frame; and how long a filter that trusts it is held for misled
 /// after that [s], though not every frame shows it.
 constexpr double kAccusedByChance = 1e-6;
-constexpr double kMisled = 2.0;
+constexpr double kMisled = 0.5;
 
 /// Of a filter that trusts theta, NIS also counts what theta would explain: without that.
 struct Innovations {
