@@ -53,7 +53,7 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
                               const std::variant<double, PixelNoise>& sigma_px, const ImuNoise& imu_noise,
                               const OdometryNoise& odometry_noise, double gravity,
                               const RigParameters& theta_sigma, bool gate, std::size_t max_landmarks,
-                              bool learn_pixel_noise, bool learn_odometry_noise,
+                              bool learn_pixel_noise, bool learn_odometry_noise, bool carries_scale,
                               std::optional<double> false_alarms_per_hour) {
   NavigatorOptions options;
   options.method = method_from_string(method);
@@ -68,6 +68,7 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
   }
   options.learn_pixel_noise = learn_pixel_noise;
   options.learn_odometry_noise = learn_odometry_noise;
+  options.carries_scale = carries_scale;
   options.imu_noise = imu_noise;
   options.odometry_noise = odometry_noise;
   options.gravity = gravity;
@@ -94,6 +95,7 @@ void bind_options(py::module_& module) {
            py::arg("gate") = defaults.gate, py::arg("max_landmarks") = defaults.map.max_landmarks,
            py::arg("learn_pixel_noise") = defaults.learn_pixel_noise,
            py::arg("learn_odometry_noise") = defaults.learn_odometry_noise,
+           py::arg("carries_scale") = defaults.carries_scale,
            py::arg("false_alarms_per_hour") = defaults.health->false_alarms_per_hour,
            "method: ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left or oracle\n"
            "constraints: lcekf: full, rotation, rotation+direction, or a list such as 'ax,ay,dt1'\n"
@@ -103,6 +105,7 @@ void bind_options(py::module_& module) {
            "learn_pixel_noise: sigma_px is but where to begin, as in limber.run where a recording states "
            "none\n"
            "learn_odometry_noise: the same of odometry_noise\n"
+           "carries_scale: False is the paper's filter, too sure of its scale with some hundred points\n"
            "false_alarms_per_hour: of the calibration monitor; None switches it off")
       .def_property_readonly("method",
                              [](const NavigatorOptions& options) { return to_string(options.method); })

@@ -23,7 +23,7 @@ constexpr std::size_t kBefore = 3;        // blocks that tell what is usual
 constexpr std::size_t kLasting = 3;       // blocks in a row
 constexpr std::size_t kSudden = 2;        // blocks in which it grows to that, at most
 constexpr std::size_t kFewestFrames = 3;  // of a block
-constexpr double kGrown = 6.0;            // NIS per degree of freedom, over the usual one
+constexpr double kGrown = 6.0;            // misfit, over the usual one
 constexpr double kManyRefused = 0.1;
 constexpr double kRefused = 0.05;      // share of the points
 constexpr double kDoubtfulRig = 0.01;  // share of exact rigs that look so
@@ -31,7 +31,7 @@ constexpr double kDoubtfulRig = 0.01;  // share of exact rigs that look so
 /// A second of the run.
 struct Block {
   std::int64_t begin_ns = 0;
-  double misfit = 0.0;   // median of NIS per degree of freedom
+  double misfit = 0.0;   // median of NIS per degree of freedom, in pixels: noise is learned meanwhile [px²]
   double refused = 0.0;  // share of the points; all of them where the gate was overruled
 };
 
@@ -41,7 +41,7 @@ std::optional<Block> block_of(std::span<const FrameReport> frames) {
   for (const FrameReport& frame : frames) {
     if (frame.dof > 0) {
       const auto out = static_cast<double>(frame.refused.size()), all = out + static_cast<double>(frame.used);
-      misfits.push_back(frame.nis / static_cast<double>(frame.dof));
+      misfits.push_back(frame.sigma_px * frame.sigma_px * frame.nis / static_cast<double>(frame.dof));
       refused += frame.gate_overruled ? all : out;
       points += all;
     }

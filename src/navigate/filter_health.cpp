@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What an update tells StereoFilter of the rig and of its pixels.
 #include <Eigen/LU>
+#include <algorithm>
 #include <optional>
 
+#include "limber/core/chi_square.hpp"
 #include "limber/core/factors.hpp"
+#include "limber/core/time.hpp"
 #include "limber/navigate/stereo_filter.hpp"
 
 namespace limber {
@@ -16,19 +19,33 @@ namespace {
 /// A gap in the inputs [s] after which the state is open for what happened.
 constexpr double kLongGap = 0.1;
 
-struct Innovations {
-  double nis, dof;
-};
+/// Chance that a sound rig is accused by a frame; and how long a filter that trusts it is held for misled
+/// after that [s], though not every frame shows it.
+constexpr double kAccusedByChance = 1e-6;
+constexpr double kMisled = 0.5;
 
 /// Of a filter that trusts theta, NIS also counts what theta would explain: without that.
+struct Innovations {
+  double nis, dof;
+  EvidenceStatistic explained;
+};
+
 Innovations without_rig(const ParameterErrorModel& model, const UpdateReport& update) {
-  Innovations out{update.nis, static_cast<double>(update.dof)};
+  Innovations out{update.nis, static_cast<double>(update.dof), {}};
   if (!model.witness && !update.evidence.empty()) {
-    const EvidenceStatistic explained = statistic(update.evidence, 1.0 / (kWidestErrors * kWidestErrors));
-    out.nis -= explained.value;
-    out.dof -= static_cast<double>(explained.dof);
+    out.explained = statistic(update.evidence, 1.0 / (kWidestErrors * kWidestErrors));
+    out.nis -= out.explained.value;
+    out.dof -= static_cast<double>(out.explained.dof);
   }
   return out;
+}
+
+/// Noise enlarges all rows alike; a wrong rig those that it explains, and what it has done to the map and to
+/// the pose shows in the others, too. @param scatter  NIS per degree of freedom of the others
+bool accuses_rig(const EvidenceStatistic& explained, double scatter) {
+  const auto dof = static_cast<double>(explained.dof);
+  return explained.dof > 0 &&
+         explained.value > std::max(scatter, 1.0) * chi_square_quantile(1.0 - kAccusedByChance, dof);
 }
 
 }  // namespace
@@ -52,7 +69,13 @@ void StereoFilter::learn_pixel_noise(const ParameterErrorModel& model, const Upd
     const Innovations rest = without_rig(model, update);
     correction.nis = rest.nis;
     correction.dof = rest.dof;
-    pixel_noise_->learn(scatter_beside(correction) * rest.dof, rest.dof);
+    const double scatter = scatter_beside(correction);
+    if (accuses_rig(rest.explained, scatter)) {
+      rig_accused_ns_ = correction.t_ns;
+    }
+    if (!rig_accused_ns_ || seconds_between(*rig_accused_ns_, correction.t_ns) > kMisled) {
+      pixel_noise_->learn(scatter * rest.dof, rest.dof);
+    }
   }
 }
 

@@ -124,6 +124,7 @@ void StereoFilter::copy_state(const StereoFilter& constrained) {
   trusted_again_ns_ = constrained.trusted_again_ns_;
   omega_input_ = constrained.omega_input_;
   pixel_noise_ = constrained.pixel_noise_;
+  rig_accused_ns_ = constrained.rig_accused_ns_;
   last_frame_ns_ = constrained.last_frame_ns_;
 }
 

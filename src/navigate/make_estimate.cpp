@@ -37,10 +37,14 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
   for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
     layout.has_more[k] = (estimated(options) & parameters_of(kMoreBlocks[k])).any();
   }
-  layout.has_map_scale = leaves_scale_unseen(options, calibration) &&
-                         (options.motion == MotionModel::kOdometry || !initial.landmarks.empty());
+  layout.has_map_scale =
+      leaves_scale_unseen(options, calibration) &&
+      (options.carries_scale || options.motion == MotionModel::kOdometry || !initial.landmarks.empty());
   Estimate out(layout, initial.nav, initial.body_covariance, calibration.theta,
                theta_prior(options, calibration).cwiseAbs2().asDiagonal());
+  if (initial.landmarks.empty()) {  // a start from the sensors has the world's origin at its own begin
+    out.set_centre_of_growth(initial.nav.T_world_body.p);
+  }
   const ParameterVector prior =
       options.estimated.cwiseMax(kNotEstimated * plausible_errors(calibration)).cwiseAbs2();
   for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {

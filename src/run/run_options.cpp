@@ -67,6 +67,9 @@ void choose_noise(const SensorData& sensors, const RunOptions& options, RunSetup
                      navigator.odometry_noise.sigma_v.x(), navigator.odometry_noise.sigma_omega.x()),
          setup);
   }
+  // A recording that states the noise of its pixels is a simulated one: from the truth on, its filter is the
+  // paper's.
+  navigator.carries_scale = options.start != StartMode::kGroundTruth || !sensors.pixel_noise;
   if (options.sigma_px) {
     navigator.sigma_px.setConstant(*options.sigma_px);
   } else {

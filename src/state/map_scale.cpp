@@ -51,7 +51,7 @@ VectorXd Estimate::displacements(const VectorXd& dx, const Growth& by) const {
   if (!layout_.has_map_scale) {
     return out;
   }
-  out.segment<3>(L::kPosition) += by.beyond_linear() * nav_.T_world_body.p;
+  out.segment<3>(L::kPosition) += by.beyond_linear() * (nav_.T_world_body.p - centre_of_growth_);
   if (layout_.motion != MotionModel::kOdometry) {
     out.segment<3>(L::kVelocity) += by.beyond_linear() * nav_.v_world_body;
   }
@@ -65,14 +65,14 @@ VectorXd Estimate::displacements(const VectorXd& dx, const Growth& by) const {
 
 Vector3d Estimate::displacement(StateBlock block, const Vector3d& dx, const Growth& by) const {
   if (block.owner == Owner::kAnchorPosition) {
-    return dx + by.beyond_linear() * anchors_[block.index].T_world_body.p;
+    return dx + by.beyond_linear() * (anchors_[block.index].T_world_body.p - centre_of_growth_);
   }
   if (block.owner != Owner::kLandmark) {
     return dx;
   }
   const Landmark& landmark = landmarks_[block.index];
   return landmark.kind == LandmarkKind::kCartesian
-             ? Vector3d(dx + by.beyond_linear() * landmark.value)
+             ? Vector3d(dx + by.beyond_linear() * (landmark.value - centre_of_growth_))
              : Vector3d(dx + Vector3d(0.0, 0.0, by.beyond_linear_inverse() * landmark.value.z()));
 }
 

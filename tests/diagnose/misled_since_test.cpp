@@ -24,6 +24,7 @@ std::vector<FrameReport> frames_that_grow(std::size_t since, std::size_t until, 
   for (std::size_t k = 0; k < out.size(); ++k) {
     const bool bad = since <= k && k < until;
     out[k].t_ns = static_cast<std::int64_t>(k + 1) * kFrame;
+    out[k].sigma_px = 0.5;
     out[k].dof = 200;
     out[k].nis = 200.0 * (bad ? grown : 1.0) * (1.0 + 0.2 * std::sin(static_cast<double>(k)));
     out[k].used = bad ? 45 : 50;
@@ -73,6 +74,15 @@ TEST(MisledSince, IsNeverWhereTheMisfitIsAsUsualOrOverSoonOrThereFromTheBegin) {
   EXPECT_FALSE(misled_since(frames_that_grow(50, 70, 10.0), rig_ok));
   EXPECT_FALSE(misled_since(frames_that_grow(0, 100, 10.0), rig_ok));
   EXPECT_FALSE(misled_since({}, rig_ok));
+}
+
+/// A sigma that is learned and falls makes NIS grow, and the gate narrower, though no pixel is further off.
+TEST(MisledSince, IsNeverWhereOnlyTheAssumedNoiseFalls) {
+  std::vector<FrameReport> frames = frames_that_grow(50, 100, 10.0);
+  for (std::size_t k = 50; k < frames.size(); ++k) {
+    frames[k].sigma_px /= std::sqrt(10.0);
+  }
+  EXPECT_FALSE(misled_since(frames, rig(HealthVerdict::kOk)));
 }
 
 /// A drone of sixteen seconds.

@@ -61,6 +61,20 @@ TEST_P(UnstatedPixelNoise, IsRemarkedOnWhereItIsMoreThanTracksHave) {
   EXPECT_GT(large.frames.back().sigma_px, 4.0);
 }
 
+/// What a wrong rig leaves in the innovations of a filter that trusts it is no noise.
+TEST(UnstatedPixelNoise, IsNotWhatATrustedRigIsOffBy) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 10.0;
+  scenario.noise.pixel = 0.25;
+  scenario.noise.stated = false;
+  const Recording recording = simulate(scenario, 3);
+  RunOptions options;
+  options.method = Method::kEkf;
+  options.start = StartMode::kGroundTruth;
+  options.assume_error(1) = 0.035;  // two degrees of vergence
+  EXPECT_LE(run_recording(recording, options, matched_frames(recording)).pixel_noise.value().sigma_px, 2.0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods, UnstatedPixelNoise, ::testing::Values(Method::kEkf, Method::kLcekf),
                          [](const auto& info) { return info.param == Method::kEkf ? "ekf" : "lcekf"; });
 

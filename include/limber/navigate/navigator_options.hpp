@@ -46,6 +46,10 @@ struct NavigatorOptions {
   /// sigma_px is but where to begin: what has to be assumed is learned (LearnedPixelNoise).
   bool learn_pixel_noise = false;
   double gravity = 9.81;  ///< [m/s^2]
+  /// Where only motion tells a common factor of all lengths, the covariance is carried along with it
+  /// (docs/derivations/scale.md). Without, a filter of some hundred points that starts from a known state
+  /// becomes too sure of its scale, as the paper's would. A start from the sensors, and odometry, always do.
+  bool carries_scale = true;
 
   /// ekf-full, consider, soft: standard deviation of theta [rad, m]. Zero: one plausible error (0.1 deg, 5
   /// %).

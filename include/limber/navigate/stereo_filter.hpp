@@ -198,6 +198,7 @@ class StereoFilter {
   InitialState sound_;       // body after the last sound frame, to begin anew from
   Eigen::Vector3d omega_input_ = Eigen::Vector3d::Zero();  // [rad/s], of the last step: gyro or odometry
   std::optional<LearnedPixelNoise> pixel_noise_;           // where nobody stated it
+  std::optional<std::int64_t> rig_accused_ns_;             // by a frame, last: it explains what is off
   std::optional<LearnedOdometryNoise> odometry_noise_;     // where nobody stated it
   std::optional<HealthMonitor> monitor_;
   std::optional<HealthReport> last_health_;

@@ -75,8 +75,11 @@ class Estimate {
   /// epoch ends.
   ///
   /// With has_map_scale the same is done for a common factor of all lengths, and a correction of it is
-  /// applied as a factor. See docs/derivations/scale.md.
+  /// applied as a factor, by which lengths grow about the centre. See docs/derivations/scale.md.
   void retract(const Eigen::VectorXd& dx);
+
+  /// Where lengths grow about, a position in the world [m]: its origin until this is called.
+  void set_centre_of_growth(const Eigen::Vector3d& centre) { centre_of_growth_ = centre; }
 
   /// @brief Takes the map's scale anew from the landmarks that are active: the mean error of their log
   /// depths, those that are known best before others; nil without landmarks. Nothing without has_map_scale.
@@ -219,6 +222,7 @@ class Estimate {
 
   NavigationState nav_;
   RigParameters theta_;
+  Eigen::Vector3d centre_of_growth_ = Eigen::Vector3d::Zero();
   More more_ = More::Zero();
   Vector6 witness_ = Vector6::Zero();
   Covariance P_;
