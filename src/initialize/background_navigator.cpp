@@ -11,18 +11,14 @@
 #include <variant>
 
 namespace limber {
-namespace {
-
-struct QueuedFrame {
-  StereoFrame frame;
-  std::promise<BackgroundReport> done;
-};
-
-using Queued = std::variant<ImuSample, OdometrySample, QueuedFrame>;
-
-}  // namespace
 
 struct BackgroundNavigator::Worker {
+  struct QueuedFrame {
+    StereoFrame frame;
+    std::promise<BackgroundReport> done;
+  };
+  using Queued = std::variant<ImuSample, OdometrySample, QueuedFrame>;
+
   Worker(const NavigatorOptions& options, const StereoCalibration& calibration, const StartOptions& start)
       : navigator(options, calibration, start), thread([this](const std::stop_token& stop) { work(stop); }) {}
 
@@ -106,7 +102,7 @@ void BackgroundNavigator::add_imu(const ImuSample& sample) { worker_->put(sample
 void BackgroundNavigator::add_odometry(const OdometrySample& sample) { worker_->put(sample); }
 
 std::future<BackgroundReport> BackgroundNavigator::process(StereoFrame frame) {
-  QueuedFrame queued{std::move(frame), {}};
+  Worker::QueuedFrame queued{std::move(frame), {}};
   std::future<BackgroundReport> out = queued.done.get_future();
   worker_->put(std::move(queued));
   return out;
