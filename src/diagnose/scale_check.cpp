@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <utility>
 #include <vector>
 
 #include "limber/core/divergence_error.hpp"

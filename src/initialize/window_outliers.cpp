@@ -25,10 +25,7 @@ struct View {
 };
 
 std::vector<View> views(const WindowModel& model, WindowState& state) {
-  std::vector<MountedRig> rigs;
-  for (const WindowFrame& frame : state.frames) {
-    rigs.push_back(rig_at(model, frame));
-  }
+  const std::vector<MountedRig> rigs = rigs_of(model, state);
   std::vector<View> out;
   for (WindowPoint& point : state.points) {
     for (WindowSighting& sighting : point.seen) {

@@ -138,10 +138,7 @@ void add_sightings(const WindowModel& model, const WindowState& state, const std
 }  // namespace
 
 void add_points(const WindowModel& model, const WindowState& state, WindowNormal& out) {
-  std::vector<MountedRig> rigs;
-  for (const WindowFrame& frame : state.frames) {
-    rigs.push_back(rig_at(model, frame));
-  }
+  const std::vector<MountedRig> rigs = rigs_of(model, state);
   const double sigma = kFreeBaselines / model.calibration.baseline();
   const double free = 1.0 / (sigma * sigma);
   for (std::size_t j = 0; j < state.points.size(); ++j) {

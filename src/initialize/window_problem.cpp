@@ -186,14 +186,17 @@ BodyPoint point_in_body(const WindowState& state, const MountedRig& rig, std::si
   return body_point_at_exposure(rig[cam], state.frames[frame].nav.T_world_body, point.landmark, &anchor);
 }
 
-MountedRig rig_at(const WindowModel& model, const WindowFrame& frame) {
-  StereoCalibration calibration = model.calibration;
-  calibration.theta += model.directions * frame.theta;
-  MountedRig rig = mount(calibration);
-  for (MountedCamera& camera : rig) {
-    camera.motion = {frame.nav.v_world_body, frame.omega - frame.nav.bias_gyro};
+std::vector<MountedRig> rigs_of(const WindowModel& model, const WindowState& state) {
+  std::vector<MountedRig> out;
+  for (const WindowFrame& frame : state.frames) {
+    StereoCalibration calibration = model.calibration;
+    calibration.theta += model.directions * frame.theta;
+    out.push_back(mount(calibration));
+    for (MountedCamera& camera : out.back()) {
+      camera.motion = {frame.nav.v_world_body, frame.omega - frame.nav.bias_gyro};
+    }
   }
-  return rig;
+  return out;
 }
 
 WindowNormal linearise(const WindowModel& model, const WindowState& state, WindowNormal memory) {

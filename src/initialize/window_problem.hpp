@@ -137,8 +137,8 @@ void open_biases(WindowFrame& frame);
 [[nodiscard]] Transition predict_over(const NavigatorOptions& options, const WindowFrame& frame,
                                       NavigationState& nav);
 
-/// The rig as a frame of the window sees it.
-[[nodiscard]] MountedRig rig_at(const WindowModel& model, const WindowFrame& frame);
+/// The rig as each frame of the window sees it.
+[[nodiscard]] std::vector<MountedRig> rigs_of(const WindowModel& model, const WindowState& state);
 
 /// @brief Levenberg-Marquardt until it no longer pays.
 /// @return the normal equations at the solution
