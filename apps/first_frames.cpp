@@ -24,42 +24,21 @@ std::vector<StereoFrame> at_stamps(std::vector<StereoFrame> frames, const Stereo
 }
 
 FirstFrames::FirstFrames(const Recording& recording, StereoCalibration assumed, double gravity,
-                         FrameSource source, std::function<bool()> stop, Say say)
+                         FrameSource source, Say say)
     : recording_(recording),
       assumed_(std::move(assumed)),
       gravity_(gravity),
       source_(std::move(source)),
-      stop_(std::move(stop)),
       say_(std::move(say)) {}
 
 StereoFrame FirstFrames::operator()(std::size_t n) {
-  if (!begun_) {
-    begun_ = true;
-    read_ahead(n);
-  }
-  if (!ahead_.empty()) {
-    StereoFrame frame = std::move(ahead_.front());
-    ahead_.pop_front();
-    return frame;
-  }
-  return take(n);
-}
-
-StereoFrame FirstFrames::take(std::size_t n) {
   StereoFrame frame = source_(n);
   if (!over_) {
     seen_.push_back(frame);
+    if (seen_.size() == kFirstLook) look();
     if (seen_.size() == kLastLook) finish();
   }
   return frame;
-}
-
-void FirstFrames::read_ahead(std::size_t first) {
-  const std::size_t end = std::min(frame_count(recording_), first + kFirstLook);
-  for (std::size_t n = first; n < end && !stop_(); ++n) {
-    ahead_.push_back(take(n));
-  }
-  look();
 }
 
 void FirstFrames::look() {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <deque>
 #include <functional>
 #include <string>
 #include <vector>
@@ -18,8 +17,8 @@ namespace limber::app {
 /// @brief Frames on their way into a run, the first of which are looked at for cameras that are not where the
 /// calibration puts them: exchanged, or a transform written the wrong way round.
 ///
-/// Looked at are the first 100 before the run has any, and once more the first 600, or all at its end: a rig
-/// that stands at first does not show how it sits on the IMU.
+/// Looked at are the first 100 as soon as they have come, and once more the first 600, or all at the run's
+/// end: a rig that stands at first does not show how it sits on the IMU. No frame waits for that.
 class FirstFrames {
  public:
   /// Told of each mistake once, as soon as it is seen.
@@ -27,9 +26,8 @@ class FirstFrames {
 
   /// @param recording  must outlive this
   /// @param assumed    its calibration, as the run takes it
-  /// @param stop       asked before every frame that is read ahead
   FirstFrames(const Recording& recording, StereoCalibration assumed, double gravity, FrameSource source,
-              std::function<bool()> stop, Say say);
+              Say say);
 
   /// As FrameSource.
   [[nodiscard]] StereoFrame operator()(std::size_t n);
@@ -39,19 +37,15 @@ class FirstFrames {
   [[nodiscard]] const std::vector<std::string>& mistakes() const { return mistakes_; }
 
  private:
-  StereoFrame take(std::size_t n);
-  void read_ahead(std::size_t first);
   void look();
 
   const Recording& recording_;
   StereoCalibration assumed_;
   double gravity_;
   FrameSource source_;
-  std::function<bool()> stop_;
   Say say_;
-  std::deque<StereoFrame> ahead_;  ///< read, and not asked for yet
   std::vector<StereoFrame> seen_;  ///< emptied by the last look
-  bool begun_ = false, over_ = false;
+  bool over_ = false;
   std::vector<std::string> mistakes_;
 };
 

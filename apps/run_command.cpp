@@ -37,6 +37,7 @@ struct RunArguments : RecordingArguments {
   std::filesystem::path out;
   std::string method = "lcekf", constraints, landmarks = "inverse-depth", gate = "on";
   std::size_t max_landmarks = 300;
+  std::optional<std::size_t> points_per_update;
   std::uint64_t seed = 0, run = 0;
   bool force = false;
   ViewArguments view;
@@ -59,6 +60,7 @@ RunOptions to_options(const RunArguments& arguments, const Recording& recording)
       arguments.landmarks == "cartesian" ? LandmarkKind::kCartesian : LandmarkKind::kInverseDepth;
   options.gate = arguments.gate == "on";
   options.max_landmarks = arguments.max_landmarks;
+  options.points_per_update = arguments.points_per_update;
   options.seed = arguments.seed;
   options.run = arguments.run;
   return options;
@@ -100,7 +102,7 @@ RunRecord run_and_show(const Recording& recording, const RunOptions& options, co
                        SharedStarts* starts) {
   Progress progress(to_string(options.method), frame_count(recording));
   FirstFrames first(recording, corrected(recording.calibration, options.assume_error), options.gravity,
-                    source.frames, Interrupt::asked, [&](const std::string& mistake) {
+                    source.frames, [&](const std::string& mistake) {
                       if (said.insert(mistake).second) print_warning(mistake);
                     });
   const FrameSource watched = [&](std::size_t n) {
@@ -242,6 +244,12 @@ void add_run_command(CLI::App& app) {
                    "Size of the map; those unseen for longest go")
       ->check(whole_number(1, 100'000))
       ->capture_default_str();
+  command
+      ->add_option("--points-per-update", arguments->points_per_update,
+                   "Points of a frame that correct the state, spread over the image; the others wait until "
+                   "one of them is lost, and tell of the calibration meanwhile. Default: 80 "
+                   "where a recording has images, else all")
+      ->check(whole_number(1, 100'000));
   add_force_option(*command, arguments->force);
   add_view_options(*command, arguments->view);
   for (const char* const of_one_run : {"--view", "--view-out"}) {

@@ -53,7 +53,8 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
                               const std::variant<double, PixelNoise>& sigma_px, const ImuNoise& imu_noise,
                               const OdometryNoise& odometry_noise, double gravity,
                               const RigParameters& theta_sigma, bool gate, std::size_t max_landmarks,
-                              bool learn_pixel_noise, bool learn_odometry_noise, bool carries_scale,
+                              std::optional<std::size_t> points_per_update, bool learn_pixel_noise,
+                              bool learn_odometry_noise, bool carries_scale,
                               std::optional<double> false_alarms_per_hour) {
   NavigatorOptions options;
   options.method = method_from_string(method);
@@ -75,6 +76,7 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
   options.theta_sigma = theta_sigma;
   options.gate = gate;
   options.map.max_landmarks = max_landmarks;
+  options.map.points_per_update = points_per_update.value_or(options.map.points_per_update);
   options.health.reset();
   if (false_alarms_per_hour) {
     options.health = HealthOptions{};
@@ -93,6 +95,7 @@ void bind_options(py::module_& module) {
            py::arg("imu_noise") = ImuNoise{}, py::arg("odometry_noise") = OdometryNoise{},
            py::arg("gravity") = defaults.gravity, py::arg("theta_sigma") = defaults.theta_sigma,
            py::arg("gate") = defaults.gate, py::arg("max_landmarks") = defaults.map.max_landmarks,
+           py::arg("points_per_update") = py::none(),
            py::arg("learn_pixel_noise") = defaults.learn_pixel_noise,
            py::arg("learn_odometry_noise") = defaults.learn_odometry_noise,
            py::arg("carries_scale") = defaults.carries_scale,

@@ -51,8 +51,9 @@ RunOptions make_options(const Recording& recording, const std::string& method,
                         const std::optional<std::string>& constraints, const std::string& assume_error,
                         const std::string& estimate, const std::string& soften,
                         std::optional<double> sigma_px, const std::string& init, const std::string& landmarks,
-                        bool gate, std::size_t max_landmarks, bool clean, std::size_t max_points,
-                        double gravity, double false_alarms, std::uint64_t seed, std::uint64_t run) {
+                        bool gate, std::size_t max_landmarks, std::optional<std::size_t> points_per_update,
+                        bool clean, std::size_t max_points, double gravity, double false_alarms,
+                        std::uint64_t seed, std::uint64_t run) {
   RunOptions options;
   options.method = method_from_string(method);
   if (constraints) {
@@ -75,6 +76,7 @@ RunOptions make_options(const Recording& recording, const std::string& method,
   options.landmarks = landmarks_from_string(landmarks);
   options.gate = gate;
   options.max_landmarks = max_landmarks;
+  options.points_per_update = points_per_update;
   options.cleaning = {clean, max_points};
   options.gravity = gravity;
   options.false_alarms_per_hour = false_alarms;
@@ -90,10 +92,10 @@ void bind_run_options(py::module_& module) {
            py::arg("constraints") = py::none(), py::arg("assume_error") = "", py::arg("estimate") = "",
            py::arg("soften") = "", py::arg("sigma_px") = py::none(), py::arg("init") = "auto",
            py::arg("landmarks") = "inverse-depth", py::arg("gate") = defaults.gate,
-           py::arg("max_landmarks") = defaults.max_landmarks, py::arg("clean") = defaults.cleaning.clean,
-           py::arg("max_points") = defaults.cleaning.max_points, py::arg("gravity") = defaults.gravity,
-           py::arg("false_alarms") = defaults.false_alarms_per_hour, py::arg("seed") = defaults.seed,
-           py::arg("run") = defaults.run)
+           py::arg("max_landmarks") = defaults.max_landmarks, py::arg("points_per_update") = py::none(),
+           py::arg("clean") = defaults.cleaning.clean, py::arg("max_points") = defaults.cleaning.max_points,
+           py::arg("gravity") = defaults.gravity, py::arg("false_alarms") = defaults.false_alarms_per_hour,
+           py::arg("seed") = defaults.seed, py::arg("run") = defaults.run)
       .def_property_readonly("method", [](const RunOptions& options) { return to_string(options.method); });
   module.def(
       "set_up",

@@ -19,9 +19,7 @@ class PointThinner {
   std::size_t thin(StereoFrame& frame);
 
  private:
-  [[nodiscard]] std::size_t cell_of(const StereoObservation& point) const;
-
-  Camera cam0_, cam1_;
+  StereoCalibration assumed_;
   std::size_t most_;
   std::unordered_set<std::int64_t> kept_;  // of the last frame
 };

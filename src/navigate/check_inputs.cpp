@@ -86,6 +86,9 @@ void check_options(const NavigatorOptions& o) {
   if (o.theta_walk) {
     require(*o.theta_walk, true, "theta_walk");
   }
+  if (o.map.points_per_update == 0) {
+    throw std::invalid_argument("navigator: expected at least one point per update");
+  }
   if (!(o.gate_probability > 0.0 && o.gate_probability < 1.0)) {
     throw std::invalid_argument("navigator: gate_probability must lie between 0 and 1");
   }

@@ -70,6 +70,7 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
       calibration_(calibration),
       scale_(plausible_error(calibration.baseline())),
       estimate_(make_estimate(options_, calibration, initial)),
+      budget_(calibration, options_.map.points_per_update),
       inputs_(options.motion == MotionModel::kOdometry ? kOdometryPrior : kImuPrior),
       checks_(limits_of(options.motion)),
       sound_(initial) {
@@ -289,11 +290,12 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   const std::int64_t state_ns = started_at(raw.t_ns);
   check_frame(raw, state_ns, last_frame_ns_);
   estimate_.set_time(state_ns);
-  const StereoFrame frame = visible(raw, options_.method);
+  const StereoFrame seen = visible(raw, options_.method);
+  const StereoFrame frame = budget_.choose(seen, estimate_, last_frame_ns_);
   const double dt = seconds_between(estimate_.nav().t_ns, frame.t_ns);
   FrameReport report;
   report.t_ns = frame.t_ns;
-  report.observed = frame.observations.size();
+  report.observed = seen.observations.size();
   report.inputs = report_inputs(frame.t_ns);
   report.sigma_px = 0.5 * sigma_px().norm();
 

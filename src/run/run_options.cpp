@@ -18,6 +18,9 @@ constexpr double kSmallestSigmaPx = 1e-6, kLargestSigmaPx = 1e3;
 // Pixel noise where the recording says nothing: limber's own front end, and somebody's tracks.
 constexpr double kImageSigmaPx = 0.5;
 constexpr double kTrackSigmaPx = 1.0;
+/// Errors of the front end's points last as long as their tracks, so that more of them say hardly more
+/// (docs/evidence/peers.md).
+constexpr std::size_t kImagePointsPerUpdate = 80;
 
 MotionModel choose_motion(const SensorData& sensors, RunSetup& setup) {
   if (!sensors.imu.empty()) {
@@ -183,7 +186,11 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   }
   navigator.map.max_landmarks = options.max_landmarks;
   if (!recording.images.empty()) {
+    navigator.map.points_per_update = kImagePointsPerUpdate;
     navigator.map.forget_after_s = 0.0;  // a track that the front end has lost never comes back
+  }
+  if (options.points_per_update) {
+    navigator.map.points_per_update = *options.points_per_update;
   }
   return setup;
 }

@@ -70,6 +70,7 @@ Json to_json(const RunOptions& options) {
           {"landmarks", options.landmarks == LandmarkKind::kCartesian ? "cartesian" : "inverse-depth"},
           {"gate", options.gate},
           {"max_landmarks", options.max_landmarks},
+          {"points_per_update", or_null(options.points_per_update)},
           {"clean", options.cleaning.clean},
           {"max_points", options.cleaning.max_points},
           {"false_alarms_per_hour", options.false_alarms_per_hour},

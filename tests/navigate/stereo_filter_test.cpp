@@ -233,6 +233,29 @@ TEST(StereoFilter, TheMapKeepsToItsSize) {
   EXPECT_GT(removed, 0U);
 }
 
+TEST(StereoFilter, TakesAsManyPointsAsItMayAndIsItsTwinThatIsShownThoseAlone) {
+  const Scene scene = small_scene();
+  constexpr std::size_t kMost = 15;
+  NavigatorOptions few = scene.options;
+  few.map.points_per_update = kMost;
+  ASSERT_GT(scene.frames.front().observations.size(), 2 * kMost);
+  Feeder with(scene, few), twin(scene, scene.options);
+  LandmarkBudget budget(scene.calibration, kMost);
+  std::int64_t previous_ns = std::numeric_limits<std::int64_t>::min();
+  std::size_t left_out = 0;
+  for (const StereoFrame& frame : scene.frames) {
+    const StereoFrame chosen = budget.choose(frame, twin.navigator.estimate(), previous_ns);
+    const FrameReport report = with.process(frame);
+    (void)twin.process(chosen);
+    EXPECT_EQ(report.observed, frame.observations.size());
+    EXPECT_LE(report.used, kMost);
+    left_out += frame.observations.size() - chosen.observations.size();
+    previous_ns = frame.t_ns;
+  }
+  EXPECT_GT(left_out, 10 * scene.frames.size());
+  EXPECT_TRUE(state(with.navigator) == state(twin.navigator));
+}
+
 TEST(StereoFilter, NewLandmarksThatContradictTheirFrameLeaveNoTrace) {
   const Scene scene = small_scene();
   for (const LandmarkKind kind : {LandmarkKind::kInverseDepth, LandmarkKind::kCartesian}) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "limber/measure/rig.hpp"
 #include "limber/sensors/samples.hpp"
@@ -12,6 +13,9 @@ namespace limber {
 
 /// Rules that keep the map small and well behaved.
 struct MapManagementOptions {
+  /// Points of a frame that an update takes, at most; the others wait until one of them is lost
+  /// (LandmarkBudget). >= 1; all, unless somebody says how many
+  std::size_t points_per_update = std::numeric_limits<std::size_t>::max();
   std::size_t max_landmarks = 300;  ///< beyond it, those unseen for longest go
   double forget_after_s = 1e9;  ///< unseen for longer: gone (tracks of an image front end never come back)
   /// Unseen for longer when an epoch ends: made passive at no cost per frame until seen again (compressed
@@ -20,7 +24,7 @@ struct MapManagementOptions {
   double epoch_s = 0.5;  ///< length of an epoch, between two of which landmarks go to rest
   /// An epoch in which the active state has grown by that many (landmarks that are new or came back) ends
   /// sooner: what its end costs grows with them, and so does each frame.
-  Eigen::Index most_growth = 90;
+  Eigen::Index most_growth = 60;
   int max_refusals = 3;  ///< refused by the gate in this many frames in a row: gone
   /// Inverse-depth landmarks become Cartesian when the linearity index of [Civera2008], Eq. (30) falls below.
   double linearity_index = 0.1;

@@ -12,6 +12,7 @@
 #include "limber/health/input_alarm.hpp"
 #include "limber/health/learned_pixel_noise.hpp"
 #include "limber/health/white_size.hpp"
+#include "limber/landmarks/landmark_budget.hpp"
 #include "limber/navigate/frame_report.hpp"
 #include "limber/navigate/navigator_options.hpp"
 #include "limber/predict/input_buffer.hpp"
@@ -186,6 +187,7 @@ class StereoFilter {
   StereoCalibration calibration_;  // the one in use
   RigParameters scale_;            // one plausible error of theta of the calibration that was given
   Estimate estimate_;
+  LandmarkBudget budget_;
   InputBuffer inputs_;
   InputChecks checks_;
   std::size_t late_ = 0;  // samples since the last frame

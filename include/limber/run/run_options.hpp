@@ -45,7 +45,8 @@ struct RunOptions {
   bool gate = true;
   /// of the map; those unseen for longest go
   std::size_t max_landmarks = 300;
-  CleaningOptions cleaning;  ///< of every frame, before the navigator sees it
+  std::optional<std::size_t> points_per_update;  ///< nothing: 80 of images, else all of them
+  CleaningOptions cleaning;                      ///< of every frame, before the navigator sees it
   std::optional<RigParameters>
       theta_sigma;  ///< ekf-full, soft, consider; nothing: 0.1 deg and 5 % of the baseline
   std::optional<RigParameters>
@@ -77,7 +78,8 @@ struct RunSetup {
 /// @brief Chooses motion model, noise and constraint set for a recording.
 /// IMU before odometry before constant velocity. Constraints of lcekf: `full` where IMU or odometry fix the
 /// scale, else `rotation+direction`. theta_walk defaults to the paper's 1e-6 rad² and 1 mm² per 10 ms, the
-/// translation in proportion to the baseline (the paper's is 2 m).
+/// translation in proportion to the baseline (the paper's is 2 m). Of images, an update takes 80 points of a
+/// frame.
 /// @throws std::invalid_argument for ground truth start or oracle without the truth they need, or a baseline
 /// that
 ///         assume_error makes vanish
