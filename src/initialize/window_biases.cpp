@@ -15,6 +15,9 @@ constexpr double kGyroThere = 0.2, kAccelThere = 2.0;
 constexpr double kBetter = 0.08;      // of the cost, that steps anywhere have to explain
 constexpr double kPromises = 0.02;    // of the cost, by one linearisation: else it is not looked for
 constexpr double kOneExplains = 0.7;  // of what they explain
+/// Half of chi-square (six degrees of freedom) that one window in a million promises without a step. Where
+/// pixels are far better than assumed, as of a rig at rest, shares of the cost mean nothing.
+constexpr double kByChance = 19.2;
 constexpr int kIterations = 25;
 constexpr std::size_t kTried = 2;  // intervals, of those that a linearisation each chooses
 
@@ -93,7 +96,7 @@ std::optional<BiasStep> find_bias_step(const WindowModel& model, const WindowSta
     frame.gyro_step = std::max(frame.gyro_step, kGyroAnywhere);
     frame.accel_step = std::max(frame.accel_step, kAccelAnywhere);
   }
-  if (!(promised_decrease(linearise(model, anywhere)) > kPromises * normal.cost)) {
+  if (!(promised_decrease(linearise(model, anywhere)) > std::max(kPromises * normal.cost, kByChance))) {
     return std::nullopt;
   }
   const double explained = normal.cost - solve_window(model, anywhere, kIterations).cost;

@@ -24,8 +24,7 @@ PointGroup group_of(const StereoObservation& point, const Estimate& estimate, st
 LandmarkBudget::LandmarkBudget(const StereoCalibration& assumed, std::size_t most)
     : assumed_(assumed), most_(most) {}
 
-StereoFrame LandmarkBudget::choose(StereoFrame frame, const Estimate& estimate,
-                                   std::int64_t previous_ns) {
+StereoFrame LandmarkBudget::choose(StereoFrame frame, const Estimate& estimate, std::int64_t previous_ns) {
   const auto before = std::exchange(waited_, {});
   const std::vector<StereoObservation>& points = frame.observations;
   if (points.size() <= most_) {
@@ -34,8 +33,7 @@ StereoFrame LandmarkBudget::choose(StereoFrame frame, const Estimate& estimate,
   std::vector<PointRank> ranks;
   for (const StereoObservation& point : points) {
     const auto waited = before.find(point.track_id);
-    ranks.push_back(
-        {group_of(point, estimate, previous_ns), waited == before.end() ? 0 : -waited->second});
+    ranks.push_back({group_of(point, estimate, previous_ns), waited == before.end() ? 0 : -waited->second});
   }
   const std::vector<std::size_t> chosen = spread_points(frame, assumed_, most_, ranks);
   for (std::size_t k = 0, next = 0; k < points.size(); ++k) {

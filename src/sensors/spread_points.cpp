@@ -32,7 +32,8 @@ std::vector<std::size_t> spread_points(const StereoFrame& frame, const StereoCal
   if (chosen.size() <= most) {
     return chosen;
   }
-  std::ranges::stable_sort(chosen, {}, [&](std::size_t k) { return std::tie(ranks[k].group, ranks[k].order); });
+  std::ranges::stable_sort(chosen, {},
+                           [&](std::size_t k) { return std::tie(ranks[k].group, ranks[k].order); });
   std::array<std::size_t, kFieldColumns * kFieldRows> held{};
   std::vector<std::size_t> place(chosen.size());  // in its field, those of lower groups counted
   for (const std::size_t k : chosen) {

@@ -69,8 +69,8 @@ TEST(LandmarkBudget, LandmarksInUseGoOnThenKnownOnesThenNewOnes) {
   add_landmark(estimate, 8, 0);
   add_landmark(estimate, 9, kFrame);
   const StereoFrame frame = frame_of(2 * kFrame, {5, 6, 8, 9});
-  for (const auto& [most, chosen] : std::vector<std::pair<std::size_t, Ids>>{
-           {1, {9}}, {2, {8, 9}}, {3, {5, 8, 9}}}) {
+  for (const auto& [most, chosen] :
+       std::vector<std::pair<std::size_t, Ids>>{{1, {9}}, {2, {8, 9}}, {3, {5, 8, 9}}}) {
     EXPECT_EQ(ids_of(LandmarkBudget(small_images(), most).choose(frame, estimate, kFrame)), chosen);
   }
 }

@@ -25,8 +25,7 @@ class LandmarkBudget {
 
   /// @param frame        the next one in time
   /// @param previous_ns  time of the frame before
-  [[nodiscard]] StereoFrame choose(StereoFrame frame, const Estimate& estimate,
-                                   std::int64_t previous_ns);
+  [[nodiscard]] StereoFrame choose(StereoFrame frame, const Estimate& estimate, std::int64_t previous_ns);
 
  private:
   StereoCalibration assumed_;
