@@ -30,6 +30,15 @@ void add_start_option(CLI::App& command, std::string& start) {
       ->capture_default_str();
 }
 
+void add_start_draw_options(CLI::App& command, std::uint64_t& seed, std::uint64_t& run) {
+  command.add_option("--seed", seed, "Of the start error with --init groundtruth")
+      ->check(whole_number())
+      ->capture_default_str();
+  command.add_option("--run", run, "Which draw of the start error, as in limber simulate")
+      ->check(whole_number())
+      ->capture_default_str();
+}
+
 void add_input_options(CLI::App& command, RecordingArguments& arguments) {
   command
       .add_option("DATASET", arguments.dataset,

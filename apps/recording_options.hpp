@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -23,6 +24,9 @@ struct RecordingArguments : RecordingFiles {
 
 /// --init.
 void add_start_option(CLI::App& command, std::string& start);
+
+/// --seed and --run.
+void add_start_draw_options(CLI::App& command, std::uint64_t& seed, std::uint64_t& run);
 
 /// Which recording, and its calibration.
 void add_input_options(CLI::App& command, RecordingArguments& arguments);

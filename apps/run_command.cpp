@@ -227,12 +227,7 @@ void add_run_command(CLI::App& app) {
           "parameters (see --estimate) may follow: full,dt1; default: full where IMU or odometry fix "
           "the scale, else rotation+direction")
       ->check(parsed_by(constraint_set_from_string));
-  command->add_option("--seed", arguments->seed, "Of the start error with --init groundtruth")
-      ->check(whole_number())
-      ->capture_default_str();
-  command->add_option("--run", arguments->run, "Which draw of the start error, as in limber simulate")
-      ->check(whole_number())
-      ->capture_default_str();
+  add_start_draw_options(*command, arguments->seed, arguments->run);
   command->add_option("--landmarks", arguments->landmarks, "inverse-depth, or cartesian as in the paper")
       ->transform(one_of({"inverse-depth", "cartesian"}))
       ->capture_default_str();

@@ -118,12 +118,7 @@ void add_smooth_command(CLI::App& app) {
       ->check(parsed_by(
           [](const std::string& name) { return name == "auto" ? Method::kEkf : method_from_string(name); }))
       ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Of the start error with --init groundtruth")
-      ->check(whole_number())
-      ->capture_default_str();
-  command->add_option("--run", arguments->run, "Which draw of the start error, as in limber simulate")
-      ->check(whole_number())
-      ->capture_default_str();
+  add_start_draw_options(*command, arguments->seed, arguments->run);
   add_force_option(*command, arguments->force);
   command->footer(
       "\nWrites what limber run writes, without health.csv. Ctrl-C ends it: half a solution is none, nothing "

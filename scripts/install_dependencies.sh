@@ -14,7 +14,7 @@ packages=(
   libsqlitecpp-dev libtbb-dev libopenmpi-dev openmpi-bin  # studies
   nodejs npm chromium             # the page of reports, and a browser to test it
   libgtest-dev libgmock-dev libbenchmark-dev  # tests and benchmarks
-  clang libclang-rt-14-dev        # compiles the presets `release` and `asan`; GCC the other ones, and users' projects
+  clang libclang-rt-14-dev lld    # compiles the presets `release` and `asan`; GCC the other ones, and users' projects
   clang-format python3            # scripts/
   doxygen libjs-mathjax           # the docs site
   pybind11-dev python3-dev python3-numpy python3-matplotlib python3-pytest  # the Python module

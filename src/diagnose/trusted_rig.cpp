@@ -85,7 +85,7 @@ std::vector<TrustedPart> trusted_parts(const RunOptions& options, MotionModel mo
                      axis < 3});
     }
   }
-  if (trusts_length_alone(options) && has_scale(motion)) {
+  if (trusts_length_alone(options, motion) && has_scale(motion)) {
     TrustedPart length{"baseline"};
     length.along.tail<3>() = theta.tail<3>().normalized();
     out.push_back(std::move(length));

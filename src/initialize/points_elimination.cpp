@@ -78,7 +78,9 @@ VectorXd PointsElimination::times_inverse(VectorXd x) const {
   return x;
 }
 
-VectorXd PointsElimination::from_gradient() const { return normal_.W * times_inverse(normal_.g_points); }
+VectorXd PointsElimination::from_gradient() const { return normal_.W * step_alone(); }
+
+VectorXd PointsElimination::step_alone() const { return times_inverse(normal_.g_points); }
 
 VectorXd PointsElimination::step(const VectorXd& rest) const {
   return times_inverse(normal_.g_points - normal_.W.transpose() * rest);

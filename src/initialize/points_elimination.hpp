@@ -19,6 +19,8 @@ class PointsElimination {
   [[nodiscard]] Eigen::MatrixXd from_matrix() const;
   /// W V⁻¹ g_points: what goes from the frames' gradient.
   [[nodiscard]] Eigen::VectorXd from_gradient() const;
+  /// V⁻¹ g_points: the points' step while the frames stay.
+  [[nodiscard]] Eigen::VectorXd step_alone() const;
   /// The points' step that goes with that of the frames' rest.
   [[nodiscard]] Eigen::VectorXd step(const Eigen::VectorXd& rest) const;
 

@@ -41,9 +41,7 @@ MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibratio
     case Method::kOracle:  // knows the truth of the frames to come, not of those before
       break;
   }
-  ConstraintSet all;
-  all.kind = has_scale(options.motion) ? ConstraintSet::Kind::kFull : ConstraintSet::Kind::kRotationDirection;
-  return constraint_directions(all, calibration.theta);
+  return constraint_directions(default_constraints(options.motion), calibration.theta);
 }
 
 /// The residuals are no larger than the noise; no other guess is tried then.

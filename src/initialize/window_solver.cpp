@@ -15,7 +15,6 @@ namespace limber::detail {
 using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
-using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 namespace {
@@ -60,12 +59,10 @@ std::optional<Step> step_of(const WindowNormal& normal, double damping) {
 /// Points moved by one Gauss-Newton step of their own, frames as they are. What scales a map bends in frames
 /// and inverse depths together; in the frames alone it is straight, and steps along it need not be short.
 WindowState points_refitted(const WindowModel& model, const WindowState& state, const WindowNormal& normal) {
-  VectorXd points = VectorXd::Zero(normal.g_points.size());
-  for (std::size_t j = 0; j < normal.V.size(); ++j) {
-    const auto at = static_cast<Index>(3 * j);
-    const Vector3d step = normal.V[j].inverse() * normal.g_points.segment<3>(at);
-    if (step.allFinite()) {
-      points.segment<3>(at) = step;
+  VectorXd points = PointsElimination(normal, 0.0).step_alone();
+  for (Index at = 0; at < points.size(); at += 3) {
+    if (!points.segment<3>(at).allFinite()) {
+      points.segment<3>(at).setZero();
     }
   }
   return moved(model, state, VectorXd::Zero(normal.g.size()), points);

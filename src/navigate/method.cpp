@@ -76,6 +76,10 @@ Method method_from_string(const std::string& name) {
                               ", expected one of " + known);
 }
 
+ConstraintSet default_constraints(MotionModel motion) {
+  return {has_scale(motion) ? Kind::kFull : Kind::kRotationDirection, {}};
+}
+
 ConstraintSet constraint_set_from_string(const std::string& text) {
   const std::vector<std::string_view> items = split(text, ',');
   const std::string first = in_lower_case(std::string(items.front()));

@@ -41,8 +41,7 @@ constexpr int kMostOverruled = 5;
 
 NavigatorOptions constrained(NavigatorOptions options) {
   options.method = Method::kLcekf;
-  options.constraints.kind =
-      has_scale(options.motion) ? ConstraintSet::Kind::kFull : ConstraintSet::Kind::kRotationDirection;
+  options.constraints.kind = default_constraints(options.motion).kind;
   if (!options.health) {
     options.health = HealthOptions{};
   }

@@ -37,15 +37,15 @@ ConstraintSet choose_constraints(const RunOptions& options, MotionModel motion, 
   if (options.constraints) {
     return *options.constraints;
   }
-  if (motion == MotionModel::kConstantVelocity) {
+  if (has_scale(motion)) {
+    setup.notes.push_back(fmt::format("constraints full: the scale comes from the {}",
+                                      motion == MotionModel::kImu ? "IMU" : "odometry"));
+  } else {
     setup.notes.emplace_back(
         "constraints rotation+direction: nothing but the baseline's length fixes the scale, so it is "
         "trusted");
-    return {ConstraintSet::Kind::kRotationDirection, {}};
   }
-  setup.notes.push_back(fmt::format("constraints full: the scale comes from the {}",
-                                    motion == MotionModel::kImu ? "IMU" : "odometry"));
-  return {ConstraintSet::Kind::kFull, {}};
+  return default_constraints(motion);
 }
 
 template <typename T>

@@ -4,9 +4,12 @@
 namespace limber {
 namespace {
 
+ConstraintSet constraints_of(const RunOptions& options, MotionModel motion) {
+  return options.constraints.value_or(default_constraints(motion));
+}
+
 bool lcekf_trusts(const RunOptions& options, MotionModel motion, std::size_t axis) {
-  const ConstraintSet set = options.constraints.value_or(ConstraintSet{
-      has_scale(motion) ? ConstraintSet::Kind::kFull : ConstraintSet::Kind::kRotationDirection, {}});
+  const ConstraintSet set = constraints_of(options, motion);
   switch (set.kind) {
     case ConstraintSet::Kind::kFull:
     case ConstraintSet::Kind::kRotationDirection:
@@ -30,15 +33,17 @@ bool trusts_axis(const RunOptions& options, MotionModel motion, std::size_t axis
          (options.method == Method::kLcekf && lcekf_trusts(options, motion, axis));
 }
 
-bool trusts_length_alone(const RunOptions& options) {
-  return options.method == Method::kLcekf && options.constraints &&
-         options.constraints->kind == ConstraintSet::Kind::kRotationDirection;
+bool trusts_length_alone(const RunOptions& options, MotionModel motion) {
+  return (options.method == Method::kLcekf &&
+          constraints_of(options, motion).kind == ConstraintSet::Kind::kRotationDirection) ||
+         (options.method == Method::kAdaptive && !has_scale(motion));
 }
 
 bool trusts_length(const RunOptions& options, MotionModel motion, const RigParameters& theta) {
   Eigen::Index along = 0;
   theta.tail<3>().cwiseAbs().maxCoeff(&along);
-  return trusts_length_alone(options) || trusts_axis(options, motion, static_cast<std::size_t>(3 + along));
+  return trusts_length_alone(options, motion) ||
+         trusts_axis(options, motion, static_cast<std::size_t>(3 + along));
 }
 
 }  // namespace limber

@@ -74,21 +74,6 @@ void visit_vibration(FieldVisitor& io, SinusShape& s) {
   io.number("phase", s.phase, kAnyNumber, {"rad"});
 }
 
-/// What the reader of files says of the signal, about its short form.
-std::string about_short_form(std::string message, const std::string& text) {
-  const auto replace = [&message](std::string_view words, std::string_view by) {
-    if (const std::size_t at = message.find(words); at != std::string::npos) {
-      message.replace(at, words.size(), by);
-    }
-  };
-  message.erase(0, message.find("expected "));  // no file, no line
-  replace("one of the keys shape, amplitude",
-          "one of ax, ay, az (degrees), tx, ty, tz (m, or % of the baseline), shape");
-  replace(" in signal", "");
-  replace("signal.", "");
-  return message + " in '" + text + "'";
-}
-
 }  // namespace
 
 void detail::visit_signal(FieldVisitor& io, DecalibrationSignal& signal, double baseline) {
@@ -130,13 +115,14 @@ DecalibrationSignal decalibration_from_string(const std::string& text, double ba
   }
   DecalibrationSignal signal;
   const std::string yaml =
-      fmt::format("signal: {{shape: {}, amplitude: [{}]{}}}\n", shape, fmt::join(amplitude, ", "), keys);
+      fmt::format("{{shape: {}, amplitude: [{}]{}}}\n", shape, fmt::join(amplitude, ", "), keys);
   try {
-    detail::read_fields(yaml, "'" + text + "'", [&](FieldVisitor& io) {
-      io.mapping("signal", [&](FieldVisitor& child) { detail::visit_signal(child, signal, baseline); });
+    detail::read_fields(yaml, text, [&](FieldVisitor& io) {
+      io.call("amplitude", "ax, ay, az (degrees), tx, ty, tz (m, or % of the baseline)");
+      detail::visit_signal(io, signal, baseline);
     });
   } catch (const DataError& error) {
-    throw std::invalid_argument(about_short_form(error.what(), text));
+    throw std::invalid_argument(fmt::format("{} in '{}'", error.without_place(), text));
   }
   return signal;
 }

@@ -144,8 +144,7 @@ Fault fault_from_string(const std::string& text) {
   try {
     detail::read_fields(yaml, text, [&](FieldVisitor& io) { detail::visit_fault(io, fault); });
   } catch (const DataError& error) {
-    const std::string_view what = error.what();
-    throw std::invalid_argument(fmt::format("fault '{}': {}", text, what.substr(what.find("expected "))));
+    throw std::invalid_argument(fmt::format("fault '{}': {}", text, error.without_place()));
   }
   return fault;
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <string_view>
 
@@ -146,13 +147,15 @@ class Reader final : public FieldVisitor {
     }
   }
 
+  void call(const std::string& key, const std::string& words) override { called_[key] = words; }
+
   /// Refuses the keys that nobody asked for.
   void finish() const {
     for (const auto& entry : mapping_) {
       const std::string key = entry.first.Scalar();
       if (std::find(visited_.begin(), visited_.end(), key) == visited_.end()) {
         fail(entry.first,
-             fmt::format("one of the keys {}{}", fmt::join(visited_, ", "),
+             fmt::format("one of the keys {}{}", fmt::join(known_keys(), ", "),
                          key_path_.empty() ? "" : " in " + key_path_),
              "the unknown key " + excerpt(key));
       }
@@ -175,6 +178,16 @@ class Reader final : public FieldVisitor {
         fail(entry.first, "a name as key", in_words(entry.first));
       }
     }
+  }
+
+  [[nodiscard]] std::vector<std::string> known_keys() const {
+    std::vector<std::string> out = visited_;
+    for (std::string& key : out) {
+      if (const auto words = called_.find(key); words != called_.end()) {
+        key = words->second;
+      }
+    }
+    return out;
   }
 
   YAML::Node find(const std::string& key) {
@@ -236,7 +249,8 @@ class Reader final : public FieldVisitor {
   YAML::Node mapping_;
   std::string key_path_;
   std::vector<std::string> visited_;
-  std::size_t line_of_key_ = 0;  // the key that find() found last
+  std::map<std::string, std::string> called_;  // by key
+  std::size_t line_of_key_ = 0;                // the key that find() found last
 };
 
 class Writer final : public FieldVisitor {
@@ -303,6 +317,7 @@ class Writer final : public FieldVisitor {
   [[nodiscard]] bool has(const std::string&, bool present) override { return present; }
   [[nodiscard]] bool is_word(const std::string&) override { return false; }
   void require(const std::string&) override {}
+  void call(const std::string&, const std::string&) override {}
 
   void check(const std::string& key, bool condition, const std::string& expected,
              const std::string& found) override {

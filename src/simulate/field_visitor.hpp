@@ -75,6 +75,8 @@ class FieldVisitor {
   [[nodiscard]] virtual bool is_word(const std::string& key) = 0;
   /// For what has no default: a reader fails if the key is absent.
   virtual void require(const std::string& key) = 0;
+  /// What messages call a key: that of a short form, of which the mapping was made. Nothing to a writer.
+  virtual void call(const std::string& key, const std::string& words) = 0;
   /// Fails at `key` unless `condition` holds.
   virtual void check(const std::string& key, bool condition, const std::string& expected,
                      const std::string& found) = 0;

@@ -50,7 +50,8 @@ TEST_F(DecalibrateCommand, SaysOfAProfileWhatTheOptionTakes) {
     EXPECT_THAT(refused.err, HasSubstr("--as: expected " + said));
     EXPECT_THAT(refused.err, ::testing::Not(HasSubstr("signal")));
   };
-  const std::string axes = "one of ax, ay, az (degrees), tx, ty, tz (m, or % of the baseline), shape";
+  const std::string axes =
+      "one of the keys shape, ax, ay, az (degrees), tx, ty, tz (m, or % of the baseline)";
   expect("roll=2", axes + ", found the unknown key 'roll' in 'roll=2'");
   expect("ay=1,shape=ramp,end=3,angle=2", axes + ", start, end, found the unknown key 'angle'");
   expect("ay=1,shape=ramp", "the key end, found no such key in 'ay=1,shape=ramp'");

@@ -21,6 +21,11 @@ TEST(DataError, LeavesTheLineOutWhenTheWholeFileIsMeant) {
   EXPECT_EQ(error.line(), 0U);
 }
 
+TEST(DataError, SaysBothSidesAloneOfATextThatIsNoFile) {
+  EXPECT_EQ(DataError("ay:1: expected=2", 1, "a key", "'ay'").without_place(), "expected a key, found 'ay'");
+  EXPECT_EQ(DataError("ay", 0, "a key", "'ay'").without_place(), "expected a key, found 'ay'");
+}
+
 TEST(DataError, IsCaughtAsARuntimeError) {
   EXPECT_THROW(throw DataError("a", 1, "b", "c"), std::runtime_error);
 }

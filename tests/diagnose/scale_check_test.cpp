@@ -87,6 +87,16 @@ TEST(ScaleCheck, IsOfMethodsThatTakeTheLengthForExact) {
   EXPECT_EQ(trusting.summary.scale_check->to_ns, recording.frames.back().t_ns);
 }
 
+TEST(ScaleCheck, IsNoneOfVisionAloneWhosePositionsRestOnTheLength) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 8.0;
+  Recording recording = simulate(scenario, 3);
+  recording.imu.clear();
+  const JudgedRun run = run_judged(recording, Method::kLcekf);
+  EXPECT_TRUE(run.summary.rests_on_length);
+  EXPECT_FALSE(run.summary.scale_check);
+}
+
 /// `ok` would be about a length that nobody has seen.
 TEST(ScaleCheck, WithoutOneTheLengthIsNotKnown) {
   Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");

@@ -77,6 +77,22 @@ TEST(TrustsLength, IsOfTheAxisAlongTheBaseline) {
   EXPECT_FALSE(trusts());
 }
 
+TEST(TrustsLength, OfVisionAloneAreThoseWhoseDefaultKeepsIt) {
+  RunOptions options;
+  const auto trusts = [&options](MotionModel motion) {
+    return trusts_length(options, motion, trusted_theta());
+  };
+  for (const Method method : {Method::kLcekf, Method::kAdaptive}) {
+    options.method = method;
+    EXPECT_TRUE(trusts(MotionModel::kConstantVelocity)) << to_string(method);
+    EXPECT_FALSE(trusts(MotionModel::kImu)) << to_string(method);
+    EXPECT_FALSE(trusts(MotionModel::kOdometry)) << to_string(method);
+  }
+  options.method = Method::kLcekf;
+  options.constraints = constraint_set_from_string("full");
+  EXPECT_FALSE(trusts(MotionModel::kConstantVelocity));
+}
+
 /// A stretch whose ty is off by so many sigmas of 0.4 mm.
 CalibrationState stretch(double sigmas, std::int64_t from_s = 0) {
   CalibrationState out;

@@ -69,6 +69,8 @@ TEST(PointsElimination, IsThatOfTheDenseMatrices) {
       const VectorXd of_step = inverse * (normal.g_points - normal.W.transpose() * step);
       EXPECT_LE((points_of.from_gradient() - of_gradient).norm(), 1e-12 * of_gradient.norm());
       EXPECT_LE((points_of.step(step) - of_step).norm(), 1e-12 * of_step.norm());
+      const VectorXd alone = inverse * normal.g_points;
+      EXPECT_LE((points_of.step_alone() - alone).norm(), 1e-12 * alone.norm());
     }
   }
 }

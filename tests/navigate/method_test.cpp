@@ -101,6 +101,12 @@ TEST(ConstraintDirections, AreOnePlausibleErrorEach) {
   EXPECT_EQ(listed.col(2), scale(5) * RigParameters::Unit(5));
 }
 
+TEST(ConstraintSet, OfVisionAloneLeavesTheLengthOfTheBaselineOutUnlessToldOtherwise) {
+  EXPECT_EQ(to_string(default_constraints(MotionModel::kImu)), "full");
+  EXPECT_EQ(to_string(default_constraints(MotionModel::kOdometry)), "full");
+  EXPECT_EQ(to_string(default_constraints(MotionModel::kConstantVelocity)), "rotation+direction");
+}
+
 TEST(ConstraintDirections, AFullListIsFull) {
   EXPECT_EQ(directions("ax,ay,az,tx,ty,tz"), directions("full"));
 }

@@ -94,17 +94,26 @@ TEST(PixelErrors, OfTheLensAreAFunctionOfThePixelWithTheGivenRms) {
   s.pixels.field = 0.2;
   const Recording recording = simulate(s, 1);
   // Points that land within 15 px of each other have nearly the same error, whichever frame they are in.
-  std::vector<std::pair<Vector2d, Vector2d>> seen;
+  struct Seen {
+    double u, v, error_u, error_v;
+    [[nodiscard]] double squared_apart(const Seen& o) const {
+      return (u - o.u) * (u - o.u) + (v - o.v) * (v - o.v);
+    }
+    [[nodiscard]] double squared_difference(const Seen& o) const {
+      return (error_u - o.error_u) * (error_u - o.error_u) + (error_v - o.error_v) * (error_v - o.error_v);
+    }
+  };
+  std::vector<Seen> seen;
   testing::visit_residuals(recording, [&](const StereoFrame&, const StereoObservation& o, const Vector4d& r) {
-    seen.emplace_back(o.uv_cam0, r.head<2>());
+    seen.push_back({o.uv_cam0.x(), o.uv_cam0.y(), r[0], r[1]});
   });
   double near = 0.0, apart = 0.0, pairs = 0.0, all = 0.0;
   for (std::size_t i = 0; i < seen.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
-      const double squared = (seen[i].second - seen[k].second).squaredNorm();
+      const double squared = seen[i].squared_difference(seen[k]);
       apart += squared;
       all += 1.0;
-      if ((seen[i].first - seen[k].first).norm() < 15.0) {
+      if (seen[i].squared_apart(seen[k]) < 15.0 * 15.0) {
         near += squared;
         pairs += 1.0;
       }

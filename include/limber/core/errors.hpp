@@ -18,6 +18,8 @@ class DataError : public std::runtime_error {
   [[nodiscard]] const std::string& file() const { return file_; }
   /// 1 is the first; 0: the whole file.
   [[nodiscard]] std::size_t line() const { return line_; }
+  /// "expected EXPECTED, found FOUND", for texts that are no file.
+  [[nodiscard]] std::string without_place() const;
 
  private:
   std::string file_;

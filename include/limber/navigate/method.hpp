@@ -8,6 +8,7 @@
 
 #include "limber/sensors/calibration.hpp"
 #include "limber/sensors/parameters.hpp"
+#include "limber/state/state.hpp"
 
 namespace limber {
 
@@ -55,6 +56,11 @@ struct ConstraintSet {
   /// Whether nothing is constrained.
   [[nodiscard]] bool empty() const { return !has_theta() && listed.none(); }
 };
+
+/// What a constrained filter does not rely on unless it is told otherwise: `full` where the motion's inputs
+/// show how long a metre is; `rotation+direction` of vision alone, whose scale nothing but the baseline's
+/// length fixes.
+[[nodiscard]] ConstraintSet default_constraints(MotionModel motion);
 
 /// "full", "none", "rotation", "rotation+direction" or a list of names such as "ax,ay,tx"; names and groups
 /// beyond theta may follow: "full,dt1,intrinsics1". Names: limber/sensors/parameters.hpp.

@@ -14,8 +14,9 @@ namespace limber {
 /// @param axis  of ax, ay, az, tx, ty, tz
 [[nodiscard]] bool trusts_axis(const RunOptions& options, MotionModel motion, std::size_t axis);
 
-/// `lcekf` that constrains turn and direction alone: no axis is trusted, and the baseline's length is.
-[[nodiscard]] bool trusts_length_alone(const RunOptions& options);
+/// No axis is trusted, and the baseline's length is: `lcekf` that constrains turn and direction alone, as it
+/// does of vision alone unless it is told otherwise, and `adaptive` of vision alone.
+[[nodiscard]] bool trusts_length_alone(const RunOptions& options, MotionModel motion);
 
 /// @brief Whether a run's method takes the length of the baseline for exact, by either of both.
 /// @param theta  assumed
