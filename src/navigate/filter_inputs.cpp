@@ -154,20 +154,26 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
   trusted_again_ns_ = estimate_.nav().t_ns + static_cast<std::int64_t>(1e9 * InputAlarm::kCalm);
 }
 
-/// Where nobody knows how the body turned, no landmark of before can be found in the image by a linear
-/// update: those of the frame are taken for new ones.
-std::size_t StereoFilter::forget_after_blindness(const StereoFrame& frame) {
+/// The frame's landmarks are no more: its points will be taken for new ones.
+std::size_t StereoFilter::forget(const StereoFrame& frame) {
   std::size_t removed = 0;
-  if (blind_turn_ > kTooBlind * kTooBlind) {
-    for (const StereoObservation& o : frame.observations) {
-      if (estimate_.find(o.track_id) != nullptr) {
-        estimate_.remove_landmark(o.track_id);
-        ++removed;
-      }
+  for (const StereoObservation& o : frame.observations) {
+    if (estimate_.find(o.track_id) != nullptr) {
+      estimate_.remove_landmark(o.track_id);
+      ++removed;
     }
-    blind_turn_ = frame.observations.empty() ? blind_turn_ : 0.0;
   }
   return removed;
+}
+
+/// Where nobody knows how the body turned, no landmark of before can be found in the image by a linear
+/// update.
+std::size_t StereoFilter::forget_after_blindness(const StereoFrame& frame) {
+  if (blind_turn_ <= kTooBlind * kTooBlind) {
+    return 0;
+  }
+  blind_turn_ = frame.observations.empty() ? blind_turn_ : 0.0;
+  return forget(frame);
 }
 
 bool StereoFilter::is_broken() const {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -37,6 +39,38 @@ constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degre
 constexpr int kTriangulations = 8;
 constexpr double kRigSettled = 0.03;      // plausible errors
 constexpr std::size_t kEnoughKnown = 10;  // landmarks: they tell at which rig a frame is linearised best
+constexpr double kFarOff = 3.0;           // sigmas of a pixel, rms: a correction that has much to mend
+constexpr double kLargeTurn = 0.1;        // [rad]: is it linear?
+constexpr std::size_t kEnoughToTell = 6;  // points
+
+/// How far the points that are `kept` are from where the left camera sees them; the right one's rows may hold
+/// an error of theta.
+struct LeftMisfit {
+  double rms = 0.0;  ///< in sigmas of a pixel
+  std::size_t points = 0;
+};
+
+LeftMisfit left_misfit(const StackedFrame& stacked, const std::set<std::int64_t>& kept) {
+  LeftMisfit out;
+  const LinearMeasurement& rows = stacked.measurement;
+  for (std::size_t g = 0; g < stacked.track_ids.size(); ++g) {
+    const Index row = rows.groups[g].row;
+    if (kept.contains(stacked.track_ids[g]) && rows.D.middleRows<2>(row).isZero(0.0)) {
+      out.rms += rows.residual.segment<2>(row).cwiseQuotient(rows.sigma.segment<2>(row)).squaredNorm();
+      ++out.points;
+    }
+  }
+  out.rms = out.points > 0 ? std::sqrt(0.5 * out.rms / static_cast<double>(out.points)) : 0.0;
+  return out;
+}
+
+/// Larger of position and attitude, in sigmas of the prediction.
+double size_of_correction(const PoseCorrection::Vector6& dx, const PoseCorrection::Matrix6& P) {
+  const Eigen::Matrix<double, 6, 1> variance = P.diagonal();
+  const double position = dx.head<3>().squaredNorm() / variance.head<3>().sum(),
+               attitude = dx.tail<3>().squaredNorm() / variance.tail<3>().sum();
+  return std::sqrt(std::max(position, attitude));
+}
 
 /// Whether of the points that both cameras see hardly one is known, but enough are new.
 bool shows_mostly_new(const StereoFrame& frame, const Estimate& estimate) {
@@ -227,6 +261,47 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const P
   return accepted;
 }
 
+StereoFilter::Attempt StereoFilter::attempt(const StereoFrame& frame, const LinearizationPoint& at,
+                                            const ParameterErrorModel& model, bool images_alone,
+                                            FrameReport& report) {
+  Attempt out{at, {}, {}, {}};
+  if (initializes_before_update()) {
+    out.fresh = initialize_landmarks(estimate_, frame, at.rig);  // Eqs. (29)-(32)
+  }
+  out.stacked = images_alone ? stack_where_seen(frame, at, out.fresh, model, report)
+                             : stack(frame, at, out.fresh, report);  // Eqs. (23)-(28)
+  out.accepted = gate_points(out.stacked, model, report);
+  return out;
+}
+
+/// Would the points be farther from where they are seen after the correction than before? It is a step from
+/// where nothing is linear any more: the next one would be larger.
+bool StereoFilter::leads_astray(const StereoFrame& frame, const Attempt& attempt,
+                                const ParameterErrorModel& model) const {
+  std::set<std::int64_t> kept;
+  for (std::size_t g = 0; g < attempt.accepted.size(); ++g) {
+    if (attempt.accepted[g]) {
+      kept.insert(attempt.stacked.track_ids[g]);
+    }
+  }
+  const LeftMisfit before = left_misfit(attempt.stacked, kept);
+  if (before.points < kEnoughToTell || before.rms < kFarOff) {
+    return false;
+  }
+  Estimate corrected = estimate_;
+  const UpdateReport updated =
+      update(corrected.mutable_P(), attempt.stacked.measurement.subset(attempt.accepted), model);
+  if (updated.status != UpdateStatus::kUpdated ||
+      updated.dx.segment<3>(StateLayout::kAttitude).norm() < kLargeTurn) {
+    return false;
+  }
+  corrected.retract(updated.dx);
+  std::vector<Refusal> behind;
+  const LeftMisfit after =
+      left_misfit(stack_frame(corrected, frame, attempt.at.rig, sigma_px(), attempt.fresh, behind), kept);
+  return after.rms > before.rms || 2 * after.points < before.points;
+}
+
 void StereoFilter::constrained_update(const StackedFrame& stacked, const std::vector<bool>& accepted,
                                       const ParameterErrorModel& model, double dt, FrameReport& report) {
   if (stacked.measurement.rows() > 0) {
@@ -251,6 +326,7 @@ void StereoFilter::constrained_update(const StackedFrame& stacked, const std::ve
     report.dof = updated.dof;
     report.rank = updated.rank;
     if (updated.status == UpdateStatus::kUpdated) {
+      report.correction = size_of_correction(updated.dx.head<6>(), P_pose);
       blind_turn_ = 0.0;
       const PoseCorrection correction{report.t_ns,  dt,          updated.dx.head<6>(),
                                       corrected_by, updated.nis, static_cast<double>(updated.dof)};
@@ -315,20 +391,21 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   if (!images_alone) {
     report.removed += forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);
   }
-  NewLandmarks fresh;
-  if (initializes_before_update()) {
-    fresh = initialize_landmarks(estimate_, frame, at.rig);  // Eqs. (29)-(32)
-  }
   const ParameterErrorModel model = error_model();
-  const StackedFrame stacked = images_alone ? stack_where_seen(frame, at, fresh, model, report)
-                                            : stack(frame, at, fresh, report);  // Eqs. (23)-(28)
-  const std::vector<bool> accepted = gate_points(stacked, model, report);
-  constrained_update(stacked, accepted, model, dt, report);  // Eqs. (16)-(19)
-  record(stacked, accepted, fresh, report);
-  if (!initializes_before_update()) {
-    fresh = initialize_landmarks(estimate_, frame, mounted(calibration_));
+  Attempt to_see = attempt(frame, at, model, images_alone, report);
+  if (leads_astray(frame, to_see, model)) {
+    report.led_astray = true;
+    report.removed += forget(frame);
+    report.refused.clear();
+    report.gate_overruled = false;
+    to_see = attempt(frame, choose_linearization_point(frame), model, images_alone, report);
   }
-  report.initialized = fresh.size();
+  constrained_update(to_see.stacked, to_see.accepted, model, dt, report);  // Eqs. (16)-(19)
+  record(to_see.stacked, to_see.accepted, to_see.fresh, report);
+  if (!initializes_before_update()) {
+    to_see.fresh = initialize_landmarks(estimate_, frame, mounted(calibration_));
+  }
+  report.initialized = to_see.fresh.size();
   report.removed += manage_map(estimate_, frame.t_ns, options_.map);
   last_frame_ns_ = frame.t_ns;
   has_processed_ = true;

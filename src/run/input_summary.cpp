@@ -15,8 +15,12 @@ constexpr std::size_t kMostRemarks = 8;
 /// points refused by a gate that was overruled, for that long [s]: no calibration is so wrong, the state is.
 /// The former is beside a noise that may have been learned from such innovations, the latter is not.
 constexpr double kLostNis = 300.0, kLost_px = 10.0, kLostAfter = 1.0;
+/// Such a frame that moves the body by that many sigmas of its prediction: at once.
+constexpr double kLeap = 10.0;
 constexpr const char* kContradictedState = "state contradicted";
 constexpr const char* kOverruled = "gate overruled";
+constexpr const char* kLedAstray = "led astray";
+constexpr const char* kLeapt = "leapt";
 constexpr double kWorthARemark = 0.05;  // [s], a shorter gap is a dropped sample or two
 
 double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
@@ -95,6 +99,15 @@ std::string in_words(const RunEvent& e) {
   if (e.what == kOverruled) {
     return fmt::format("{} most points contradict the rig or the state: sigmas are too small", when);
   }
+  if (e.what == kLedAstray) {
+    return fmt::format(
+        "{} the points contradicted the state so far that correcting it would have put them farther off, {} "
+        "times: they were taken for new ones, the inputs carried the state on",
+        when, e.frames);
+  }
+  if (e.what == kLeapt) {
+    return fmt::format("{} the body leapt by more than {:.0f} of its own sigmas", when, kLeap);
+  }
   if (e.what == "reset") {
     return fmt::format("{} the filter had broken down and began anew, {} times", when, e.frames);
   }
@@ -137,6 +150,13 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
     }
     if (frame.gate_overruled) {
       add(kOverruled);
+    }
+    if (frame.led_astray) {
+      add(kLedAstray);
+    }
+    if (contradicts_the_state(frame) && frame.correction > kLeap) {
+      add(kLeapt);
+      out.lost_since_ns = out.lost_since_ns.value_or(frame.t_ns);
     }
     if (!contradicts_the_state(frame)) {
       contradicted_since_ns.reset();

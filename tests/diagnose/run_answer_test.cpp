@@ -83,6 +83,18 @@ TEST(RunAnswer, SaysWhatPositionsRestOnWhereTheLengthOfTheBaselineIsTrusted) {
             "from the start, where 0.017 m are claimed");
 }
 
+/// KITTI drives were called ok with ANEES of 30 to 130.
+TEST(RunAnswer, SaysWhatSigmasDoNotCountWhereOdometrysNoiseWasLearned) {
+  Said said(kOk);
+  const auto warns = [&] { return said.answer().sentences.back().starts_with("sigmas with odometry"); };
+  said.record.motion = MotionModel::kOdometry;
+  EXPECT_FALSE(warns()) << "noise was stated";
+  said.record.odometry_noise.emplace();
+  EXPECT_TRUE(warns());
+  said.record.motion = MotionModel::kImu;
+  EXPECT_FALSE(warns());
+}
+
 TEST(RunAnswer, SaysThatThePosesWereAlignedWithATruthThatIsNotLevel) {
   Said said(kOk);
   said.summary.ate_se3_m = 0.01;

@@ -111,6 +111,14 @@ TEST(InputSummary, ARunIsLostWhereMostPointsContradictTheStateByFarForASecond) {
   EXPECT_THAT(remarks_on_inputs(summary), Contains(HasSubstr("most points contradict the state by far")));
 }
 
+TEST(InputSummary, SaysWherePointsThatLedAstrayWereTakenForNewOnes) {
+  std::vector<FrameReport> frames = sound_frames(100);
+  frames[40].led_astray = frames[45].led_astray = true;
+  const InputSummary summary = summarize_inputs(frames);
+  EXPECT_THAT(remarks_on_inputs(summary), Contains(HasSubstr("put them farther off, 2 times")));
+  EXPECT_FALSE(summary.lost_since_ns);
+}
+
 /// Noise that is learned from innovations grows with them, and hides them.
 TEST(InputSummary, ARunIsLostWhereTheContradictionIsLargeInPixelsWhateverNoiseIsAssumed) {
   std::vector<FrameReport> frames = sound_frames(100);

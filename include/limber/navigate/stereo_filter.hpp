@@ -139,6 +139,14 @@ class StereoFilter {
     ParameterVector shift = ParameterVector::Zero();
   };
 
+  /// A frame's rows, and which of its points are taken.
+  struct Attempt {
+    LinearizationPoint at;
+    NewLandmarks fresh;
+    StackedFrame stacked;
+    std::vector<bool> accepted;
+  };
+
   void add(const InputSample& sample);
   /// The time of the state once something of t_ns has come.
   [[nodiscard]] std::int64_t started_at(std::int64_t t_ns) const;
@@ -148,6 +156,7 @@ class StereoFilter {
   void judge_inputs(const PoseCorrection& correction, FrameReport& report);
   [[nodiscard]] bool is_broken() const;
   void begin_anew();
+  std::size_t forget(const StereoFrame& frame);
   [[nodiscard]] std::size_t forget_after_blindness(const StereoFrame& frame);
   [[nodiscard]] bool initializes_before_update() const;
   [[nodiscard]] LinearizationPoint choose_linearization_point(const StereoFrame& frame) const;
@@ -162,6 +171,10 @@ class StereoFilter {
   /// @return one flag per stacked point
   [[nodiscard]] std::vector<bool> gate_points(const StackedFrame& stacked, const ParameterErrorModel& model,
                                               FrameReport& report) const;
+  [[nodiscard]] Attempt attempt(const StereoFrame& frame, const LinearizationPoint& at,
+                                const ParameterErrorModel& model, bool images_alone, FrameReport& report);
+  [[nodiscard]] bool leads_astray(const StereoFrame& frame, const Attempt& attempt,
+                                  const ParameterErrorModel& model) const;
   void constrained_update(const StackedFrame& stacked, const std::vector<bool>& accepted,
                           const ParameterErrorModel& model, double dt, FrameReport& report);
   void record(const StackedFrame& stacked, const std::vector<bool>& accepted, const NewLandmarks& fresh,

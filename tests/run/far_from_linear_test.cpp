@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "limber/datasets/read_recording.hpp"
+#include "limber/run/input_summary.hpp"
+#include "limber/run/run_recording.hpp"
+#include "real_data.hpp"
+
+namespace limber {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+/// A room, five points a frame, and up to two seconds without images: the state is far off where they come
+/// again, and linear updates led 113 m away.
+TEST(FarFromLinear, StarryNightWithOneCameraStaysInItsRoom) {
+  LIMBER_NEED_DATA(folder, "track_logs/starry_night");
+  RunOptions options;
+  options.method = Method::kMonoLeft;
+  const Recording recording = read_recording(folder);
+  const RunRecord record = run_recording(recording, options, matched_frames(recording));
+  for (const TrajectoryRow& row : record.trajectory) {
+    ASSERT_LE(row.T_world_body.p.norm(), 10.0) << row.t_ns;
+  }
+  EXPECT_THAT(remarks_on_inputs(summarize_inputs(record.frames)),
+              Contains(HasSubstr("correcting it would have put them farther off")));
+}
+
+}  // namespace
+}  // namespace limber
