@@ -146,6 +146,18 @@ void judge_move(const RunOptions& options, const BiasMove& move, RunRecord& reco
   }
 }
 
+/// Without an IMU nothing but images says where the body is once they have thrown it away.
+void lose_after_a_leap(RunRecord& record, InputSummary& inputs) {
+  const auto leap =
+      std::ranges::find_if(inputs.events, [](const RunEvent& event) { return event.what == "leapt"; });
+  if (leap != inputs.events.end()) {
+    inputs.lost_since_ns = leap->to_ns;
+    record.notes.push_back(
+        fmt::format("the run is lost since {:.3f} s: points that contradicted the state threw it away",
+                    1e-9 * static_cast<double>(leap->to_ns)));
+  }
+}
+
 }  // namespace
 
 std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
@@ -168,7 +180,11 @@ std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
 }
 
 void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summary) {
-  if (record.motion != MotionModel::kImu || record.frames.empty() || summary.inputs.lost_since_ns) {
+  if (record.frames.empty() || summary.inputs.lost_since_ns) {
+    return;
+  }
+  if (record.motion != MotionModel::kImu) {
+    lose_after_a_leap(record, summary.inputs);
     return;
   }
   const std::int64_t end_ns = record.frames.back().t_ns;

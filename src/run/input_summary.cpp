@@ -15,7 +15,7 @@ constexpr std::size_t kMostRemarks = 8;
 /// points refused by a gate that was overruled, for that long [s]: no calibration is so wrong, the state is.
 /// The former is beside a noise that may have been learned from such innovations, the latter is not.
 constexpr double kLostNis = 300.0, kLost_px = 10.0, kLostAfter = 1.0;
-/// Such a frame that moves the body by that many sigmas of its prediction: at once.
+/// Such a frame that moves the body by that many sigmas of its prediction.
 constexpr double kLeap = 10.0;
 constexpr const char* kContradictedState = "state contradicted";
 constexpr const char* kOverruled = "gate overruled";
@@ -156,7 +156,6 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
     }
     if (contradicts_the_state(frame) && frame.correction > kLeap) {
       add(kLeapt);
-      out.lost_since_ns = out.lost_since_ns.value_or(frame.t_ns);
     }
     if (!contradicts_the_state(frame)) {
       contradicted_since_ns.reset();

@@ -85,6 +85,24 @@ TEST(MisledSince, IsNeverWhereOnlyTheAssumedNoiseFalls) {
   EXPECT_FALSE(misled_since(frames, rig(HealthVerdict::kOk)));
 }
 
+TEST(MisledSince, LosesARunWithoutAnImuSinceItsBodyLeapt) {
+  const auto lost = [](MotionModel motion, bool leapt) {
+    RunRecord record;
+    record.motion = motion;
+    record.frames.resize(10);
+    record.trajectory.resize(10);
+    RunSummary summary;
+    if (leapt) summary.inputs.events.push_back({"leapt", 4'950'000'000, 5'000'000'000});
+    add_misled({}, record, summary);
+    EXPECT_EQ(record.notes.size(), summary.inputs.lost_since_ns ? 1U : 0U);
+    return summary.inputs.lost_since_ns;
+  };
+  EXPECT_EQ(lost(MotionModel::kOdometry, true), 5'000'000'000);
+  EXPECT_EQ(lost(MotionModel::kConstantVelocity, true), 5'000'000'000);
+  EXPECT_FALSE(lost(MotionModel::kOdometry, false));
+  EXPECT_FALSE(lost(MotionModel::kImu, true));
+}
+
 /// A drone of sixteen seconds.
 Recording drone(std::uint64_t seed) {
   Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");

@@ -119,6 +119,19 @@ TEST(InputSummary, SaysWherePointsThatLedAstrayWereTakenForNewOnes) {
   EXPECT_FALSE(summary.lost_since_ns);
 }
 
+TEST(InputSummary, SaysWhereTheBodyLeapsByManyOfItsSigmasForPointsThatContradictIt) {
+  std::vector<FrameReport> frames = sound_frames(100);
+  for (const std::size_t k : {40U, 60U}) {
+    frames[k].correction = 30.0;  // an input that failed, and points that agree
+    frames[k].dof = 100;
+    frames[k].nis = 1000.0 * 100.0;
+  }
+  EXPECT_THAT(summarize_inputs(frames).events, IsEmpty());
+  frames[60].gate_overruled = true;
+  EXPECT_THAT(remarks_on_inputs(summarize_inputs(frames)),
+              Contains("at 3.000 s the body leapt by more than 10 of its own sigmas"));
+}
+
 /// Noise that is learned from innovations grows with them, and hides them.
 TEST(InputSummary, ARunIsLostWhereTheContradictionIsLargeInPixelsWhateverNoiseIsAssumed) {
   std::vector<FrameReport> frames = sound_frames(100);

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// StereoFilter's corrections from where nothing is linear any more: they are not made.
+#include <cmath>
+#include <cstddef>
+#include <set>
+#include <vector>
+
+#include "limber/navigate/stereo_filter.hpp"
+
+namespace limber {
+
+using Eigen::Index;
+
+namespace {
+
+constexpr double kFarOff = 3.0;           // sigmas of a pixel, rms: a correction that has much to mend
+constexpr double kLargeTurn = 0.1;        // [rad]: is it linear?
+constexpr std::size_t kEnoughToTell = 6;  // points
+
+/// How far the points that are `kept` are from where the left camera sees them; the right one's rows may hold
+/// an error of theta.
+struct LeftMisfit {
+  double rms = 0.0;  ///< in sigmas of a pixel
+  std::size_t points = 0;
+};
+
+LeftMisfit left_misfit(const StackedFrame& stacked, const std::set<std::int64_t>& kept) {
+  LeftMisfit out;
+  const LinearMeasurement& rows = stacked.measurement;
+  for (std::size_t g = 0; g < stacked.track_ids.size(); ++g) {
+    const Index row = rows.groups[g].row;
+    if (kept.contains(stacked.track_ids[g]) && rows.D.middleRows<2>(row).isZero(0.0)) {
+      out.rms += rows.residual.segment<2>(row).cwiseQuotient(rows.sigma.segment<2>(row)).squaredNorm();
+      ++out.points;
+    }
+  }
+  out.rms = out.points > 0 ? std::sqrt(0.5 * out.rms / static_cast<double>(out.points)) : 0.0;
+  return out;
+}
+
+}  // namespace
+
+/// Would the points be farther from where they are seen after the correction than before? It is a step from
+/// where nothing is linear any more: the next one would be larger.
+bool StereoFilter::leads_astray(const StereoFrame& frame, const Attempt& attempt,
+                                const ParameterErrorModel& model) const {
+  std::set<std::int64_t> kept;
+  for (std::size_t g = 0; g < attempt.accepted.size(); ++g) {
+    if (attempt.accepted[g]) {
+      kept.insert(attempt.stacked.track_ids[g]);
+    }
+  }
+  const LeftMisfit before = left_misfit(attempt.stacked, kept);
+  if (before.points < kEnoughToTell || before.rms < kFarOff) {
+    return false;
+  }
+  Estimate corrected = estimate_;
+  const UpdateReport updated =
+      update(corrected.mutable_P(), attempt.stacked.measurement.subset(attempt.accepted), model);
+  if (updated.status != UpdateStatus::kUpdated ||
+      updated.dx.segment<3>(StateLayout::kAttitude).norm() < kLargeTurn) {
+    return false;
+  }
+  corrected.retract(updated.dx);
+  std::vector<Refusal> behind;
+  const LeftMisfit after =
+      left_misfit(stack_frame(corrected, frame, attempt.at.rig, sigma_px(), attempt.fresh, behind), kept);
+  return after.rms > before.rms || 2 * after.points < before.points;
+}
+
+}  // namespace limber
