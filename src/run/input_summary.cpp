@@ -70,6 +70,8 @@ bool contradicts_the_state(const FrameReport& frame) {
   return frame.gate_overruled && (frame.nis > kLostNis * dof || misfit > kLost_px * kLost_px * dof);
 }
 
+std::string so_often(std::size_t times) { return times == 1 ? "once" : fmt::format("{} times", times); }
+
 std::string in_words(const RunEvent& e) {
   const std::string when =
       e.to_ns - e.from_ns > 100'000'000
@@ -101,15 +103,15 @@ std::string in_words(const RunEvent& e) {
   }
   if (e.what == kLedAstray) {
     return fmt::format(
-        "{} the points contradicted the state so far that correcting it would have put them farther off, {} "
-        "times: they were taken for new ones, the inputs carried the state on",
-        when, e.frames);
+        "{} the points contradicted the state so far that correcting it would have put them farther off, {}: "
+        "they were taken for new ones, the inputs carried the state on",
+        when, so_often(e.frames));
   }
   if (e.what == kLeapt) {
     return fmt::format("{} the body leapt by more than {:.0f} of its own sigmas", when, kLeap);
   }
   if (e.what == "reset") {
-    return fmt::format("{} the filter had broken down and began anew, {} times", when, e.frames);
+    return fmt::format("{} the filter had broken down and began anew, {}", when, so_often(e.frames));
   }
   return fmt::format("{} {} input samples were {}{}", when, e.samples, e.what,
                      e.what == "saturated" ? ": taken with more noise"
