@@ -117,10 +117,12 @@ SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup
       callbacks.wait({frame, out.report, out.frames.size()});
   }
   if (out.frames.empty()) return out;  // stopped
+  const auto begin_handing_over = Clock::now();
   out.result = start.result();
   if (const auto other = shared ? counterpart(setup) : std::nullopt) {
     out.counterpart = start.result_for(*other);
   }
+  out.frame_ms.back() += milliseconds(begin_handing_over, Clock::now());
   out.of_last_frame = out.report;
   out.report = report_of(out.result, out.of_last_frame);
   keep_used(motion == MotionModel::kOdometry ? 0 : out.result.trajectory.size(), std::move(seen), out);
