@@ -109,11 +109,15 @@ std::optional<std::size_t> begin_of_growth(std::span<const Block> blocks, std::s
   return std::nullopt;
 }
 
+void lose(std::int64_t since_ns, const std::string& why, RunRecord& record, InputSummary& inputs) {
+  inputs.lost_since_ns = since_ns;
+  record.notes.push_back(
+      fmt::format("the run is lost since {:.3f} s: {}", 1e-9 * static_cast<double>(since_ns), why));
+}
+
 void call_lost(const RunEvent& event, const std::string& why, RunRecord& record, InputSummary& inputs) {
   detail::add_event(event, record, inputs);
-  inputs.lost_since_ns = event.from_ns;
-  record.notes.push_back(
-      fmt::format("the run is lost since {:.3f} s: {}", 1e-9 * static_cast<double>(event.from_ns), why));
+  lose(event.from_ns, why, record, inputs);
 }
 
 /// Not where nobody judged the rig, or it is wrong: that may have moved the bias. Nor where biases move all
@@ -151,10 +155,7 @@ void lose_after_a_leap(RunRecord& record, InputSummary& inputs) {
   const auto leap =
       std::ranges::find_if(inputs.events, [](const RunEvent& event) { return event.what == "leapt"; });
   if (leap != inputs.events.end()) {
-    inputs.lost_since_ns = leap->to_ns;
-    record.notes.push_back(
-        fmt::format("the run is lost since {:.3f} s: points that contradicted the state threw it away",
-                    1e-9 * static_cast<double>(leap->to_ns)));
+    lose(leap->to_ns, "points that contradicted the state threw it away", record, inputs);
   }
 }
 

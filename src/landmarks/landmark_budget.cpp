@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/landmarks/landmark_budget.hpp"
 
+#include <cstdint>
 #include <utility>
 #include <vector>
 

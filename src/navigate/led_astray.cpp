@@ -2,6 +2,7 @@
 // StereoFilter's corrections from where nothing is linear any more: they are not made.
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <set>
 #include <vector>
 
@@ -17,24 +18,41 @@ constexpr double kFarOff = 3.0;           // sigmas of a pixel, rms: a correctio
 constexpr double kLargeTurn = 0.1;        // [rad]: is it linear?
 constexpr std::size_t kEnoughToTell = 6;  // points
 
-/// How far the points that are `kept` are from where the left camera sees them; the right one's rows may hold
+/// How far points are from where the left camera sees them; the right one's rows may hold
 /// an error of theta.
 struct LeftMisfit {
   double rms = 0.0;  ///< in sigmas of a pixel
   std::size_t points = 0;
 };
 
-LeftMisfit left_misfit(const StackedFrame& stacked, const std::set<std::int64_t>& kept) {
+/// @param counted  by point
+LeftMisfit left_misfit(const StackedFrame& stacked, const std::vector<bool>& counted) {
   LeftMisfit out;
   const LinearMeasurement& rows = stacked.measurement;
   for (std::size_t g = 0; g < stacked.track_ids.size(); ++g) {
     const Index row = rows.groups[g].row;
-    if (kept.contains(stacked.track_ids[g]) && rows.D.middleRows<2>(row).isZero(0.0)) {
+    if (counted[g] && rows.D.middleRows<2>(row).isZero(0.0)) {
       out.rms += rows.residual.segment<2>(row).cwiseQuotient(rows.sigma.segment<2>(row)).squaredNorm();
       ++out.points;
     }
   }
   out.rms = out.points > 0 ? std::sqrt(0.5 * out.rms / static_cast<double>(out.points)) : 0.0;
+  return out;
+}
+
+/// For each point of `stacked` its flag among those of `ids`.
+std::vector<bool> flags_of(const StackedFrame& stacked, const std::vector<std::int64_t>& ids,
+                           const std::vector<bool>& flags) {
+  std::set<std::int64_t> flagged;
+  for (std::size_t g = 0; g < ids.size(); ++g) {
+    if (flags[g]) {
+      flagged.insert(ids[g]);
+    }
+  }
+  std::vector<bool> out;
+  for (const std::int64_t id : stacked.track_ids) {
+    out.push_back(flagged.contains(id));
+  }
   return out;
 }
 
@@ -44,13 +62,7 @@ LeftMisfit left_misfit(const StackedFrame& stacked, const std::set<std::int64_t>
 /// where nothing is linear any more: the next one would be larger.
 bool StereoFilter::leads_astray(const StereoFrame& frame, const Attempt& attempt,
                                 const ParameterErrorModel& model) const {
-  std::set<std::int64_t> kept;
-  for (std::size_t g = 0; g < attempt.accepted.size(); ++g) {
-    if (attempt.accepted[g]) {
-      kept.insert(attempt.stacked.track_ids[g]);
-    }
-  }
-  const LeftMisfit before = left_misfit(attempt.stacked, kept);
+  const LeftMisfit before = left_misfit(attempt.stacked, attempt.accepted);
   if (before.points < kEnoughToTell || before.rms < kFarOff) {
     return false;
   }
@@ -63,8 +75,10 @@ bool StereoFilter::leads_astray(const StereoFrame& frame, const Attempt& attempt
   }
   corrected.retract(updated.dx);
   std::vector<Refusal> behind;
+  const StackedFrame stacked =
+      stack_frame(corrected, frame, attempt.at.rig, sigma_px(), attempt.fresh, behind);
   const LeftMisfit after =
-      left_misfit(stack_frame(corrected, frame, attempt.at.rig, sigma_px(), attempt.fresh, behind), kept);
+      left_misfit(stacked, flags_of(stacked, attempt.stacked.track_ids, attempt.accepted));
   return after.rms > before.rms || 2 * after.points < before.points;
 }
 

@@ -313,12 +313,13 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   const std::int64_t state_ns = started_at(raw.t_ns);
   check_frame(raw, state_ns, last_frame_ns_);
   estimate_.set_time(state_ns);
-  const StereoFrame seen = visible(raw, options_.method);
-  const StereoFrame frame = budget_.choose(seen, estimate_, last_frame_ns_);
+  StereoFrame seen = visible(raw, options_.method);
+  const std::size_t observed = seen.observations.size();
+  const StereoFrame frame = budget_.choose(std::move(seen), estimate_, last_frame_ns_);
   const double dt = seconds_between(estimate_.nav().t_ns, frame.t_ns);
   FrameReport report;
   report.t_ns = frame.t_ns;
-  report.observed = seen.observations.size();
+  report.observed = observed;
   report.inputs = report_inputs(frame.t_ns);
   report.sigma_px = 0.5 * sigma_px().norm();
 

@@ -76,37 +76,6 @@ TEST(FailingInputs, TheSameFrameTwiceIsRefused) {
             std::string::npos);
 }
 
-/// An image that is turned by 126 degrees, with odometry that could be far off: a linear update would lead
-/// away from it, and the next one farther still. starry_night, with one camera, ended 113 m off so.
-TEST(FailingInputs, ACorrectionThatWouldPutPointsFartherOffIsNotMadeAndThePointsBeginAnew) {
-  int astray = 0;
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const Scene scene = scene_of(1.5, MotionModel::kOdometry, seed);
-    NavigatorOptions options = with_method(scene, Method::kMonoLeft);
-    options.odometry_noise.sigma_v.setConstant(30.0);
-    options.odometry_noise.sigma_omega.setConstant(5.0);
-    Feeder feeder(scene, options);
-    for (std::size_t k = 0; k < 20; ++k) {
-      EXPECT_FALSE(feeder.process(scene.frames[k]).led_astray) << k;
-    }
-    StereoFrame turned = scene.frames[20];
-    const Eigen::Vector2d centre(scene.calibration.cam0.cu, scene.calibration.cam0.cv);
-    for (StereoObservation& o : turned.observations) {
-      o.uv_cam0 = centre + Eigen::Rotation2Dd(2.2) * (o.uv_cam0 - centre);
-    }
-    feeder.feed_inputs(turned.t_ns);
-    const NavigationState predicted = feeder.navigator.predict(turned.t_ns).nav;
-    const FrameReport report = feeder.navigator.process(turned);
-    if (report.led_astray) {
-      ++astray;
-      EXPECT_GE(report.removed, 20U);
-      EXPECT_GE(report.initialized, 20U);
-      EXPECT_EQ(feeder.navigator.estimate().nav().T_world_body.p, predicted.T_world_body.p);
-    }
-  }
-  EXPECT_GE(astray, 3);
-}
-
 /// Standing still with a millimetre of sigma was the answer to an IMU that never came.
 TEST(FailingInputs, WithoutAnyImuSampleTheCovarianceGrows) {
   const Scene scene = scene_of(1.0);
