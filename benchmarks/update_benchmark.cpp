@@ -15,6 +15,7 @@
 #include "limber/measure/rig.hpp"
 #include "limber/measure/stereo_model.hpp"
 #include "limber/navigate/method.hpp"
+#include "limber/update/frame_innovation.hpp"
 #include "limber/update/gate.hpp"
 #include "limber/update/innovation.hpp"
 #include "limber/update/update.hpp"
@@ -108,8 +109,9 @@ double time_update(const Contestant& of) {
 
 double time_gate(const Contestant& of) {
   const Clock::time_point begin = Clock::now();
-  const limber::Innovation innovation = limber::form_innovation(of.prior, of.frame);
-  const limber::GateReport report = limber::gate(innovation, of.frame.groups, of.treatment, kGate);
+  const limber::FrameInnovation seen = limber::form_frame_innovation(of.prior, of.frame);
+  const limber::GateReport report =
+      limber::gate(seen.innovation, seen.groups, of.treatment, limber::GateThresholds(kGate));
   const Clock::time_point end = Clock::now();
   benchmark::DoNotOptimize(report.distance.data());
   return std::chrono::duration<double>(end - begin).count();
@@ -178,9 +180,10 @@ void gate_beside_update(benchmark::State& state) {
         draws.matrix(kRowsPerPoint, 1, static_cast<double>(state.range(3)));
   }
   race(state, sound, mismatched, time_gate);
-  const limber::Innovation innovation = limber::form_innovation(mismatched.prior, mismatched.frame);
+  const limber::FrameInnovation seen = limber::form_frame_innovation(mismatched.prior, mismatched.frame);
   const auto accepted =
-      limber::gate(innovation, mismatched.frame.groups, mismatched.treatment, kGate).accepted;
+      limber::gate(seen.innovation, seen.groups, mismatched.treatment, limber::GateThresholds(kGate))
+          .accepted;
   state.counters["refused"] = static_cast<double>(std::count(accepted.begin(), accepted.end(), false));
 }
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // StereoFilter's frames without inputs: linearised where the images put the body.
+#include <utility>
+#include <vector>
+
 #include "limber/core/so3.hpp"
 #include "limber/navigate/stereo_filter.hpp"
 
@@ -59,8 +62,9 @@ StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const Line
     StackedFrame stacked = stacked_at(shift, said);
     FrameReport gated = said;
     Covariance P = estimate_.P();
-    const UpdateReport updated =
-        update(P, stacked.measurement.subset(gate_points(stacked, model, gated)), model);
+    FrameInnovation seen = form_frame_innovation(P, stacked.measurement);
+    const std::vector<bool> accepted = gate_points(stacked, seen, model, gated);
+    const UpdateReport updated = update(P, compressed(std::move(seen), accepted), model);
     if (updated.status != UpdateStatus::kUpdated || updated.dx.segment<3>(3).norm() > kFarthestTurn) {
       break;
     }

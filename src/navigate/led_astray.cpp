@@ -68,7 +68,7 @@ bool StereoFilter::leads_astray(const StereoFrame& frame, const Attempt& attempt
   }
   Estimate corrected = estimate_;
   const UpdateReport updated =
-      update(corrected.mutable_P(), attempt.stacked.measurement.subset(attempt.accepted), model);
+      update(corrected.mutable_P(), compressed(attempt.seen, attempt.accepted), model);
   if (updated.status != UpdateStatus::kUpdated ||
       updated.dx.segment<3>(StateLayout::kAttitude).norm() < kLargeTurn) {
     return false;

@@ -79,6 +79,7 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
       calibration_(calibration),
       scale_(plausible_error(calibration.baseline())),
       estimate_(make_estimate(options_, calibration, initial)),
+      gate_thresholds_(options_.gate_probability),
       budget_(calibration, options_.map.points_per_update),
       inputs_(options.motion == MotionModel::kOdometry ? kOdometryPrior : kImuPrior),
       checks_(limits_of(options.motion)),
@@ -216,15 +217,13 @@ ParameterErrorModel StereoFilter::gate_model(const ParameterErrorModel& model) c
   return out;
 }
 
-std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const ParameterErrorModel& model,
-                                            FrameReport& report) const {
+std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const FrameInnovation& seen,
+                                            const ParameterErrorModel& model, FrameReport& report) const {
   std::vector<bool> accepted(stacked.track_ids.size(), true);
-  if (!options_.gate || stacked.measurement.rows() == 0) {
+  if (!options_.gate || accepted.empty()) {
     return accepted;
   }
-  const Innovation innovation = form_innovation(estimate_.P(), stacked.measurement);
-  const GateReport gated =
-      gate(innovation, stacked.measurement.groups, gate_model(model), options_.gate_probability);
+  const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_);
   report.gate_overruled = gated.overruled;
   for (std::size_t g = 0; g < accepted.size(); ++g) {
     accepted[g] = gated.accepted[g];
@@ -239,26 +238,25 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const P
 StereoFilter::Attempt StereoFilter::attempt(const StereoFrame& frame, const LinearizationPoint& at,
                                             const ParameterErrorModel& model, bool images_alone,
                                             FrameReport& report) {
-  Attempt out{at, {}, {}, {}};
+  Attempt out{at, {}, {}, {}, {}};
   if (initializes_before_update()) {
     out.fresh = initialize_landmarks(estimate_, frame, at.rig);  // Eqs. (29)-(32)
   }
   out.stacked = images_alone ? stack_where_seen(frame, at, out.fresh, model, report)
                              : stack(frame, at, out.fresh, report);  // Eqs. (23)-(28)
-  out.accepted = gate_points(out.stacked, model, report);
+  out.seen = form_frame_innovation(estimate_.P(), out.stacked.measurement);
+  out.accepted = gate_points(out.stacked, out.seen, model, report);
   return out;
 }
 
-void StereoFilter::constrained_update(const StackedFrame& stacked, const std::vector<bool>& accepted,
+void StereoFilter::constrained_update(FrameInnovation&& seen, const std::vector<bool>& accepted,
                                       const ParameterErrorModel& model, double dt, FrameReport& report) {
-  if (stacked.measurement.rows() > 0) {
-    const bool all = std::find(accepted.begin(), accepted.end(), false) == accepted.end();
+  if (!accepted.empty()) {
     const Eigen::Matrix<double, 6, 6> P_theta =
         has_theta(options_) ? estimate_.P().diagonal_block<6>(estimate_.layout().theta())
                             : Eigen::Matrix<double, 6, 6>::Zero().eval();
     const PoseCorrection::Matrix6 P_pose = estimate_.P().diagonal_block<6>(0);
-    UpdateReport updated = update(estimate_.mutable_P(),
-                                  all ? stacked.measurement : stacked.measurement.subset(accepted), model);
+    UpdateReport updated = update(estimate_.mutable_P(), compressed(std::move(seen), accepted), model);
     if (options_.method == Method::kConsider && updated.status == UpdateStatus::kUpdated) {
       // Schmidt: the gain's theta rows are zero, so its block stays; the cross-covariances are those of the
       // EKF.
@@ -348,7 +346,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
     report.gate_overruled = false;
     to_see = attempt(frame, choose_linearization_point(frame), model, images_alone, report);
   }
-  constrained_update(to_see.stacked, to_see.accepted, model, dt, report);  // Eqs. (16)-(19)
+  constrained_update(std::move(to_see.seen), to_see.accepted, model, dt, report);  // Eqs. (16)-(19)
   record(to_see.stacked, to_see.accepted, to_see.fresh, report);
   if (!initializes_before_update()) {
     to_see.fresh = initialize_landmarks(estimate_, frame, mounted(calibration_));

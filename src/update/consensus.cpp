@@ -20,20 +20,14 @@ constexpr double kClose = 2.5;            // standard deviations: nearer groups 
 
 }  // namespace
 
-Consensus find_consensus(const VectorXd& r, const MatrixXd& S, const std::vector<RowGroup>& groups,
-                         const MatrixXd& A) {
-  // In units of each group's own standard deviations.
-  VectorXd y = r;
-  MatrixXd F = A;
-  for (const RowGroup& group : groups) {
-    const Cholesky root(S.block(group.row, group.row, group.rows, group.rows));
-    solve_lower(root.factor(), y.segment(group.row, group.rows));
-    solve_lower(root.factor(), F.middleRows(group.row, group.rows));
-  }
-  Consensus out{VectorXd::Zero(A.cols()), std::vector<double>(groups.size())};
+Consensus find_consensus(const WhiteGroups& white, double scale) {
+  const VectorXd& y = white.r;
+  const MatrixXd F = scale * white.A;
+  const std::vector<RowGroup>& groups = white.groups;
+  Consensus out{VectorXd::Zero(F.cols()), std::vector<double>(groups.size())};
   VectorXd e = y, weight = VectorXd::Ones(y.size());
   bool settled = false;
-  for (int i = 0, refinements = 0; refinements < kConsensusRefinements && A.cols() > 0; ++i) {
+  for (int i = 0, refinements = 0; refinements < kConsensusRefinements && F.cols() > 0; ++i) {
     settled = settled || i >= kIterations;
     refinements += settled ? 1 : 0;
     for (const RowGroup& group : groups) {

@@ -2,14 +2,14 @@
 #include "limber/update/gate.hpp"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
+#include "kept_rows.hpp"
 #include "limber/core/chi_square.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/update/consensus.hpp"
 #include "limber/update/constraint.hpp"
-#include "white_covariance.hpp"
+#include "limber/update/white_groups.hpp"
 
 namespace limber {
 
@@ -56,48 +56,63 @@ Distance mahalanobis(const VectorXd& e, const MatrixXd& B) {
 
 /// What is judged: residual, its covariance, and the directions that the gain must not see.
 struct Judged {
-  VectorXd r;
-  MatrixXd S;
-  MatrixXd DC;
+  VectorXd r;   ///< rows of S, then rows that no state moves: their covariance is the identity
+  MatrixXd S;   ///< of the first
+  MatrixXd DC;  ///< of all
   std::vector<RowGroup> groups;
+
+  [[nodiscard]] Index stateless() const { return r.size() - S.rows(); }
 
   /// The same without the groups that are not kept.
   [[nodiscard]] Judged subset(const std::vector<bool>& kept) const {
-    Judged out;
-    std::vector<Index> rows;
-    for (std::size_t g = 0; g < groups.size(); ++g) {
-      if (kept[g]) {
-        out.groups.push_back({static_cast<Index>(rows.size()), groups[g].rows, groups[g].own});
-        for (Index k = 0; k < groups[g].rows; ++k) {
-          rows.push_back(groups[g].row + k);
-        }
-      }
+    KeptRows rows = kept_rows(groups, kept, S.rows(), stateless());
+    Judged out{VectorXd(), S(rows.moved, rows.moved), MatrixXd(), std::move(rows.groups)};
+    for (const Index row : rows.stateless) {
+      rows.moved.push_back(S.rows() + row);
     }
-    out.r = r(rows);
-    out.S = S(rows, rows);
-    out.DC = DC(rows, Eigen::all);
+    out.r = r(rows.moved);
+    out.DC = DC(rows.moved, Eigen::all);
     return out;
   }
 };
+
+/// Rows of an innovation as they are judged. What is white in time correlates all of them.
+Judged judged_rows(const Innovation& innovation, const std::vector<RowGroup>& groups,
+                   const ParameterErrorModel& treatment) {
+  const Index m = innovation.r.size(), q = innovation.stateless.residual.size();
+  Judged out{VectorXd(m + q), innovation.S, MatrixXd(m + q, treatment.constrained.cols()), groups};
+  out.r << innovation.r, innovation.stateless.residual;
+  if (treatment.constrained.cols() > 0) {
+    out.DC.topRows(m) = multiply(innovation.D, treatment.constrained);
+    out.DC.bottomRows(q) = multiply(innovation.stateless.D, treatment.constrained);
+  }
+  if (treatment.white_covariance.size() > 0) {
+    MatrixXd D(m + q, innovation.D.cols());
+    D << innovation.D, innovation.stateless.D;
+    out.S.setIdentity(m + q, m + q);
+    out.S.topLeftCorner(m, m) = innovation.S;
+    add_product(out.S, 1.0, D, multiply(treatment.white_covariance, transposed(D)));
+  }
+  return out;
+}
 
 /// Judges the groups still in play. Dropping a group is block elimination in V = S⁻¹, of which only the
 /// products that the judgement needs are kept, as V = S⁻¹ − U Uᵀ: O(m²) each.
 class Judge {
  public:
-  Judge(const Judged& judged, double probability)
-      : z_(judged), probability_(probability), llt_(judged.S), DC_(judged.DC), U_(judged.S.rows(), 0) {
-    Vr_ = llt_.solve(z_.r);
-    VDC_ = llt_.solve(DC_);
-    white_r_ = z_.r;
-    white_DC_ = DC_;
-    for (const RowGroup& group : z_.groups) {
-      const Cholesky root(z_.S.block(group.row, group.row, group.rows, group.rows));
-      solve_lower(root.factor(), white_r_.segment(group.row, group.rows));
-      solve_lower(root.factor(), white_DC_.middleRows(group.row, group.rows));
-    }
+  Judge(const Judged& judged, const GateThresholds& thresholds)
+      : z_(judged),
+        white_(white_groups(judged.r, judged.S, judged.DC, judged.groups)),
+        thresholds_(thresholds),
+        llt_(judged.S),
+        DC_(judged.DC),
+        U_(judged.r.size(), 0) {
+    Vr_ = solved(z_.r);
+    VDC_ = solved(DC_);
   }
 
   [[nodiscard]] bool valid() const { return llt_.succeeded(); }
+  [[nodiscard]] const WhiteGroups& white() const { return white_; }
 
   /// Judges the accepted groups; returns the one that exceeds its threshold most, or -1.
   Index worst(GateReport& report) {
@@ -110,22 +125,22 @@ class Judge {
       delta = std::move(pseudo.x);
       Minv = std::move(pseudo.matrix);
     }
-    const MatrixXd white_A = multiply(white_DC_, T);
+    const MatrixXd white_A = multiply(white_.A, T);
     Index worst = -1;
     double worst_ratio = 1.0;
     for (std::size_t g = 0; g < z_.groups.size(); ++g) {
       if (!report.accepted[g]) {
         continue;
       }
-      const Index row = z_.groups[g].row, rows = z_.groups[g].rows;
+      const Index row = white_.groups[g].row, rows = white_.groups[g].rows;
       const auto A = white_A.middleRows(row, rows);
-      Distance d{white_r_.segment(row, rows).squaredNorm(), rows};
+      Distance d{white_.r.segment(row, rows).squaredNorm(), rows};
       if (!A.isZero(0.0)) {
-        d = mahalanobis(white_r_.segment(row, rows) - A * delta,
+        d = mahalanobis(white_.r.segment(row, rows) - A * delta,
                         MatrixXd::Identity(rows, rows) - congruence(A, Minv));
       }
       report.distance[g] = d.squared;
-      report.threshold[g] = quantile(d.dof);
+      report.threshold[g] = thresholds_.of(d.dof);
       if (d.dof > 0 && d.squared > worst_ratio * report.threshold[g]) {
         worst_ratio = d.squared / report.threshold[g];
         worst = static_cast<Index>(g);
@@ -136,39 +151,41 @@ class Judge {
 
   /// Takes the rows of a group out. What is left of D C may have fewer directions.
   void drop(const RowGroup& group) {
-    MatrixXd column = MatrixXd::Zero(z_.r.size(), group.rows);  // of V
-    column.middleRows(group.row, group.rows).setIdentity();
-    column = llt_.solve(column);
-    add_product(column, -1.0, U_, transposed(U_.middleRows(group.row, group.rows)));
-    const Cholesky pivot(column.middleRows(group.row, group.rows));
+    const Index rows = group.rows + (group.fourth >= 0 ? 1 : 0);
+    MatrixXd column = MatrixXd::Zero(z_.r.size(), rows);  // of V
+    column.middleRows(group.row, group.rows).leftCols(group.rows).setIdentity();
+    if (group.fourth >= 0) {
+      column(group.fourth, group.rows) = 1.0;
+    }
+    column = solved(std::move(column));
+    add_product(column, -1.0, U_, transposed(rows_of(group, U_)));
+    const Cholesky pivot(rows_of(group, column));
     solve_lower_from_right(transposed(pivot.factor()), column);  // V := V − column columnᵀ
     Vr_ -= column * (column.transpose() * z_.r);
     add_product(VDC_, -1.0, column, multiply(transposed(column), z_.DC));
     DC_.middleRows(group.row, group.rows).setZero();
-    U_.conservativeResize(Eigen::NoChange, U_.cols() + column.cols());
-    U_.rightCols(column.cols()) = column;
+    if (group.fourth >= 0) {
+      DC_.row(group.fourth).setZero();
+    }
+    U_.conservativeResize(Eigen::NoChange, U_.cols() + rows);
+    U_.rightCols(rows) = column;
   }
 
  private:
-  double quantile(Index dof) {
-    if (dof == 0) {
-      return 0.0;
-    }
-    const auto [it, fresh] = quantiles_.try_emplace(dof, 0.0);
-    if (fresh) {
-      it->second = chi_square_quantile(probability_, static_cast<double>(dof));
-    }
-    return it->second;
+  /// S⁻¹ X.
+  [[nodiscard]] MatrixXd solved(MatrixXd X) const {
+    X.topRows(z_.S.rows()) = llt_.solve(X.topRows(z_.S.rows()));
+    return X;
   }
 
   const Judged& z_;
-  double probability_;
+  WhiteGroups white_;
+  const GateThresholds& thresholds_;
   Cholesky llt_;
-  MatrixXd DC_;              // rows that were dropped are zero
-  MatrixXd U_;               // of what was dropped
-  VectorXd Vr_, white_r_;    // V r; r in units of the groups' own S
-  MatrixXd VDC_, white_DC_;  // V D C; " D C
-  std::map<Index, double> quantiles_;
+  MatrixXd DC_;   // rows that were dropped are zero
+  MatrixXd U_;    // of what was dropped
+  VectorXd Vr_;   // V r
+  MatrixXd VDC_;  // V D C
 };
 
 /// Drops the worst group as long as one fails. @return false if more than half failed
@@ -190,11 +207,11 @@ GateReport nothing_refused(std::size_t groups) {
 }
 
 /// Flags the groups that lie far from what most agree upon. @return how many
-std::size_t flag_gross(const Judged& judged, double probability, GateReport& report) {
-  const Consensus consensus = find_consensus(judged.r, judged.S, judged.groups, kWidestOffset * judged.DC);
+std::size_t flag_gross(const WhiteGroups& white, const GateThresholds& thresholds, GateReport& report) {
+  const Consensus consensus = find_consensus(white, kWidestOffset);
   std::size_t gross = 0;
-  for (std::size_t g = 0; g < judged.groups.size(); ++g) {
-    const double threshold = chi_square_quantile(probability, static_cast<double>(judged.groups[g].rows));
+  for (std::size_t g = 0; g < white.groups.size(); ++g) {
+    const double threshold = thresholds.of(white.groups[g].rows);
     if (consensus.distance[g] > kGrossOutlier * threshold) {
       report.accepted[g] = false;
       report.distance[g] = consensus.distance[g];
@@ -206,9 +223,10 @@ std::size_t flag_gross(const Judged& judged, double probability, GateReport& rep
 }
 
 /// Without the gross outliers, the others in turn.
-GateReport gate_robustly(const Judged& judged, GateReport flagged, std::size_t gross, double probability) {
+GateReport gate_robustly(const Judged& judged, GateReport flagged, std::size_t gross,
+                         const GateThresholds& thresholds) {
   const Judged rest = judged.subset(flagged.accepted);
-  Judge judge(rest, probability);
+  Judge judge(rest, thresholds);
   GateReport inner = nothing_refused(rest.groups.size());
   const std::size_t half = judged.groups.size() / 2;
   const std::size_t most = gross <= half ? half - gross : rest.groups.size() / 4;
@@ -230,18 +248,26 @@ GateReport gate_robustly(const Judged& judged, GateReport flagged, std::size_t g
 
 }  // namespace
 
+GateThresholds::GateThresholds(double probability) : probability_(probability), of_point_{} {
+  for (std::size_t dof = 1; dof < of_point_.size(); ++dof) {
+    of_point_[dof] = chi_square_quantile(probability, static_cast<double>(dof));
+  }
+}
+
+double GateThresholds::of(Index dof) const {
+  const auto at = static_cast<std::size_t>(dof);
+  return at < of_point_.size() ? of_point_[at] : chi_square_quantile(probability_, static_cast<double>(dof));
+}
+
 bool GateReport::all_accepted() const {
   return std::find(accepted.begin(), accepted.end(), false) == accepted.end();
 }
 
 GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                const ParameterErrorModel& treatment, double probability) {
-  const Judged judged{innovation.r, with_white_covariance(innovation, treatment),
-                      treatment.constrained.cols() > 0 ? multiply(innovation.D, treatment.constrained)
-                                                       : MatrixXd(innovation.r.size(), 0),
-                      groups};
+                const ParameterErrorModel& treatment, const GateThresholds& thresholds) {
+  const Judged judged = judged_rows(innovation, groups, treatment);
   GateReport report = nothing_refused(groups.size());
-  Judge judge(judged, probability);
+  Judge judge(judged, thresholds);
   if (!judge.valid()) {
     return report;  // the update will say that S is singular
   }
@@ -250,11 +276,11 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
     return report;
   }
   GateReport flagged = nothing_refused(groups.size());
-  const std::size_t gross = flag_gross(judged, probability, flagged);
+  const std::size_t gross = flag_gross(judge.white(), thresholds, flagged);
   // What is constrained cannot put most points far from each other; what is trusted can.
   const bool trusts = treatment.constrained.cols() == 0;
   if (gross > 0 && (trusts ? 2 : 3) * gross <= (trusts ? 1 : 2) * groups.size()) {
-    return gate_robustly(judged, std::move(flagged), gross, probability);
+    return gate_robustly(judged, std::move(flagged), gross, thresholds);
   }
   if (!eliminate(judge, groups, groups.size() / 2, report)) {
     report.accepted.assign(groups.size(), true);

@@ -23,7 +23,7 @@ namespace {
 void check_groups(const LinearMeasurement& z) {
   Index next = 0;
   for (const RowGroup& group : z.groups) {
-    if (group.row != next || group.rows <= 0) {
+    if (group.row != next || group.rows <= 0 || group.fourth >= 0) {
       throw std::invalid_argument("measurement: expected a group that begins at row " + std::to_string(next) +
                                   ", but one has " + std::to_string(group.rows) + " rows from " +
                                   std::to_string(group.row));

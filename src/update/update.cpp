@@ -7,11 +7,10 @@
 #include <utility>
 
 #include "limber/core/factors.hpp"
-#include "limber/update/compress.hpp"
 #include "limber/update/constraint.hpp"
+#include "limber/update/frame_innovation.hpp"
 #include "limber/update/null_space_projection.hpp"
 #include "limber/update/whiten.hpp"
-#include "white_covariance.hpp"
 
 namespace limber {
 
@@ -133,8 +132,7 @@ ParameterEvidence evidence_of(const Innovation& innovation, const MatrixXd& B, c
 
 UpdateReport update(Covariance& P, const LinearMeasurement& measurement,
                     const ParameterErrorModel& treatment) {
-  check(P, measurement);
-  return update(P, form_innovation(P, compressed(measurement)), treatment);
+  return update(P, compressed(form_frame_innovation(P, measurement)), treatment);
 }
 
 UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterErrorModel& treatment) {
@@ -209,7 +207,11 @@ UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measuremen
   if (innovation.r.size() == 0) {
     return untouched(UpdateStatus::kEmpty, n);
   }
-  const Cholesky S(with_white_covariance(innovation, treatment));
+  MatrixXd with_white = innovation.S;
+  if (treatment.white_covariance.size() > 0) {
+    with_white += congruence(innovation.D, treatment.white_covariance);
+  }
+  const Cholesky S(std::move(with_white));
   if (!is_positive_definite(S)) {
     return untouched(UpdateStatus::kSingularInnovation, n);
   }

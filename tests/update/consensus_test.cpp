@@ -47,7 +47,7 @@ TEST(Consensus, IsNotMovedByFortyPerCentOfGrossOutliers) {
     for (Index g = 0; g < 20; ++g) {
       p.r.segment<2>(2 * g) += 300.0 * testing::random_normal(generator, 2);
     }
-    const Consensus found = find_consensus(p.r, p.S, p.groups, p.A);
+    const Consensus found = find_consensus(white_groups(p.r, p.S, p.A, p.groups), 1.0);
     EXPECT_LE((found.beta - p.beta).norm(), 0.3) << run;
     for (std::size_t g = 20; g < 50; ++g) {
       EXPECT_LE(found.distance[g], 40.0) << run;
@@ -58,7 +58,7 @@ TEST(Consensus, IsNotMovedByFortyPerCentOfGrossOutliers) {
 TEST(Consensus, WithoutSharedDirectionsIsEachGroupsOwnDistance) {
   Generator generator(2);
   const Problem p = consensus_problem(generator, 10, 0);
-  const Consensus found = find_consensus(p.r, p.S, p.groups, p.A);
+  const Consensus found = find_consensus(white_groups(p.r, p.S, p.A, p.groups), 1.0);
   EXPECT_EQ(found.beta.size(), 0);
   for (std::size_t g = 0; g < p.groups.size(); ++g) {
     const auto at = static_cast<Index>(2 * g);

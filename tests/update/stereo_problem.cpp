@@ -103,6 +103,16 @@ std::vector<SeenPoint> random_points(Generator& generator, int count, double nea
   return out;
 }
 
+void make_theta_a_state(StereoProblem& problem) {
+  const Eigen::Index theta = problem.P.append(6);
+  problem.P.set_diagonal_block(theta, 1e-4 * Eigen::MatrixXd::Identity(6, 6));
+  for (Eigen::Index row = 0; row < problem.z.rows(); row += 2) {
+    for (const Eigen::Index half : {0, 3}) {
+      problem.z.H.blocks.push_back({row, theta + half, problem.z.D.block<2, 3>(row, half)});
+    }
+  }
+}
+
 std::vector<StereoProblem> degenerate_problems(Generator& generator) {
   std::vector<StereoProblem> out;
   for (const double baseline : {0.12, 2.0}) {

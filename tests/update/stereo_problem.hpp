@@ -44,6 +44,9 @@ StereoProblem make_problem(Generator& generator, std::string name, const StereoC
 /// Points in the view of the left camera, depths log-uniform in [near, far].
 std::vector<SeenPoint> random_points(Generator& generator, int count, double near, double far);
 
+/// Theta becomes six states at the end, of variance 1e-4 each, which the rows see as they see theta.
+void make_theta_a_state(StereoProblem& problem);
+
 /// Geometry that gives the constraints little or nothing to hold on to.
 std::vector<StereoProblem> degenerate_problems(Generator& generator);
 

@@ -31,6 +31,8 @@ struct RowGroup {
   Eigen::Index row = 0;
   Eigen::Index rows = 0;  ///< even
   Eigen::Index own = -1;  ///< first column of the point's triplet; -1: they see no point of their own
+  /// one row more, behind those of all groups (TurnedMeasurement); -1: none
+  Eigen::Index fourth = -1;
 };
 
 /// @brief Whitened rows that no state moves: r = D dtheta + noise, noise ~ N(0, I). The epipolar constraints
@@ -54,9 +56,9 @@ struct LinearMeasurement {
   Eigen::VectorXd sigma;     ///< standard deviations of the noise: m, positive
   SparseJacobian H;          ///< m×n
   Eigen::MatrixXd D;         ///< m×c: Jacobian with respect to the parameters that may be wrong; c = 0: none
-  std::vector<RowGroup> groups;  ///< partition of the rows, in order; none after compression
-  StatelessRows stateless;       ///< what compression set apart
-  NoiseRows noise;               ///< what compression took out
+  std::vector<RowGroup> groups;  ///< partition of the rows, in order; none once they are turned
+  StatelessRows stateless;       ///< what turning set apart
+  NoiseRows noise;               ///< what was taken out before
 
   /// m.
   [[nodiscard]] Eigen::Index rows() const { return residual.size(); }

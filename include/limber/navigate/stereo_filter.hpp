@@ -22,6 +22,8 @@
 #include "limber/stack/stack_frame.hpp"
 #include "limber/state/estimate.hpp"
 #include "limber/state/initial_state.hpp"
+#include "limber/update/frame_innovation.hpp"
+#include "limber/update/gate.hpp"
 #include "limber/update/update.hpp"
 
 namespace limber {
@@ -144,6 +146,7 @@ class StereoFilter {
     LinearizationPoint at;
     NewLandmarks fresh;
     StackedFrame stacked;
+    FrameInnovation seen;
     std::vector<bool> accepted;
   };
 
@@ -169,13 +172,13 @@ class StereoFilter {
                                               FrameReport& report);
   [[nodiscard]] ParameterErrorModel gate_model(const ParameterErrorModel& model) const;
   /// @return one flag per stacked point
-  [[nodiscard]] std::vector<bool> gate_points(const StackedFrame& stacked, const ParameterErrorModel& model,
-                                              FrameReport& report) const;
+  [[nodiscard]] std::vector<bool> gate_points(const StackedFrame& stacked, const FrameInnovation& seen,
+                                              const ParameterErrorModel& model, FrameReport& report) const;
   [[nodiscard]] Attempt attempt(const StereoFrame& frame, const LinearizationPoint& at,
                                 const ParameterErrorModel& model, bool images_alone, FrameReport& report);
   [[nodiscard]] bool leads_astray(const StereoFrame& frame, const Attempt& attempt,
                                   const ParameterErrorModel& model) const;
-  void constrained_update(const StackedFrame& stacked, const std::vector<bool>& accepted,
+  void constrained_update(FrameInnovation&& seen, const std::vector<bool>& accepted,
                           const ParameterErrorModel& model, double dt, FrameReport& report);
   void record(const StackedFrame& stacked, const std::vector<bool>& accepted, const NewLandmarks& fresh,
               FrameReport& report);
@@ -200,6 +203,7 @@ class StereoFilter {
   StereoCalibration calibration_;  // the one in use
   RigParameters scale_;            // one plausible error of theta of the calibration that was given
   Estimate estimate_;
+  GateThresholds gate_thresholds_;
   LandmarkBudget budget_;
   InputBuffer inputs_;
   InputChecks checks_;

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "limber/core/linear_measurement.hpp"
+#include "limber/update/white_groups.hpp"
 
 namespace limber {
 
@@ -14,15 +14,12 @@ struct Consensus {
   std::vector<double> distance;  ///< squared Mahalanobis distance of each group from it [-], one per group
 };
 
-/// @brief Robust fit of a shared offset: r_g = A_g beta + e_g, Cov(e_g) = S_gg, beta ~ N(0, I), by least sum
-/// of distances (iteratively reweighted), refined with weights that fall with the square. Up to some 40 % of
-/// gross outliers do not move it. What groups share through S beside A is ignored: good for telling gross
-/// outliers, not for statistics. O(m k²).
-/// @param r       m: residual
-/// @param S       m×m, of which the groups' diagonal blocks are read
-/// @param groups  partition of the rows
-/// @param A       m×k, k may be zero
-[[nodiscard]] Consensus find_consensus(const Eigen::VectorXd& r, const Eigen::MatrixXd& S,
-                                       const std::vector<RowGroup>& groups, const Eigen::MatrixXd& A);
+/// @brief Robust fit of a shared offset: r_g = A_g beta + e_g, e_g ~ N(0, I), beta ~ N(0, I), by least sum of
+/// distances (iteratively reweighted), refined with weights that fall with the square. Up to some 40 % of
+/// gross outliers do not move it. What groups share beside A is ignored: good for telling gross outliers, not
+/// for statistics. O(m k²).
+/// @param white  rows and A, k may be zero; each group has its own S
+/// @param scale  A is multiplied by it
+[[nodiscard]] Consensus find_consensus(const WhiteGroups& white, double scale);
 
 }  // namespace limber

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "limber/update/innovation.hpp"
@@ -22,6 +23,20 @@ struct GateReport {
   [[nodiscard]] bool all_accepted() const;
 };
 
+/// Chi-square quantiles of one probability; those of a point's rows are computed once.
+class GateThresholds {
+ public:
+  /// @param probability  chance that a good point passes, in (0, 1)
+  explicit GateThresholds(double probability);
+
+  /// What a squared distance of so many degrees of freedom may be; 0 for none.
+  [[nodiscard]] double of(Eigen::Index dof) const;
+
+ private:
+  double probability_;
+  std::array<double, 5> of_point_;  // by degrees of freedom
+};
+
 /// @brief Judges each group on its *projected* residual, so that a wrong calibration refuses no point.
 ///
 /// With dtheta_hat = (DᵀS⁻¹D)⁺DᵀS⁻¹r, group i is judged on (r − D dtheta_hat)_i with the diagonal block of
@@ -30,11 +45,10 @@ struct GateReport {
 ///
 /// One gross outlier spoils dtheta_hat for all others. So where a group fails, those that lie far from what
 /// most groups agree upon (find_consensus) go first, all at once, if they are less than half.
-/// @param groups       partition of the rows of the innovation
-/// @param probability  chance that a good point passes, in (0, 1)
+/// @param groups       partition of the rows of the innovation: of a measurement as it is, or turned
 /// @note O(m³) for S⁻¹, then O(m²) for each group that is dropped and nothing for gross outliers.
 [[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                              const ParameterErrorModel& treatment, double probability);
+                              const ParameterErrorModel& treatment, const GateThresholds& thresholds);
 
 /// Groups further than this many times their threshold (in squared distance) from the consensus are gross
 /// outliers.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "limber/update/compress.hpp"
+#include "limber/update/frame_innovation.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <vector>
 
 #include "check_covariance.hpp"
 #include "limber/core/dense.hpp"
@@ -40,7 +40,11 @@ std::vector<ParameterErrorModel> treatments(const StereoProblem& problem) {
   return {{}, problem.constrained(), {{}, white}, {problem.C.leftCols<3>(), white}};
 }
 
-/// Row for row, without compression.
+Innovation compressed_rows(const StereoProblem& problem) {
+  return compressed(form_frame_innovation(problem.P, problem.z));
+}
+
+/// Row for row, nothing turned.
 Updated slowly(const StereoProblem& problem, const ParameterErrorModel& how) {
   Covariance P = problem.P;
   Updated out;
@@ -63,7 +67,7 @@ void expect_same_update(const StereoProblem& problem) {
   }
 }
 
-TEST(Compress, LeavesTheUpdateAsItIs) {
+TEST(FrameInnovation, LeavesTheUpdateAsItIs) {
   Generator generator(1);
   for (const int points : {1, 2, 3, 4, 6, 9, 24, 45, 90}) {
     for (const double seen_by_both : {1.0, 0.9, 0.4, 0.0}) {
@@ -72,78 +76,107 @@ TEST(Compress, LeavesTheUpdateAsItIs) {
   }
 }
 
-TEST(Compress, LeavesThreeRowsAPointAndSetsTheEpipolarGeometryApart) {
+TEST(FrameInnovation, LeavesThreeRowsAPointAndSetsTheEpipolarGeometryApart) {
   Generator generator(2);
-  const StereoProblem problem = random_problem(generator, 60);
-  const LinearMeasurement z = compressed(problem.z);
-  EXPECT_EQ(z.rows(), 60 * 3);
-  EXPECT_EQ(z.sigma, VectorXd::Ones(z.rows()));
-  EXPECT_TRUE(z.groups.empty());
-  EXPECT_EQ(z.stateless.residual.size(), kEpipolar);
-  EXPECT_EQ(z.noise.rows, 60 - kEpipolar);
+  const Innovation rows = compressed_rows(random_problem(generator, 60));
+  EXPECT_EQ(rows.r.size(), 60 * 3);
+  EXPECT_EQ(rows.S.rows(), rows.r.size());
+  EXPECT_EQ(rows.stateless.residual.size(), kEpipolar);
+  EXPECT_EQ(rows.noise.rows, 60 - kEpipolar);
 }
 
-TEST(Compress, LooksForNoMoreDirectionsThanThereAre) {
+TEST(FrameInnovation, LooksForNoMoreDirectionsThanThereAre) {
   Generator generator(3);
   StereoProblem problem = random_problem(generator, 60);
   problem.z.D.col(1).setZero();
-  EXPECT_EQ(compressed(problem.z).stateless.residual.size(), kEpipolar - 1);
+  EXPECT_EQ(compressed_rows(problem).stateless.residual.size(), kEpipolar - 1);
   expect_same_update(problem);
 }
 
-TEST(Compress, CopesWithoutParameters) {
+TEST(FrameInnovation, CopesWithoutParameters) {
   Generator generator(4);
   StereoProblem problem = random_problem(generator, 60);
   problem.z.D.resize(0, 0);
-  EXPECT_EQ(compressed(problem.z).noise.rows, 60);
+  EXPECT_EQ(compressed_rows(problem).noise.rows, 60);
   const Updated slow = slowly(problem, {}), fast = updated(problem, {});
   const VectorXd sigma = testing::prior_sigma(problem.P);
   EXPECT_LE(testing::relative_difference(fast.report.dx, slow.report.dx, sigma), kExact);
   EXPECT_LE(testing::relative_difference(fast.P, slow.P, sigma), kExact);
 }
 
-TEST(Compress, LeavesFewRowsOfWhatSeesParametersThatAreStates) {
+TEST(FrameInnovation, LeavesFewRowsOfWhatSeesParametersThatAreStates) {
   Generator generator(7);
   StereoProblem problem = random_problem(generator, 60);
-  const Index theta = problem.P.append(6);
-  problem.P.set_diagonal_block(theta, 1e-4 * MatrixXd::Identity(6, 6));
-  for (Index row = 0; row < problem.z.rows(); row += 2) {
-    for (const Index half : {0, 3}) {
-      problem.z.H.blocks.push_back({row, theta + half, problem.z.D.block<2, 3>(row, half)});
-    }
-  }
-  const LinearMeasurement z = compressed(problem.z);
-  EXPECT_EQ(z.rows(), 60 * 3 + kEpipolar);
-  EXPECT_EQ(z.stateless.residual.size(), 0);
-  EXPECT_EQ(z.noise.rows, 60 - kEpipolar);
+  testing::make_theta_a_state(problem);
+  const Innovation rows = compressed_rows(problem);
+  EXPECT_EQ(rows.r.size(), 60 * 3 + kEpipolar);
+  EXPECT_EQ(rows.stateless.residual.size(), 0);
+  EXPECT_EQ(rows.noise.rows, 60 - kEpipolar);
   expect_same_update(problem);
 }
 
-TEST(Compress, KeepsAFourthRowThatSeesMoreThanOthersDo) {
+TEST(FrameInnovation, KeepsAFourthRowThatSeesMoreThanOthersDo) {
   Generator generator(8);
   StereoProblem problem = random_problem(generator, 30);
   problem.z.H.blocks.push_back({8, 6, MatrixXd::Ones(2, 3)});  // no function of where the point stands
-  const LinearMeasurement z = compressed(problem.z);
-  EXPECT_EQ(z.rows(), 30 * 3 + 1);
-  EXPECT_EQ(z.noise.rows, 29 - kEpipolar);
+  const Innovation rows = compressed_rows(problem);
+  EXPECT_EQ(rows.r.size(), 30 * 3 + 1);
+  EXPECT_EQ(rows.noise.rows, 29 - kEpipolar);
   expect_same_update(problem);
 }
 
-TEST(Compress, CountsWhatWasTakenOutBefore) {
+TEST(FrameInnovation, CountsWhatWasTakenOutBefore) {
   Generator generator(5);
   StereoProblem problem = random_problem(generator, 60);
   problem.z.noise = {7, 5.5};
   expect_same_update(problem);
 }
 
-TEST(Compress, DoesNothingWhereThereIsNothingToGain) {
+TEST(FrameInnovation, DoesNothingWhereThereIsNothingToGain) {
   Generator generator(6);
   const StereoProblem problem = random_problem(generator, 60, 0.0);
-  const LinearMeasurement z = compressed(problem.z);
-  EXPECT_EQ(z.residual, problem.z.residual);
-  EXPECT_EQ(z.groups.size(), problem.z.groups.size());
-  EXPECT_EQ(z.noise.rows, 0);
-  EXPECT_EQ(compressed(LinearMeasurement{}).rows(), 0);
+  const Innovation rows = compressed_rows(problem), as_they_are = form_innovation(problem.P, problem.z);
+  EXPECT_EQ(rows.r, as_they_are.r);
+  EXPECT_EQ(rows.S, as_they_are.S);
+  EXPECT_EQ(rows.noise.rows, 0);
+}
+
+TEST(FrameInnovation, WithoutSomePointsIsThatOfTheOthers) {
+  Generator generator(9);
+  for (const bool theta_is_a_state : {false, true}) {
+    for (const double seen_by_both : {1.0, 0.6}) {
+      StereoProblem problem = random_problem(generator, 40, seen_by_both);
+      if (theta_is_a_state) {
+        testing::make_theta_a_state(problem);
+      }
+      std::vector<bool> kept(problem.z.groups.size());
+      for (std::size_t g = 0; g < kept.size(); ++g) {
+        kept[g] = g % 3 != 1;
+      }
+      StereoProblem rest = problem;
+      rest.z = problem.z.subset(kept);
+      const VectorXd sigma = testing::prior_sigma(problem.P);
+      for (const ParameterErrorModel& how : treatments(problem)) {
+        Covariance P = problem.P;
+        const UpdateReport fast = update(P, compressed(form_frame_innovation(P, problem.z), kept), how);
+        const Updated slow = slowly(rest, how);
+        EXPECT_EQ(fast.dof, slow.report.dof);
+        EXPECT_NEAR(fast.nis, slow.report.nis, kExact * slow.report.nis);
+        EXPECT_LE(testing::relative_difference(fast.dx, slow.report.dx, sigma), kExact);
+        EXPECT_LE(testing::relative_difference(P.dense(), slow.P, sigma), kExact);
+      }
+    }
+  }
+}
+
+TEST(FrameInnovation, OfNoPointUpdatesNothing) {
+  Generator generator(10);
+  const StereoProblem problem = random_problem(generator, 10);
+  Covariance P = problem.P;
+  const std::vector<bool> none(problem.z.groups.size(), false);
+  EXPECT_EQ(update(P, compressed(form_frame_innovation(P, problem.z), none), problem.constrained()).status,
+            UpdateStatus::kEmpty);
+  EXPECT_EQ(update(P, LinearMeasurement{}, {}).status, UpdateStatus::kEmpty);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "limber/update/compress.hpp"
+#include "limber/update/turn.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -8,8 +8,6 @@
 #include <span>
 #include <utility>
 #include <vector>
-
-#include "limber/core/factors.hpp"
 
 namespace limber {
 
@@ -24,7 +22,7 @@ constexpr double kRounding = 1e-10;  // share of a block's largest entry that st
 using StereoBlock = Eigen::Matrix<double, kStereoRows, kTriplet>;
 using Block = SparseJacobian::Block;
 
-bool is_compressible(const RowGroup& group) { return group.rows == kStereoRows && group.own >= 0; }
+bool has_fourth_row(const RowGroup& group) { return group.rows == kStereoRows && group.own >= 0; }
 
 /// Blocks of H in the order of the groups that their rows belong to.
 struct BlocksByGroup {
@@ -143,158 +141,162 @@ class TurnedPoints {
 using Point = TurnedPoints::Point;
 using Triplet = TurnedPoints::Triplet;
 
-/// Builds the compressed measurement.
-class Compression {
+/// Builds the turned measurement.
+class Turning {
  public:
-  explicit Compression(const LinearMeasurement& z) : z_(z), turned_(z) {}
+  explicit Turning(const LinearMeasurement& z) : z_(z), points_(z) {}
 
-  LinearMeasurement result() {
-    out_.residual.resize(z_.rows());
-    out_.D.resize(z_.D.cols() > 0 ? z_.rows() : 0, z_.D.cols());
-    out_.H.blocks.reserve(z_.H.blocks.size());
-    out_.noise = z_.noise;
+  TurnedMeasurement result() {
+    LinearMeasurement& rows = out_.rows;
+    rows.residual.resize(z_.rows());
+    rows.D.resize(z_.D.cols() > 0 ? z_.rows() : 0, z_.D.cols());
+    rows.H.blocks.reserve(z_.H.blocks.size());
+    rows.noise = z_.noise;
+    out_.groups.resize(z_.groups.size());
+    std::vector<std::size_t> turned;  // groups of points_
     const BlocksByGroup blocks(z_);
     for (std::size_t g = 0; g < z_.groups.size(); ++g) {
-      if (is_compressible(z_.groups[g])) {
-        turned_.add(z_.groups[g], blocks.of(g));
+      if (has_fourth_row(z_.groups[g])) {
+        points_.add(z_.groups[g], blocks.of(g));
+        turned.push_back(g);
       } else {
-        copy(z_.groups[g], blocks.of(g));
+        copy(z_.groups[g], blocks.of(g), out_.groups[g]);
       }
     }
     find_pool_columns();
-    MatrixXd pool(static_cast<Index>(turned_.points().size()), pool_width() + 1);
-    Index pooled = 0;
-    for (const Point& point : turned_.points()) {
-      if (only_the_pool_sees(point)) {
-        write(point, kTriplet);
-        fill_pool_row(point, pool.row(pooled++));
-      } else {
-        write(point, kStereoRows);
+    std::vector<std::size_t> pooled;  // of turned
+    for (std::size_t k = 0; k < turned.size(); ++k) {
+      const Point& point = points_.points()[k];
+      const bool leaves_one = only_the_pool_sees(point);
+      write(point, leaves_one ? kTriplet : kStereoRows, out_.groups[turned[k]]);
+      if (leaves_one) {
+        pooled.push_back(k);
       }
     }
-    compress_pool(pool.topRows(pooled));
-    out_.residual.conservativeResize(written_);
-    out_.D.conservativeResize(z_.D.cols() > 0 ? written_ : 0, Eigen::NoChange);
-    out_.sigma.setOnes(written_);
+    for (std::size_t k = 0; k < pooled.size(); ++k) {
+      out_.groups[turned[pooled[k]]].fourth = written_ + static_cast<Index>(k);
+    }
+    write_fourth_rows(pooled);
+    rows.residual.conservativeResize(written_);
+    rows.D.conservativeResize(z_.D.cols() > 0 ? written_ : 0, Eigen::NoChange);
+    rows.sigma.setOnes(written_);
     return std::move(out_);
   }
 
  private:
-  void copy(const RowGroup& group, std::span<const Block* const> blocks) {
+  void copy(const RowGroup& group, std::span<const Block* const> blocks, RowGroup& copied) {
     const Index first = group.row, rows = group.rows;
     const VectorXd weight = z_.sigma.segment(first, rows).cwiseInverse();
     for (const Block* block : blocks) {
-      Block& written = out_.H.blocks.emplace_back(*block);
+      Block& written = out_.rows.H.blocks.emplace_back(*block);
       written.row += written_ - first;
       written.value.array().colwise() *= weight.segment(block->row - first, block->value.rows()).array();
     }
     if (z_.D.cols() > 0) {
-      out_.D.middleRows(written_, rows) = weight.asDiagonal() * z_.D.middleRows(first, rows);
+      out_.rows.D.middleRows(written_, rows) = weight.asDiagonal() * z_.D.middleRows(first, rows);
     }
-    out_.residual.segment(written_, rows) = weight.cwiseProduct(z_.residual.segment(first, rows));
+    out_.rows.residual.segment(written_, rows) = weight.cwiseProduct(z_.residual.segment(first, rows));
+    copied = {written_, rows, group.own};
     written_ += rows;
   }
 
   /// The first three rows of a point, or all four.
-  void write(const Point& point, Index rows) {
-    for (const Triplet& triplet : turned_.triplets(point)) {
-      out_.H.blocks.push_back({written_, triplet.col, triplet.value.topRows<kTriplet>()});
+  void write(const Point& point, Index rows, RowGroup& written) {
+    for (const Triplet& triplet : points_.triplets(point)) {
+      out_.rows.H.blocks.push_back({written_, triplet.col, triplet.value.topRows<kTriplet>()});
       if (rows > kTriplet && !triplet.value.bottomRows<1>().isZero(0.0)) {
-        out_.H.blocks.push_back({written_ + kTriplet, triplet.col, triplet.value.bottomRows<1>()});
+        out_.rows.H.blocks.push_back({written_ + kTriplet, triplet.col, triplet.value.bottomRows<1>()});
       }
     }
     if (z_.D.cols() > 0) {
-      out_.D.middleRows(written_, rows) = turned_.D(point).topRows(rows);
+      out_.rows.D.middleRows(written_, rows) = points_.D(point).topRows(rows);
     }
-    out_.residual.segment(written_, rows) = turned_.r(point).head(rows);
+    out_.rows.residual.segment(written_, rows) = points_.r(point).head(rows);
+    written = {written_, rows, points_.triplets(point).front().col};
     written_ += rows;
   }
 
   /// Triplets that the fourth rows of most points see: theta, where it is a state, else none.
   void find_pool_columns() {
     std::map<Index, std::size_t> users;
-    for (const Point& point : turned_.points()) {
-      for (const Triplet& triplet : turned_.triplets(point)) {
+    for (const Point& point : points_.points()) {
+      for (const Triplet& triplet : points_.triplets(point)) {
         users[triplet.col] += triplet.value.bottomRows<1>().isZero(0.0) ? 0 : 1;
       }
     }
     for (const auto& [column, count] : users) {
-      if (2 * count > turned_.points().size()) {
+      if (2 * count > points_.points().size()) {
         pool_columns_.push_back(column);
       }
     }
   }
 
-  [[nodiscard]] Index pool_states() const { return kTriplet * static_cast<Index>(pool_columns_.size()); }
-  [[nodiscard]] Index pool_width() const { return pool_states() + z_.D.cols(); }
-
   [[nodiscard]] bool only_the_pool_sees(const Point& point) const {
-    const std::span<const Triplet> triplets = turned_.triplets(point);
+    const std::span<const Triplet> triplets = points_.triplets(point);
     return std::all_of(triplets.begin(), triplets.end(), [&](const Triplet& triplet) {
       return triplet.value.bottomRows<1>().isZero(0.0) ||
              std::binary_search(pool_columns_.begin(), pool_columns_.end(), triplet.col);
     });
   }
 
-  /// The fourth row as [triplets of the pool | D | r].
-  void fill_pool_row(const Point& point, Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const {
+  /// The pool's columns of the fourth row.
+  void fill_fourth_row(const Point& point,
+                       Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const {
     row.setZero();
-    for (const Triplet& triplet : turned_.triplets(point)) {
+    for (const Triplet& triplet : points_.triplets(point)) {
       const auto it = std::lower_bound(pool_columns_.begin(), pool_columns_.end(), triplet.col);
       if (it != pool_columns_.end() && *it == triplet.col) {
         row.segment<kTriplet>(kTriplet * (it - pool_columns_.begin())) = triplet.value.bottomRows<1>();
       }
     }
-    row.segment(pool_states(), z_.D.cols()) = turned_.D(point).bottomRows<1>();
-    row(pool_width()) = turned_.r(point)(kTriplet);
   }
 
-  /// Of the pool's rows, keeps as many as what they see has dimensions.
-  void compress_pool(const Eigen::Ref<const MatrixXd>& pool) {
-    VectorXd r = pool.rightCols<1>();
-    MatrixXd kept(0, pool_width());
-    if (pool.rows() > 0 && pool_width() > 0) {  // Eigen factorises an empty matrix at its peril
-      const PivotedQr pivoted = pivoted_qr(pool.leftCols(pool_width()));
-      pivoted.qr.apply_Qt(r);
-      kept = pivoted.turned_rows(pivoted.rank);
+  /// What states see joins the rows, behind all others; else it is stateless.
+  void write_fourth_rows(const std::vector<std::size_t>& pooled) {
+    const Index q = static_cast<Index>(pooled.size());
+    StatelessRows fourth{VectorXd(q), MatrixXd(q, z_.D.cols())};
+    MatrixXd H(q, kTriplet * static_cast<Index>(pool_columns_.size()));
+    for (Index k = 0; k < q; ++k) {
+      const Point& point = points_.points()[pooled[static_cast<std::size_t>(k)]];
+      fourth.residual(k) = points_.r(point)(kTriplet);
+      fourth.D.row(k) = points_.D(point).bottomRows<1>();
+      fill_fourth_row(point, H.row(k));
     }
-    const Index noise = r.size() - kept.rows();
-    out_.noise.rows += noise;
-    out_.noise.squared_norm += r.tail(noise).squaredNorm();
     if (pool_columns_.empty()) {
-      out_.stateless = {r.head(kept.rows()), kept};
-    } else {
-      write_pool(kept, r.head(kept.rows()));
+      out_.rows.stateless = std::move(fourth);
+      return;
     }
-  }
-
-  void write_pool(const MatrixXd& rows, const VectorXd& r) {
-    for (Index row = 0; row < rows.rows(); row += kTriplet) {
-      const Index count = std::min(kTriplet, rows.rows() - row);
-      for (std::size_t k = 0; k < pool_columns_.size(); ++k) {
-        out_.H.blocks.push_back({written_ + row, pool_columns_[k],
-                                 rows.block(row, kTriplet * static_cast<Index>(k), count, kTriplet)});
+    for (std::size_t c = 0; c < pool_columns_.size(); ++c) {
+      const auto column = H.middleCols<kTriplet>(kTriplet * static_cast<Index>(c));
+      for (Index row = 0; row < q; row += kTriplet) {
+        out_.rows.H.blocks.push_back(
+            {written_ + row, pool_columns_[c], column.middleRows(row, std::min(kTriplet, q - row))});
       }
     }
     if (z_.D.cols() > 0) {
-      out_.D.middleRows(written_, rows.rows()) = rows.rightCols(z_.D.cols());
+      out_.rows.D.middleRows(written_, q) = fourth.D;
     }
-    out_.residual.segment(written_, rows.rows()) = r;
-    written_ += rows.rows();
+    out_.rows.residual.segment(written_, q) = fourth.residual;
+    written_ += q;
+    out_.seen_by_fourth = std::move(H);
   }
 
   const LinearMeasurement& z_;
-  TurnedPoints turned_;
+  TurnedPoints points_;
   std::vector<Index> pool_columns_;
-  LinearMeasurement out_;
+  TurnedMeasurement out_;
   Index written_ = 0;  // rows of out_
 };
 
 }  // namespace
 
-LinearMeasurement compressed(const LinearMeasurement& z) {
-  const bool pays = std::any_of(z.groups.begin(), z.groups.end(), is_compressible);
-  return pays ? Compression(z).result() : z;
+TurnedMeasurement turned(const LinearMeasurement& z) {
+  if (std::any_of(z.groups.begin(), z.groups.end(), has_fourth_row)) {
+    return Turning(z).result();
+  }
+  TurnedMeasurement out{z, z.groups, {}};
+  out.rows.groups.clear();
+  return out;
 }
 
 }  // namespace limber
