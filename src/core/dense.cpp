@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "limber/core/dense.hpp"
 
+#include <algorithm>
+
 namespace limber {
 
 using Eigen::Lower;
@@ -31,12 +33,49 @@ void add_product(Ref<MatrixXd> C, double alpha, const MatrixRef& A, const Transp
   C.noalias() += alpha * A * B.matrix.transpose();
 }
 
+namespace {
+
+constexpr Eigen::Index kStrip = 64;  // columns: a product below the diagonal is faster than a triangle of one
+
+/// square(first, columns) and below(first, columns, rows) of each strip of the lower triangle of n×n.
+template <typename Square, typename Below>
+void for_each_strip(Eigen::Index n, Square square, Below below) {
+  for (Eigen::Index first = 0; first < n; first += kStrip) {
+    const Eigen::Index columns = std::min(kStrip, n - first), rows = n - first - columns;
+    square(first, columns);
+    if (rows > 0) {
+      below(first, columns, rows);
+    }
+  }
+}
+
+}  // namespace
+
 void add_lower_product(Ref<MatrixXd> C, const MatrixRef& A, const Transposed& B) {
-  C.triangularView<Lower>() += A * B.matrix.transpose();
+  for_each_strip(
+      C.rows(),
+      [&](Eigen::Index first, Eigen::Index columns) {
+        C.block(first, first, columns, columns).triangularView<Lower>() +=
+            A.middleRows(first, columns) * B.matrix.middleRows(first, columns).transpose();
+      },
+      [&](Eigen::Index first, Eigen::Index columns, Eigen::Index rows) {
+        add_product(C.block(first + columns, first, rows, columns), 1.0, A.bottomRows(rows),
+                    transposed(B.matrix.middleRows(first, columns)));
+      });
 }
 
 void add_outer(Ref<MatrixXd> S, double alpha, const MatrixRef& W) {
-  S.selfadjointView<Lower>().rankUpdate(W, alpha);
+  for_each_strip(
+      S.rows(),
+      [&](Eigen::Index first, Eigen::Index columns) {
+        S.block(first, first, columns, columns)
+            .selfadjointView<Lower>()
+            .rankUpdate(W.middleRows(first, columns), alpha);
+      },
+      [&](Eigen::Index first, Eigen::Index columns, Eigen::Index rows) {
+        add_product(S.block(first + columns, first, rows, columns), alpha, W.bottomRows(rows),
+                    transposed(W.middleRows(first, columns)));
+      });
 }
 
 MatrixXd symmetric_part(const MatrixRef& A) { return 0.5 * (A + A.transpose()); }

@@ -62,13 +62,18 @@ def test_observers_see_every_frame_and_may_stop(recording):
 
 
 def test_ctrl_c_ends_a_run():
-    code = ("import limber, sys\nrecording = limber.simulate('drone_none')\n"
+    # What a shell starts in the background inherits that Ctrl-C is ignored.
+    code = ("import limber, signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+            "recording = limber.simulate('drone_none')\n"
             "print('go', flush=True)\nwhile True: limber.run(recording)\n")
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert process.stdout.readline() == "go\n"
-    time.sleep(0.3)
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=20)
+    try:
+        assert process.stdout.readline() == "go\n"
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=20)
+    finally:
+        process.kill()
     assert "KeyboardInterrupt" in errors and process.returncode != 0
 
 
