@@ -61,6 +61,7 @@ class TurnedPoints {
     StereoBlock value;
   };
   struct Point {
+    std::size_t group;  ///< of the measurement
     std::size_t first;  ///< of its triplets: its own, then those of all others that move its rows
     std::size_t triplets;
     Index row;  ///< first of its rows in D and r
@@ -71,10 +72,11 @@ class TurnedPoints {
     points_.reserve(z.groups.size());
   }
 
-  void add(const RowGroup& group, std::span<const Block* const> blocks) {
+  void add(std::size_t g, std::span<const Block* const> blocks) {
+    const RowGroup& group = z_.groups[g];
     const Index first = group.row;
     const Eigen::Vector4d weight = z_.sigma.segment<kStereoRows>(first).cwiseInverse();
-    Point point{triplets_.size(), 0, kStereoRows * static_cast<Index>(points_.size())};
+    Point point{g, triplets_.size(), 0, kStereoRows * static_cast<Index>(points_.size())};
     triplets_.push_back({group.own, StereoBlock::Zero()});
     for (const Block* block : blocks) {
       at(point, block->col).middleRows(block->row - first, block->value.rows()) += block->value;
@@ -153,28 +155,18 @@ class Turning {
     rows.H.blocks.reserve(z_.H.blocks.size());
     rows.noise = z_.noise;
     out_.groups.resize(z_.groups.size());
-    std::vector<std::size_t> turned;  // groups of points_
     const BlocksByGroup blocks(z_);
     for (std::size_t g = 0; g < z_.groups.size(); ++g) {
-      if (has_fourth_row(z_.groups[g])) {
-        points_.add(z_.groups[g], blocks.of(g));
-        turned.push_back(g);
-      } else {
-        copy(z_.groups[g], blocks.of(g), out_.groups[g]);
-      }
+      has_fourth_row(z_.groups[g]) ? points_.add(g, blocks.of(g)) : copy(g, blocks.of(g));
     }
     find_pool_columns();
-    std::vector<std::size_t> pooled;  // of turned
-    for (std::size_t k = 0; k < turned.size(); ++k) {
-      const Point& point = points_.points()[k];
+    std::vector<const Point*> pooled;
+    for (const Point& point : points_.points()) {
       const bool leaves_one = only_the_pool_sees(point);
-      write(point, leaves_one ? kTriplet : kStereoRows, out_.groups[turned[k]]);
+      write(point, leaves_one ? kTriplet : kStereoRows);
       if (leaves_one) {
-        pooled.push_back(k);
+        pooled.push_back(&point);
       }
-    }
-    for (std::size_t k = 0; k < pooled.size(); ++k) {
-      out_.groups[turned[pooled[k]]].fourth = written_ + static_cast<Index>(k);
     }
     write_fourth_rows(pooled);
     rows.residual.conservativeResize(written_);
@@ -184,7 +176,8 @@ class Turning {
   }
 
  private:
-  void copy(const RowGroup& group, std::span<const Block* const> blocks, RowGroup& copied) {
+  void copy(std::size_t g, std::span<const Block* const> blocks) {
+    const RowGroup& group = z_.groups[g];
     const Index first = group.row, rows = group.rows;
     const VectorXd weight = z_.sigma.segment(first, rows).cwiseInverse();
     for (const Block* block : blocks) {
@@ -196,12 +189,12 @@ class Turning {
       out_.rows.D.middleRows(written_, rows) = weight.asDiagonal() * z_.D.middleRows(first, rows);
     }
     out_.rows.residual.segment(written_, rows) = weight.cwiseProduct(z_.residual.segment(first, rows));
-    copied = {written_, rows, group.own};
+    out_.groups[g] = {written_, rows, group.own};
     written_ += rows;
   }
 
   /// The first three rows of a point, or all four.
-  void write(const Point& point, Index rows, RowGroup& written) {
+  void write(const Point& point, Index rows) {
     for (const Triplet& triplet : points_.triplets(point)) {
       out_.rows.H.blocks.push_back({written_, triplet.col, triplet.value.topRows<kTriplet>()});
       if (rows > kTriplet && !triplet.value.bottomRows<1>().isZero(0.0)) {
@@ -212,7 +205,7 @@ class Turning {
       out_.rows.D.middleRows(written_, rows) = points_.D(point).topRows(rows);
     }
     out_.rows.residual.segment(written_, rows) = points_.r(point).head(rows);
-    written = {written_, rows, points_.triplets(point).front().col};
+    out_.groups[point.group] = {written_, rows, z_.groups[point.group].own};
     written_ += rows;
   }
 
@@ -252,15 +245,16 @@ class Turning {
   }
 
   /// What states see joins the rows, behind all others; else it is stateless.
-  void write_fourth_rows(const std::vector<std::size_t>& pooled) {
-    const Index q = static_cast<Index>(pooled.size());
+  void write_fourth_rows(const std::vector<const Point*>& pooled) {
+    const auto q = static_cast<Index>(pooled.size());
     StatelessRows fourth{VectorXd(q), MatrixXd(q, z_.D.cols())};
     MatrixXd H(q, kTriplet * static_cast<Index>(pool_columns_.size()));
     for (Index k = 0; k < q; ++k) {
-      const Point& point = points_.points()[pooled[static_cast<std::size_t>(k)]];
+      const Point& point = *pooled[static_cast<std::size_t>(k)];
       fourth.residual(k) = points_.r(point)(kTriplet);
       fourth.D.row(k) = points_.D(point).bottomRows<1>();
       fill_fourth_row(point, H.row(k));
+      out_.groups[point.group].fourth = written_ + k;
     }
     if (pool_columns_.empty()) {
       out_.rows.stateless = std::move(fourth);
