@@ -32,9 +32,10 @@ constexpr double kMostReplayed = 4.0;
 /// innovations are that many times as large as those of the parallel one: small errors of a rig, up to three
 /// times, cost it less than a scale that the parallel one knows badly.
 constexpr double kFarWorse = 6.0;
-constexpr double kNoFit = 2.0;       // and that many times as large as expected
-constexpr double kForgetsFit = 0.9;  // per frame
-constexpr double kEnoughFit = 100;   // degrees of freedom
+constexpr double kNoFit = 2.0;            // and that many times as large as expected
+constexpr double kForgetsFit = 0.9;       // per frame
+constexpr double kEnoughFit = 100;        // degrees of freedom
+constexpr Eigen::Index kEnoughRows = 30;  // the same, of one frame
 
 /// Frames in a row in which most points contradict the filter but not the parallel one.
 constexpr int kMostOverruled = 5;
@@ -255,8 +256,8 @@ FrameReport Navigator::process(const StereoFrame& frame) {
     filter_.postpone_epoch();
   }
   FrameReport report = filter_.process(frame);
-  if (!s.resigned) {
-    supervise(report, parallel);
+  if (!s.resigned && supervise(report, parallel)) {
+    return parallel;
   }
   if (!s.replay && (s.resigned || !knows_scale(report.t_ns))) {
     compare_fits(report, parallel);
@@ -291,7 +292,24 @@ void Navigator::compare_fits(const FrameReport& report, const FrameReport& paral
   }
 }
 
-void Navigator::supervise(const FrameReport& report, const FrameReport& parallel) {
+/// The rig is not trusted from now on.
+void Navigator::doubt(std::int64_t t_ns) {
+  Supervision& s = *supervision_;
+  ++s.doubts;
+  s.doubted_ns = t_ns;
+  s.trusts = false;
+}
+
+/// Whether the filter's points, but not those of the parallel one, are where a rig that is trusted cannot see
+/// them.
+bool Navigator::contradicts_rig(const FrameReport& report, const FrameReport& parallel) const {
+  const auto fit = [](const FrameReport& of) { return of.nis / static_cast<double>(of.dof); };
+  return supervision_->trusts && std::min(report.dof, parallel.dof) > kEnoughRows && fit(report) > kNoFit &&
+         fit(report) > kFarWorse * fit(parallel);
+}
+
+/// @return whether the state is now that of the parallel filter
+bool Navigator::supervise(const FrameReport& report, const FrameReport& parallel) {
   Supervision& s = *supervision_;
   if (s.began_ns == 0) {
     s.began_ns = s.doubted_ns = report.t_ns;
@@ -304,13 +322,20 @@ void Navigator::supervise(const FrameReport& report, const FrameReport& parallel
     // A filter that trusts the rig sees it later, and may be off by metres by then.
     filter_.follow(s.parallel);
     watch_anew(report.t_ns);
-    return;
+    return true;
   }
   if (parallel.inputs.contradiction) {
     filter_.distrust_inputs(*parallel.inputs.contradiction);
   }
   if (parallel.status == UpdateStatus::kUpdated && !parallel.evidence) {
-    return;  // an input fails: the rig is not to blame
+    // An input fails: the rig is not to blame for what is far off, but images alone, which carry the state,
+    // are no help where they do not fit it.
+    if (!contradicts_rig(report, parallel) || !knows_scale(report.t_ns)) {
+      return false;
+    }
+    doubt(report.t_ns);
+    take_over_from_parallel(report.t_ns);
+    return true;
   }
   const HealthReport own = judged(s.own_alarm, report.evidence);
   const HealthReport aside = judged(s.parallel_alarm, parallel.evidence);
@@ -323,21 +348,20 @@ void Navigator::supervise(const FrameReport& report, const FrameReport& parallel
       s.older = std::move(s.recent);
       s.recent = {std::make_shared<const StereoFilter>(filter_), report.t_ns, {}};
     }
-    return;
+    return false;
   }
   if (!knows_scale(report.t_ns)) {
     s.resigned = true;
     s.older.events = s.recent.events = {};
-    return;
+    return false;
   }
-  ++s.doubts;
-  s.doubted_ns = report.t_ns;
-  s.trusts = false;
+  doubt(report.t_ns);
   if (own.alarm) {
     go_back(own);
   } else {
     take_over_from_parallel(report.t_ns);
   }
+  return true;
 }
 
 }  // namespace limber

@@ -41,6 +41,25 @@ TEST(AdaptiveAndFailingInputs, ABiasThatStepsCostsNoMoreThanItCostsLcekf) {
   }
 }
 
+/// Nobody had looked at the rig when the IMU failed, and nobody does while it fails: adaptive trusted a rig
+/// that was 1 deg off and went 1 m away (7 m after a start that ended in such a gap).
+TEST(AdaptiveAndFailingInputs, ARigThatWasOffBeforeTheFaultIsNotTrustedThroughIt) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  set_pixels(scenario, PixelPreset::kRealistic);
+  scenario.faults.push_back(fault_from_string("imu-gap=0.02:1"));
+  scenario.duration = 4.0;
+  scenario.decalibration.push_back(decalibration_from_string("ay=1", 0.12));
+  const Recording recording = simulate(scenario, 51);
+  const auto ate = [&](Method method) {
+    RunOptions options;
+    options.method = method;
+    options.start = StartMode::kGroundTruth;
+    return summarize(recording, options, run_recording(recording, options, matched_frames(recording)))
+        .ate_se3_m.value();
+  };
+  EXPECT_LT(ate(Method::kAdaptive), 2.0 * ate(Method::kLcekf));
+}
+
 /// Five seconds without IMU samples, images go on: lcekf was 15 and 183 m off with two seeds, exit 0. Its new
 /// landmarks were linearised along a motion that was only guessed, found misplaced and given up, every frame.
 TEST(FailingInputs, ImagesAloneCarryTheStateThroughAGapOfTheImu) {

@@ -119,7 +119,9 @@ class Navigator {
   }
   [[nodiscard]] CalibrationPrior prior_after(const HealthReport& why) const;
   [[nodiscard]] bool knows_scale(std::int64_t t_ns) const;
-  void supervise(const FrameReport& report, const FrameReport& parallel);
+  [[nodiscard]] bool contradicts_rig(const FrameReport& report, const FrameReport& parallel) const;
+  void doubt(std::int64_t t_ns);
+  bool supervise(const FrameReport& report, const FrameReport& parallel);
   void compare_fits(const FrameReport& report, const FrameReport& parallel);
 
   [[nodiscard]] std::shared_ptr<const CalibrationReport> known_calibration() const;
