@@ -6,8 +6,12 @@
 #include <set>
 #include <vector>
 
+#include "state/small_map.hpp"
+
 namespace limber {
 namespace {
+
+using testing::empty_map;
 
 constexpr std::int64_t kFrame = 50'000'000;
 
@@ -18,21 +22,9 @@ StereoCalibration small_images() {
   return out;
 }
 
-Estimate empty_map() {
-  return {{MotionModel::kOdometry, false},
-          {},
-          1e-6 * Eigen::MatrixXd::Identity(6, 6),
-          RigParameters::Zero(),
-          Eigen::Matrix<double, 6, 6>::Identity()};
-}
-
+/// Five metres ahead.
 void add_landmark(Estimate& estimate, std::int64_t id, std::int64_t seen_ns) {
-  Landmark landmark;
-  landmark.track_id = id;
-  landmark.anchor = estimate.add_anchor({});
-  landmark.value << 0.0, 0.0, 0.2;
-  landmark.last_seen_ns = seen_ns;
-  estimate.add_landmark(landmark, 1e-6 * Eigen::Matrix3d::Identity());
+  testing::add_landmark_ahead(estimate, id, 5.0, 1e-3, seen_ns);
 }
 
 /// All in one field of the image.

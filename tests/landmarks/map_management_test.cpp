@@ -11,7 +11,6 @@
 namespace limber {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using testing::Generator;
 
@@ -28,16 +27,8 @@ MapManagementOptions idle() {
 
 /// An estimate at the origin that looks along z, with an inverse-depth landmark `depth` before it.
 Estimate before_a_point(double depth, double sigma_rho) {
-  Estimate estimate({MotionModel::kOdometry, false}, {}, 1e-6 * Eigen::MatrixXd::Identity(6, 6),
-                    RigParameters::Zero(), Eigen::Matrix<double, 6, 6>::Identity());
-  Landmark landmark;
-  landmark.track_id = 1;
-  landmark.anchor = estimate.add_anchor({});
-  landmark.value << 0.0, 0.0, 1.0 / depth;
-  landmark.last_seen_ns = kPresent;
-  Matrix3d P = 1e-6 * Matrix3d::Identity();
-  P(2, 2) = sigma_rho * sigma_rho;
-  estimate.add_landmark(landmark, P);
+  Estimate estimate = testing::empty_map();
+  testing::add_landmark_ahead(estimate, 1, depth, sigma_rho, kPresent);
   return estimate;
 }
 

@@ -44,6 +44,26 @@ void add_random_landmark(Generator& generator, Estimate& estimate, std::int64_t 
                         P * G.transpose());
 }
 
+Estimate empty_map() {
+  return {{MotionModel::kOdometry, false},
+          {},
+          1e-6 * Eigen::MatrixXd::Identity(6, 6),
+          RigParameters::Zero(),
+          Eigen::Matrix<double, 6, 6>::Identity()};
+}
+
+void add_landmark_ahead(Estimate& estimate, std::int64_t track_id, double depth, double sigma_rho,
+                        std::int64_t seen_ns) {
+  Landmark landmark;
+  landmark.track_id = track_id;
+  landmark.anchor = estimate.add_anchor({});
+  landmark.value << 0.0, 0.0, 1.0 / depth;
+  landmark.last_seen_ns = seen_ns;
+  Eigen::Matrix3d P = 1e-6 * Eigen::Matrix3d::Identity();
+  P(2, 2) = sigma_rho * sigma_rho;
+  estimate.add_landmark(landmark, P);
+}
+
 Estimate random_map(Generator& generator, int count, StateLayout layout) {
   Estimate estimate = random_estimate(generator, layout);
   int anchor = -1;

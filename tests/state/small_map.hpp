@@ -26,6 +26,14 @@ Estimate random_estimate(Generator& generator, StateLayout layout = {MotionModel
 /// A landmark some metres before the camera, correlated with all that is there (P stays positive definite).
 void add_random_landmark(Generator& generator, Estimate& estimate, std::int64_t track_id, int anchor);
 
+/// A body with odometry that is known well, at the origin, and nothing else.
+Estimate empty_map();
+
+/// An inverse-depth landmark `depth` before the body's camera, which looks along z from where the body
+/// stands.
+void add_landmark_ahead(Estimate& estimate, std::int64_t track_id, double depth, double sigma_rho,
+                        std::int64_t seen_ns);
+
 /// `count` landmarks with ids 0, 1, ...: some Cartesian, the others on anchors of three each.
 Estimate random_map(Generator& generator, int count, StateLayout layout = {MotionModel::kImu, false});
 
