@@ -15,9 +15,7 @@ endfunction()
 function(limber_precompile target)
   if(LIMBER_FAST_COMPILE)
     target_precompile_headers(${target} PRIVATE ${ARGN})
-    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-      target_compile_options(${target} PRIVATE -fpch-preprocess)  # for ccache
-    endif()
+    limber_let_cache_precompiled(${target})
   endif()
 endfunction()
 
@@ -25,9 +23,17 @@ endfunction()
 function(limber_share_precompiled target from)
   if(LIMBER_FAST_COMPILE)
     target_precompile_headers(${target} REUSE_FROM ${from})
-    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-      target_compile_options(${target} PRIVATE -fpch-preprocess)
-    endif()
+    limber_let_cache_precompiled(${target})
+  endif()
+endfunction()
+
+# limber_let_cache_precompiled(<target>): what ccache asks for. Without it Clang refuses a header that was precompiled in
+# another checkout, since it is of another time.
+function(limber_let_cache_precompiled target)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -fpch-preprocess)
+  elseif(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    target_compile_options(${target} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")
   endif()
 endfunction()
 

@@ -25,6 +25,8 @@ class RollingShutterLog : public testing::SmallLog {
   }
 };
 
+using FullRollingShutterLog = RollingShutterLog;
+
 TEST_F(RollingShutterLog, IsNoSuccessUntilTheReadoutTimeIsGiven) {
   const auto unknown = run();
   EXPECT_EQ(unknown.exit_code, 1);
@@ -44,7 +46,7 @@ TEST_F(RollingShutterLog, IsNoSuccessUntilTheReadoutTimeIsGiven) {
   EXPECT_GT(before["anees"].get<double>(), 10.0);
 }
 
-TEST_F(RollingShutterLog, IsNoRigThatBendsForHealth) {
+TEST_F(FullRollingShutterLog, IsNoRigThatBendsForHealth) {
   const auto unknown = testing::run_limber({"health", log().string()});
   EXPECT_EQ(unknown.exit_code, 4) << unknown.out;
   EXPECT_THAT(unknown.out, HasSubstr("log: cannot tell\nLooks like a mistake: rolling shutter"));

@@ -28,16 +28,13 @@ ChangeWays five_ways(double relevant = 0.0) {
 }
 
 /// The last windows against those before the one between, as if windows were independent.
-BetaEstimate step_of(const Windows& windows, std::size_t length, std::size_t first = 0) {
-  const std::size_t before = windows.size() - length - 1 - first;
+/// @param sums   sums[k]: of the first k windows
+/// @param first  the windows before this one do not count
+BetaEstimate step_of(const Windows& sums, std::size_t length, std::size_t first) {
+  const std::size_t end = sums.size() - 1, before = end - length - 1 - first;
   BetaEstimate out;
-  for (std::size_t k = first; k < windows.size(); ++k) {
-    if (k >= windows.size() - length) {
-      out.beta += windows[k] / static_cast<double>(length);
-    } else if (k + length + 1 < windows.size()) {
-      out.beta -= windows[k] / static_cast<double>(before);
-    }
-  }
+  out.beta = (sums[end] - sums[end - length]) / static_cast<double>(length) -
+             (sums[end - length - 1] - sums[first]) / static_cast<double>(before);
   out.covariance = (1.0 / static_cast<double>(length) + 1.0 / static_cast<double>(before)) *
                    NormalEquations::Matrix::Identity();
   return out;
@@ -53,18 +50,19 @@ Watched watch(const Windows& windows, double limit, const ChangeWays& ways = fiv
   EarlierSteps earlier;
   Watched out;
   std::size_t first = 0;
-  Windows so_far;
+  Windows sums{NormalEquations::Vector::Zero()};
   for (const NormalEquations::Vector& window : windows) {
-    so_far.push_back(window);
+    sums.push_back(sums.back() + window);
+    const std::size_t count = sums.size() - 1;
     StepScatter scatter = earlier.along(ways);
     std::vector<BetaEstimate> looked_at;
     std::optional<std::size_t> found;
     for (std::size_t length = kShortestStep;
-         length <= kLongestStep && length + 1 + kShortestStep <= so_far.size() - first; ++length) {
-      looked_at.push_back(step_of(so_far, length, first));
+         length <= kLongestStep && length + 1 + kShortestStep <= count - first; ++length) {
+      looked_at.push_back(step_of(sums, length, first));
       const Scatters& scatters = scatter.before(length + 1)[length - kShortestStep];
       if (kTestsOfAWindow * least_chance(looked_at.back(), ways, scatters) < limit) {
-        found = so_far.size() - length;
+        found = count - length;
       }
     }
     earlier.begin_window();
@@ -72,7 +70,7 @@ Watched watch(const Windows& windows, double limit, const ChangeWays& ways = fiv
       earlier.add(kShortestStep + k, looked_at[k]);
     }
     if (found) {
-      out.alarms.push_back(so_far.size());
+      out.alarms.push_back(count);
       first = *found;
     }
   }

@@ -6,6 +6,10 @@ import pytest
 import limber
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "full: many of what another test has a few of; `scripts/test.sh --full`")
+
+
 def short_scenario(name, duration):
     """One of limber's, cut short, with half of its points: what a run costs goes with their square."""
     text = limber.Scenario(limber._SCENARIOS / f"{name}.yaml").text

@@ -6,7 +6,8 @@ import pytest
 
 import limber
 
-METHODS = ["ekf", "ekf-full", "lcekf", "soft", "consider", "adaptive", "mono-left"]
+METHODS = ["lcekf", "adaptive", "mono-left"] + [
+    pytest.param(method, marks=pytest.mark.full) for method in ("ekf", "ekf-full", "soft", "consider")]
 
 
 def step_through(recording, **options):

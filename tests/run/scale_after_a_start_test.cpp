@@ -48,7 +48,7 @@ std::vector<double> mean_scale_nees(const std::vector<Method>& methods, const Sc
 /// Where the covariance was not carried along, lcekf and adaptive had 7.9 and 8.0 here (ekf-full 7.9,
 /// mono-left 3.8). A mean of three runs, whose scale errors hardly change within a run, is below 3.1 in 97.5
 /// % (chi-square of 3, over 3).
-TEST(ScaleAfterAStart, IsKnownAsWellAsItIsSaidToBe) {
+TEST(FullScaleAfterAStart, IsKnownAsWellAsItIsSaidToBe) {
   EXPECT_THAT(mean_scale_nees({Method::kLcekf, Method::kAdaptive}, paper_i()), Each(Lt(3.1)));
 }
 
@@ -60,7 +60,7 @@ TEST(ScaleAfterAStart, OfTheTruthIsKnownAsWellAsItIsSaidToBe) {
 
 /// With odometry, which tells the scale all the time, but not well: 21 where the covariance was not carried
 /// along, 4.5 where it is. That is more than the 3.1 of a consistent filter; the bound guards what was won.
-TEST(ScaleAfterAStart, OfOdometryIsHardlySurerThanItIsRight) {
+TEST(FullScaleAfterAStart, OfOdometryIsHardlySurerThanItIsRight) {
   Scenario scenario = paper_i();
   scenario.use_imu = false;
   scenario.odometry = OdometryScenario{20.0, 0.2, 0.02};

@@ -8,6 +8,7 @@
 
 #include "check_covariance.hpp"
 #include "limber/measure/point_rows.hpp"
+#include "limber/navigate/method.hpp"
 #include "smooth/factors.hpp"
 #include "smooth/least_squares.hpp"
 #include "smooth/pose_manifold.hpp"

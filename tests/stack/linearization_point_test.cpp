@@ -149,13 +149,16 @@ TEST(LinearizationPoint, LeavesWhatIsTrustedAsItIs) {
   Generator generator(9);
   const Setting s = make(generator, calibration().theta + wrong(), 3.0, 20.0);
   const StereoCalibration rig = calibration();
-  const MatrixXd rotation =
-      kWidestErrors * constraint_directions({ConstraintSet::Kind::kRotation, {}}, rig.theta);
+  const RigParameters widest = kWidestErrors * plausible_error(rig.baseline());
+  const MatrixXd rotation = MatrixXd(widest.asDiagonal()).leftCols<3>();
   const RigParameters theta = found(s, rotation);
   EXPECT_EQ(theta.tail<3>(), rig.theta.tail<3>());
   EXPECT_GE((theta - rig.theta).head<3>().norm(), 1e-3);
-  const MatrixXd direction =
-      kWidestErrors * constraint_directions({ConstraintSet::Kind::kRotationDirection, {}}, rig.theta);
+  const Eigen::Vector3d along = rig.theta.tail<3>().normalized(), across = along.unitOrthogonal();
+  MatrixXd direction = MatrixXd::Zero(6, 5);
+  direction.leftCols<3>() = rotation;
+  direction.block<3, 1>(3, 3) = widest(3) * across;
+  direction.block<3, 1>(3, 4) = widest(3) * along.cross(across);
   const RigParameters moved = found(s, direction) - rig.theta;
   EXPECT_NEAR(moved.tail<3>().dot(rig.theta.tail<3>()), 0.0, 1e-12);
   EXPECT_EQ(found(s, MatrixXd(6, 0)), rig.theta);

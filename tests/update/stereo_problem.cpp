@@ -89,7 +89,7 @@ StereoProblem make_problem(Generator& generator, std::string name, const StereoC
   }
   out.P.append(n);
   out.P.set_diagonal_block(0, random_covariance(generator, sigma));
-  out.C = constraint_directions({}, calibration.theta);
+  out.C = plausible_error(calibration.baseline()).asDiagonal();
   return out;
 }
 

@@ -7,7 +7,7 @@
 
 #include "limber/core/covariance.hpp"
 #include "limber/core/linear_measurement.hpp"
-#include "limber/navigate/method.hpp"
+#include "limber/sensors/calibration.hpp"
 #include "limber/update/update.hpp"
 #include "random_geometry.hpp"
 

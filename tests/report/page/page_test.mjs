@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The pages as a reader sees them, in a headless browser.
-//   node page_test.mjs FOLDER     FOLDER: what make_pages.cmake made
+//   node page_test.mjs FOLDER [--full]     FOLDER: what make_pages.cmake made
+// What is drawn in space costs most, without a graphics card: --full has more of it, the tests named `full:`, and every page
+// on a phone.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
@@ -9,6 +11,8 @@ import { openBrowser, openReport } from '../../../scripts/headless_browser.mjs';
 import { attitudeError, isNear, meanOf, readCurves, readTable } from './expected.mjs';
 
 const folder = resolve(process.argv[2]);
+const full = process.argv[3] === '--full';
+const fullTest = (name, body) => test(`full: ${name}`, { skip: !full }, body);
 const RUN = join(folder, 'run/report.html');
 const COMPARISON = join(folder, 'methods/comparison.html');
 const STUDY = join(folder, 'study.html');
@@ -58,14 +62,14 @@ const layoutOf = (page, id, key) => page.evaluate(
 test('the report of a run has every figure, and each can be drawn', async () => {
   const page = await inFront(runPage);
   assert.match(await page.title(), /lcekf on /);
-  const drawn = await page.evaluate(async () => {
-    const ids = window.limberReport.document.sections.flatMap((s) => s.blocks).filter((b) => b.type === 'figure').map((b) => b.id);
-    for (const id of ids) {
+  const ids = await page.evaluate(() => window.limberReport.document.sections.flatMap((s) => s.blocks).filter((b) => b.type === 'figure').map((b) => b.id));
+  const drawn = await page.evaluate(async (figures) => {
+    for (const id of figures) {
       await window.limberReport.draw(id);
     }
-    return ids.map((id) => [id, document.querySelectorAll(`#${id} .main-svg, #${id} canvas`).length > 0]);
-  });
-  assert.deepEqual(drawn.map(([id]) => id), ['path', 'path-3d', 'position-error', 'attitude-error', 'error-over-distance', 'velocity-error', 'bias-gyro', 'bias-accel', 'health-effect', 'health-rotation', 'health-translation', 'nis', 'points-per-frame', 'time-per-frame']);
+    return figures.map((id) => [id, document.querySelectorAll(`#${id} .main-svg, #${id} canvas`).length > 0]);
+  }, ids.filter((id) => full || id !== 'path-3d'));
+  assert.deepEqual(ids, ['path', 'path-3d', 'position-error', 'attitude-error', 'error-over-distance', 'velocity-error', 'bias-gyro', 'bias-accel', 'health-effect', 'health-rotation', 'health-translation', 'nis', 'points-per-frame', 'time-per-frame']);
   assert.ok(drawn.every(([, ok]) => ok), JSON.stringify(drawn));
 });
 
@@ -183,7 +187,7 @@ const settled = (page) => page.evaluate(() => new Promise((done) => requestAnima
 
 test('the pointer in one figure marks its instant in all of them and on the path', async () => {
   const page = await inFront(runPage);
-  for (const id of ['path', 'path-3d', 'position-error', 'attitude-error', 'velocity-error', 'bias-gyro', 'nis']) {
+  for (const id of ['path', 'position-error', 'attitude-error', 'velocity-error', 'bias-gyro', 'nis']) {
     await page.evaluate((figure) => window.limberReport.draw(figure), id);
   }
   await page.locator('#position-error').scrollIntoViewIfNeeded();
@@ -214,6 +218,12 @@ test('the pointer in one figure marks its instant in all of them and on the path
   const { dots } = await markIn(page, 'path');
   assert.equal(dots.length, 2);  // truth and estimate
   assert.ok(Math.hypot(dots[1][0] - place[0], dots[1][1] - place[1]) < 12, `${dots[1]} is not ${place}`);
+});
+
+fullTest('the path in space shows the instant that is marked', async () => {
+  const page = await inFront(runPage);
+  await page.evaluate(() => window.limberReport.draw('path-3d'));
+  await page.evaluate(() => window.limberReport.mark(2));
   await page.locator('#path-3d').scrollIntoViewIfNeeded();
   await page.waitForFunction(() => window.limberReport.plot('path-3d').data.at(-1).x.length === 2);
 });
@@ -235,7 +245,7 @@ test('the slider, keys and Off move the instant and take it away', async () => {
   assert.ok(await page.locator('.cursor-bar button').isHidden());
 });
 
-test('a finger on a curve marks its instant, with values that stay in the figure', async () => {
+fullTest('a finger on a curve marks its instant, with values that stay in the figure', async () => {
   const phone = await openBrowser({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, colorScheme: 'dark' });
   const page = await openReport(phone.context, COMPARISON);
   await page.evaluate(() => document.getElementById('velocity-error').scrollIntoView({ block: 'start', behavior: 'instant' }));
@@ -354,41 +364,6 @@ test('random walks of one method can be told apart by colour', async () => {
   assert.equal(new Set(colors).size, 3);
 });
 
-test('the path in space is drawn and can be turned', async () => {
-  const page = await inFront(runPage);
-  await page.locator('#path-3d').scrollIntoViewIfNeeded();
-  await page.waitForSelector('#path-3d canvas');
-  const eye = () => page.evaluate(() => ({ ...window.limberReport.plot('path-3d')._fullLayout.scene._scene.getCamera().eye }));
-  const before_ = await eye();
-  const box = await page.locator('#path-3d .plot').boundingBox();
-  const middle = [box.x + box.width / 2, box.y + box.height / 2];
-  const drawn = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-  await page.mouse.move(...middle);
-  await page.mouse.down();
-  for (const way of [40, 80, 120]) {  // Plotly asks where the pointer is when it draws: a drag between two pictures is none
-    await drawn();
-    await page.mouse.move(middle[0] + way, middle[1]);
-  }
-  await drawn();
-  await page.mouse.up();
-  await page.waitForFunction(({ x, y }) => {  // the camera moves when the next picture is drawn
-    const now = window.limberReport.plot('path-3d')._fullLayout.scene._scene.getCamera().eye;
-    return Math.hypot(now.x - x, now.y - y) > 0.1;
-  }, before_);
-  const picture = await page.evaluate(async () => {
-    const image = new Image();
-    image.src = await window.limberReport.image('path-3d', 'png', { width: 300, height: 200 });
-    await image.decode();
-    const canvas = new OffscreenCanvas(image.width, image.height);
-    const context = canvas.getContext('2d');
-    context.drawImage(image, 0, 0);
-    const { data } = context.getImageData(0, 0, image.width, image.height);
-    return { size: [image.width, image.height], colors: new Set(new Uint32Array(data.buffer)).size };
-  });
-  assert.deepEqual(picture.size, [900, 600]);  // three pixels for one, for print
-  assert.ok(picture.colors > 50, `${picture.colors} colours`);
-});
-
 test('a figure is saved as SVG and PNG, black on white with its legend', async () => {
   const page = await inFront(runPage);
   await page.locator('#theme').click();
@@ -458,8 +433,43 @@ test('a desktop screen shows every table and verdict whole', async () => {
   }
 });
 
+test('the path in space is drawn and can be turned', async () => {
+  const page = await inFront(runPage);
+  await page.locator('#path-3d').scrollIntoViewIfNeeded();
+  await page.waitForSelector('#path-3d canvas');
+  const eye = () => page.evaluate(() => ({ ...window.limberReport.plot('path-3d')._fullLayout.scene._scene.getCamera().eye }));
+  const before_ = await eye();
+  const box = await page.locator('#path-3d .plot').boundingBox();
+  const middle = [box.x + box.width / 2, box.y + box.height / 2];
+  const drawn = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  await page.mouse.move(...middle);
+  await page.mouse.down();
+  for (const way of [40, 80, 120]) {  // Plotly asks where the pointer is when it draws: a drag between two pictures is none
+    await drawn();
+    await page.mouse.move(middle[0] + way, middle[1]);
+  }
+  await drawn();
+  await page.mouse.up();
+  await page.waitForFunction(({ x, y }) => {  // the camera moves when the next picture is drawn
+    const now = window.limberReport.plot('path-3d')._fullLayout.scene._scene.getCamera().eye;
+    return Math.hypot(now.x - x, now.y - y) > 0.1;
+  }, before_);
+  const picture = await page.evaluate(async () => {
+    const image = new Image();
+    image.src = await window.limberReport.image('path-3d', 'png', { width: 300, height: 200 });
+    await image.decode();
+    const canvas = new OffscreenCanvas(image.width, image.height);
+    const context = canvas.getContext('2d');
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    return { size: [image.width, image.height], colors: new Set(new Uint32Array(data.buffer)).size };
+  });
+  assert.deepEqual(picture.size, [900, 600]);  // three pixels for one, for print
+  assert.ok(picture.colors > 50, `${picture.colors} colours`);
+});
+
 test('nothing sticks out of a phone screen, and print is white', async () => {
-  for (const page of [runPage, studyPage, comparisonPage]) {
+  for (const page of full ? [runPage, studyPage, comparisonPage] : [studyPage]) {
     await page.bringToFront();
     await page.setViewportSize({ width: 390, height: 844 });
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
