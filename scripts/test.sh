@@ -24,13 +24,13 @@ esac
 cd "$(dirname "$0")/.."
 trap 'echo "limber: FAILED, see above" >&2' ERR
 
-# The folders of tests/ that the sanitizers watch every time: the filter's rooms up to its update, and what reads recordings
-# and calibrations. Nothing of it needs the rooms of the filter beyond.
-filter="core;sensors;predict;measure;state;landmarks;stack;update"
+# The folders of tests/ that the sanitizers watch every time: the filter's rooms but for its start, and what reads recordings
+# and calibrations. Nothing of it needs the start.
+filter="core;sensors;predict;measure;state;landmarks;stack;update;health;navigate"
 watched="$filter;evaluate;io;clean;rig_files;images;datasets;bags;simulate"
 released=(--label-exclude '^full$')
 if $full; then
-  filter+=";health;navigate;initialize"
+  filter+=";initialize"
   watched=""
   released=()
 fi

@@ -198,11 +198,12 @@ std::string to_string(StartStatus status) {
   return "timed out";
 }
 
-StartOptions start_options(double longest_s, double longest_moving_s, double shortest_s,
-                           double longest_fine_s) {
+StartOptions start_options(double longest_s, double longest_moving_s, double longest_still_s,
+                           double shortest_s, double longest_fine_s) {
   StartOptions out;
   out.longest_s = longest_s;
   out.longest_moving_s = longest_moving_s;
+  out.longest_still_s = longest_still_s;
   out.shortest_s = shortest_s;
   out.longest_fine_s = longest_fine_s;
   return out;
@@ -214,12 +215,14 @@ void bind_start_of(py::class_<Guarded<T>>& bound) {
   const StartOptions defaults;
   bound.def(
       py::init([](const StereoCalibration& calibration, const NavigatorOptions& options, double longest_s,
-                  double longest_moving_s, double shortest_s, double longest_fine_s) {
+                  double longest_moving_s, double longest_still_s, double shortest_s, double longest_fine_s) {
         return std::make_unique<Guarded<T>>(
-            options, calibration, start_options(longest_s, longest_moving_s, shortest_s, longest_fine_s));
+            options, calibration,
+            start_options(longest_s, longest_moving_s, longest_still_s, shortest_s, longest_fine_s));
       }),
       py::arg("calibration"), py::arg("options"), py::arg("longest_s") = defaults.longest_s,
-      py::arg("longest_moving_s") = defaults.longest_moving_s, py::arg("shortest_s") = defaults.shortest_s,
+      py::arg("longest_moving_s") = defaults.longest_moving_s,
+      py::arg("longest_still_s") = defaults.longest_still_s, py::arg("shortest_s") = defaults.shortest_s,
       py::arg("longest_fine_s") = defaults.longest_fine_s, DOC(StartOptions));
 }
 

@@ -23,7 +23,7 @@ constexpr InitialSigma kNothingKnown{
 
 /// Frames that were left out are predicted from the one before.
 std::vector<SmoothedState> StartWindow::trajectory() const {
-  std::vector<SmoothedState> out;
+  std::vector<SmoothedState> out = rested;
   const Index n = model.body_size();
   NavigationState nav;
   MatrixXd P;
@@ -50,6 +50,7 @@ SensorStartResult StartWindow::unsolved() const {
   nav.T_world_body.R = assumed_attitude();
   SensorStartResult out;
   out.solved = false;
+  out.trajectory = rested;
   for (const StereoFrame& frame : raw) {
     nav.t_ns = frame.t_ns;
     InitialSigma sigma = kNothingKnown;
@@ -104,9 +105,12 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
     return ready;
   }
   if (w.report.status == StartStatus::kWaiting) {
-    w.report.waited_s = w.length();
-    if (w.is_due(w.report.waited_s)) {
+    w.report.waited_s = w.waited_s();
+    if (w.is_due()) {
       w.report = w.solve_and_judge();
+      if (w.report.status == StartStatus::kWaiting && w.awaits_motion()) {
+        w.forget_rest();
+      }
     }
   }
   StartReport out = w.report;

@@ -19,7 +19,6 @@ using L = StateLayout;
 
 namespace {
 
-constexpr double kSeenParallax = 0.02;  // [rad], of the usual point
 /// Misfit over the least of all solutions: of one that can be gone back to, of one that contradicts it.
 constexpr double kAgrees = 1.4, kDisagrees = 3.0;
 constexpr double kFitsAsWell = 1.1;  // of a rig that is trusted, which has fewer unknowns
@@ -48,18 +47,18 @@ double StartWindow::scale_sigma() const {
 /// What the solution knows of what was asked for.
 StartReport StartWindow::judged() const {
   StartReport out;
-  out.waited_s = length();
+  out.waited_s = waited_s();
   out.tilt_sigma = solution ? tilt_sigma() : kUnknown;
   out.scale_sigma = solution ? scale_sigma() : kUnknown;
   const bool tilt = out.tilt_sigma <= options.tilt_sigma;
   const bool scale =
       out.scale_sigma <= (leaves_scale_open() ? options.open_scale_sigma : options.scale_sigma);
   const bool settled = !solution || normal.left <= kSettled;
-  const bool moves = solution && parallax() > kSeenParallax;
   if (!solution) {
     out.missing = "a motion that images and inputs agree upon";
   } else if (!scale) {
-    out.missing = moves ? "no acceleration yet that tells the scale" : "no parallax yet that tells the scale";
+    out.missing =
+        moves() ? "no acceleration yet that tells the scale" : "no parallax yet that tells the scale";
   } else if (!settled && tilt) {
     out.missing = "a solution that has settled";
   }
@@ -67,19 +66,23 @@ StartReport StartWindow::judged() const {
     out.missing += std::string(out.missing.empty() ? "" : "; ") +
                    "no turn or acceleration yet that tells the tilt from a bias";
   }
-  const bool may_be_told = moves && !scale && has_scale(model.options.motion);
-  const double longest_s = may_be_told ? options.longest_moving_s : options.longest_s;
-  out.status = tilt && scale && settled    ? StartStatus::kReady
-               : out.waited_s >= longest_s ? StartStatus::kTimedOut
-                                           : StartStatus::kWaiting;
+  const bool waits_for_motion = !scale && (moves() ? has_scale(model.options.motion) : awaits_motion());
+  const double longest_s = !waits_for_motion ? options.longest_s
+                           : moves()         ? options.longest_moving_s
+                                             : kUnknown;
+  const bool is_over = length() >= longest_s || is_out_of_time();
+  out.status = tilt && scale && settled ? StartStatus::kReady
+               : is_over                ? StartStatus::kTimedOut
+                                        : StartStatus::kWaiting;
   return out;
 }
 
 /// A start that may be used is worth more a little later. A window that has hardly grown tells no trend.
 bool StartWindow::still_refines(const StartReport& now, double scale_before, double solved_before_s) const {
-  const bool improves = now.scale_sigma < kRefines * scale_before || now.waited_s < kTrend * solved_before_s;
+  const bool improves = now.scale_sigma < kRefines * scale_before || length() < kTrend * solved_before_s;
   return now.status == StartStatus::kReady && leaves_scale_open() && has_scale(model.options.motion) &&
-         now.waited_s < options.longest_fine_s && now.scale_sigma > options.fine_scale_sigma && improves;
+         length() < options.longest_fine_s && !is_out_of_time() &&
+         now.scale_sigma > options.fine_scale_sigma && improves;
 }
 
 StartReport StartWindow::solve_and_judge() {

@@ -183,10 +183,13 @@ std::optional<WindowState> StartWindow::continued(const Frames& now) const {
 }
 
 /// Solved again where the window has grown enough, and at the end of its time.
-bool StartWindow::is_due(double waited_s) const {
-  const auto ends = [&](double longest_s) { return waited_s >= longest_s && solved_s < longest_s; };
-  return ends(options.longest_s) || ends(options.longest_moving_s) || ends(options.longest_fine_s) ||
-         (waited_s >= options.shortest_s && waited_s >= kGrowth * solved_s);
+bool StartWindow::is_due() const {
+  const double now_s = length();
+  const auto ends = [&](double longest_s) { return now_s >= longest_s && solved_s < longest_s; };
+  const double solved_ago_s = now_s - solved_s;
+  const bool time_is_over = is_out_of_time() && waited_s() - solved_ago_s < options.longest_still_s;
+  return time_is_over || ends(options.longest_s) || ends(options.longest_moving_s) ||
+         ends(options.longest_fine_s) || (now_s >= options.shortest_s && now_s >= kGrowth * solved_s);
 }
 
 void StartWindow::solve() {

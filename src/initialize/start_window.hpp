@@ -15,6 +15,7 @@
 namespace limber::detail {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::infinity();
+inline constexpr double kSeenParallax = 0.02;  // [rad], of the usual point
 /// Of the cost, still to come: no unknown is off by more than 0.2 sigma.
 inline constexpr double kSettled = 0.02;
 
@@ -40,6 +41,7 @@ struct StartWindow {
   InputChecks checks;
   std::vector<InputSample> samples;  // all of them, as they came
   std::optional<StampJump> clock_step;
+  std::vector<SmoothedState> rested;  // at frames that the window has dropped
   std::vector<StereoFrame> raw;
   std::vector<WindowFrame> frames;  // with inputs, without states
   std::optional<WindowState> solution;
@@ -47,6 +49,7 @@ struct StartWindow {
   WindowNormal normal;
   Eigen::MatrixXd covariance;
   double solved_s = 0.0;
+  double not_due_before_s = 0.0;
   StartReport report{StartStatus::kWaiting, 0.0, kUnknown, kUnknown, "more frames", {}};
   double least_misfit = kUnknown;  // of all solutions, squared residuals over rows
   std::optional<Agreed> agreed;
@@ -56,9 +59,13 @@ struct StartWindow {
 
   /// Where the body is taken to stand if nothing tells: level, or the left camera looking horizontally.
   [[nodiscard]] Eigen::Matrix3d assumed_attitude() const;
-  [[nodiscard]] bool is_due(double waited_s) const;
+  [[nodiscard]] bool is_due() const;
   [[nodiscard]] double length() const {
     return raw.empty() ? 0.0 : seconds_between(raw.front().t_ns, raw.back().t_ns);
+  }
+  /// Since the first frame, whether it is still there or not [s].
+  [[nodiscard]] double waited_s() const {
+    return rested.empty() ? length() : seconds_between(rested.front().nav.t_ns, raw.back().t_ns);
   }
   /// @return on the inputs since the frame before
   InputReport push(const StereoFrame& frame);
@@ -81,6 +88,11 @@ struct StartWindow {
   [[nodiscard]] StartReport judged() const;
   [[nodiscard]] bool still_refines(const StartReport& now, double scale_before, double solved_before_s) const;
   StartReport solve_and_judge();
+  [[nodiscard]] bool moves() const { return solution && parallax() > kSeenParallax; }
+  /// Only a motion tells the scale, and an IMU would.
+  [[nodiscard]] bool awaits_motion() const;
+  [[nodiscard]] bool is_out_of_time() const { return waited_s() >= options.longest_still_s; }
+  void forget_rest();
   [[nodiscard]] std::optional<StartWindow> trusting(StartStatus status) const;
   bool explain_by_step();
   bool explain_by_clock();

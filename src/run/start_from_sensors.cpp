@@ -88,9 +88,10 @@ SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup
   const double duration_s =
       1e-9 * static_cast<double>(frame_time(sensors, frame_count(sensors) - 1) - frame_time(sensors, first));
   options.longest_s = std::min(options.longest_s, kLongestShare * duration_s);
-  options.longest_moving_s = std::min(
-      options.longest_moving_s,
-      std::max(options.longest_s, std::min(kLongestMovingShare * duration_s, duration_s - kLeastFiltered)));
+  const double most_s =
+      std::max(options.longest_s, std::min(kLongestMovingShare * duration_s, duration_s - kLeastFiltered));
+  options.longest_moving_s = std::min(options.longest_moving_s, most_s);
+  options.longest_still_s = most_s;  // nothing is lost by waiting where all frames are there
   options.longest_fine_s = std::min(options.longest_fine_s, kLongestShare * duration_s);
   SensorStart start(setup.navigator, setup.calibration, options);
   InputFeed feed(sensors);

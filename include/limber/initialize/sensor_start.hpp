@@ -23,8 +23,12 @@ struct StartWindow;
 struct StartOptions {
   double longest_s = 8.0;  ///< then it goes on with what is known, as it is known
   /// The same while the body moves and no acceleration tells how far: a filter that linearises each frame
-  /// once would soon be sure of a scale that nobody knows. At rest and in pure rotation longest_s counts.
+  /// once would soon be sure of a scale that nobody knows.
   double longest_moving_s = 30.0;
+  /// A rest, or a pure rotation, does not count where the method leaves the length of the baseline open and
+  /// an IMU will tell the scale as soon as the body moves: its last seconds are kept, and where the body was
+  /// before is known by then. No start takes longer than that in all.
+  double longest_still_s = 300.0;
   double shortest_s = 1.0;    ///< no start before
   double tilt_sigma = 0.02;   ///< [rad], asked for; recordings with an IMU
   double scale_sigma = 0.05;  ///< [-], of the logarithm of the map's scale, asked for
