@@ -150,7 +150,7 @@ double scale_nees(const InitialState& state, const Scene& scene) {
 
 void expect_no_scale_learned(std::initializer_list<std::uint64_t> seeds) {
   StartOptions how;
-  how.longest_s = 4.0;
+  how.longest_s = how.longest_still_s = 4.0;
   for (const bool turns : {true, false}) {
     for (const std::uint64_t seed : seeds) {
       const Scene scene = turning_scene(turns, seed);
