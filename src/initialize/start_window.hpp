@@ -49,7 +49,6 @@ struct StartWindow {
   WindowNormal normal;
   Eigen::MatrixXd covariance;
   double solved_s = 0.0;
-  double not_due_before_s = 0.0;
   StartReport report{StartStatus::kWaiting, 0.0, kUnknown, kUnknown, "more frames", {}};
   double least_misfit = kUnknown;  // of all solutions, squared residuals over rows
   std::optional<Agreed> agreed;

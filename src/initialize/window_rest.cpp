@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A start that waits for the body to move keeps the last seconds of its rest.
 #include <algorithm>
-#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "start_window.hpp"
@@ -54,7 +54,6 @@ void StartWindow::forget_rest() {
   }
   R_first = origin.T_world_body.R;
   agreed.reset();
-  not_due_before_s = kLongestRest;
   solve();
   (void)disagrees();
 }
