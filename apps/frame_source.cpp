@@ -98,10 +98,14 @@ class PairTracking {
   Take<DecodedPair> decoded_;
 };
 
+constexpr std::size_t kDecodedAhead = 4;
+/// Points are small, and a start computes for a second before it takes the next frame.
+constexpr std::size_t kTrackedAhead = 64;
+
 /// The same items, made on a thread of their own.
 template <typename Item>
-Take<Item> made_ahead(Take<Item> make, std::size_t count) {
-  auto ahead = std::make_shared<ReadAhead<Item>>(std::move(make), count);
+Take<Item> made_ahead(Take<Item> make, std::size_t count, std::size_t most_ahead) {
+  auto ahead = std::make_shared<ReadAhead<Item>>(std::move(make), count, most_ahead);
   return [ahead](std::size_t n) { return ahead->take(n); };
 }
 
@@ -112,11 +116,11 @@ Take<TrackedFrame> tracked_frames(const Recording& recording, const FrontendArgu
   auto decoding = std::make_shared<PairDecoding>(recording);
   Take<DecodedPair> decoded = [decoding](std::size_t n) { return (*decoding)(n); };
   if (arguments.threads > 2) {
-    decoded = made_ahead(std::move(decoded), pairs);
+    decoded = made_ahead(std::move(decoded), pairs, kDecodedAhead);
   }
   auto tracking = std::make_shared<PairTracking>(recording, options, std::move(decoded));
   Take<TrackedFrame> tracked = [tracking](std::size_t n) { return (*tracking)(n); };
-  return arguments.threads > 1 ? made_ahead(std::move(tracked), pairs) : tracked;
+  return arguments.threads > 1 ? made_ahead(std::move(tracked), pairs, kTrackedAhead) : tracked;
 }
 
 /// Keeps the frames that were taken, one after the other, for those who take them again.

@@ -13,13 +13,13 @@
 
 namespace limber::app {
 
-/// @brief Makes items 0 ... count - 1 on a thread of its own, a few ahead of who takes them, one after the
-/// other from the first one that is asked for. The items are the same bits as without the thread.
+/// @brief Makes items 0 ... count - 1 on a thread of its own, at most `most_ahead` before they are taken, one
+/// after the other from the first one that is asked for. The items are the same bits as without the thread.
 template <typename Item>
 class ReadAhead {
  public:
-  ReadAhead(std::function<Item(std::size_t)> make, std::size_t count)
-      : make_(std::move(make)), count_(count) {}
+  ReadAhead(std::function<Item(std::size_t)> make, std::size_t count, std::size_t most_ahead)
+      : make_(std::move(make)), count_(count), most_ahead_(most_ahead) {}
   ~ReadAhead() {
     {
       const std::lock_guard lock(mutex_);
@@ -50,7 +50,6 @@ class ReadAhead {
   }
 
  private:
-  static constexpr std::size_t kAhead = 4;
   struct Result {
     std::optional<Item> item;
     std::exception_ptr error;
@@ -60,7 +59,7 @@ class ReadAhead {
     for (std::size_t n = first; n < count_; ++n) {
       {
         std::unique_lock lock(mutex_);
-        changed_.wait(lock, [this] { return stopped_ || ready_.size() < kAhead; });
+        changed_.wait(lock, [this] { return stopped_ || ready_.size() < most_ahead_; });
         if (stopped_) return;
       }
       Result result;
@@ -80,7 +79,7 @@ class ReadAhead {
   }
 
   std::function<Item(std::size_t)> make_;
-  std::size_t count_, next_ = 0;
+  std::size_t count_, most_ahead_, next_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Result> ready_;
