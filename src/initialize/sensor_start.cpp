@@ -37,9 +37,10 @@ std::vector<SmoothedState> StartWindow::trajectory() const {
       const Transition step = predict_over(model.options, frame, nav);
       P = step.Phi * P * step.Phi.transpose() + step.Q;
     }
-    const Eigen::Matrix<double, 6, 6> pose = P.topLeftCorner<6, 6>();
+    const MatrixXd from_first = seen_from_first(nav, P);
+    const Eigen::Matrix<double, 6, 6> pose = from_first.topLeftCorner<6, 6>();
     const Index rest = n - StateLayout::kPoseSize;
-    out.push_back({nav, 0.5 * (pose + pose.transpose()), P.bottomRightCorner(rest, rest)});
+    out.push_back({nav, 0.5 * (pose + pose.transpose()), from_first.bottomRightCorner(rest, rest)});
   }
   return out;
 }
@@ -108,7 +109,8 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
     w.report.waited_s = w.waited_s();
     if (w.is_due()) {
       w.report = w.solve_and_judge();
-      if (w.report.status == StartStatus::kWaiting && w.awaits_motion()) {
+      w.rests = w.report.status == StartStatus::kWaiting && w.awaits_motion();
+      if (w.rests) {
         w.forget_rest();
       }
     }

@@ -182,20 +182,20 @@ void StartWindow::go_back() {
 /// The last frame and the map; of their scale no more than the motion can tell.
 InitialState StartWindow::handed_over() const {
   InitialState out = hand_over(model, *solution, normal, covariance);
+  out.body_covariance = seen_from_first(out.nav, out.body_covariance);
   if (leaves_scale_open()) {
     take_noise_from_scale(out);
   }
   return out;
 }
 
-/// Angle under which the usual point sees the way that the body went [rad].
-double StartWindow::parallax() const {
+double parallax(const WindowState& state) {
   double way = 0.0;
-  for (const WindowFrame& frame : solution->frames) {
+  for (const WindowFrame& frame : state.frames) {
     way = std::max(way, frame.nav.T_world_body.p.norm());
   }
   std::vector<double> rho = {0.0};
-  for (const WindowPoint& point : solution->points) {
+  for (const WindowPoint& point : state.points) {
     rho.push_back(point.landmark.value.z());
   }
   return way * std::max(upper_median(std::move(rho)), 0.0);

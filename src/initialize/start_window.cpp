@@ -49,13 +49,6 @@ bool fits(const WindowModel& model, const WindowState& state, const WindowNormal
   return normal.cost < kFits * expected_cost(model, state) + 10.0;
 }
 
-/// A solution that fits may take its time until it has settled; others are left.
-WindowNormal settled_window(const WindowModel& model, WindowState& state) {
-  WindowNormal out = solve_window(model, state, kStartIterations);
-  return fits(model, state, out) && out.left > kSettled ? solve_window(model, state, kMoreIterations)
-                                                        : std::move(out);
-}
-
 /// Which way is ahead is a convention, and has to be the same in each solution: all is turned about the
 /// vertical until the first attitude is as near to R as can be.
 void turn_to(const Matrix3d& R, WindowState& state) {
@@ -188,8 +181,19 @@ bool StartWindow::is_due() const {
   const auto ends = [&](double longest_s) { return now_s >= longest_s && solved_s < longest_s; };
   const double solved_ago_s = now_s - solved_s;
   const bool time_is_over = is_out_of_time() && waited_s() - solved_ago_s < options.longest_still_s;
+  const bool has_grown = now_s >= options.shortest_s && now_s >= kGrowth * solved_s;
   return time_is_over || ends(options.longest_s) || ends(options.longest_moving_s) ||
-         ends(options.longest_fine_s) || (now_s >= options.shortest_s && now_s >= kGrowth * solved_s);
+         ends(options.longest_fine_s) || (has_grown && !still_rests());
+}
+
+/// A solution that fits may take its time until it has settled; others are left. At rest what a motion will
+/// tell is weakly known, and settles slowly: nobody waits for that.
+WindowNormal StartWindow::settled(WindowState& state) const {
+  WindowNormal out = solve_window(model, state, kStartIterations);
+  const bool rests = is_over_by_motion() && !is_out_of_time() && parallax(state) <= kSeenParallax;
+  return !rests && fits(model, state, out) && out.left > kSettled
+             ? solve_window(model, state, kMoreIterations)
+             : std::move(out);
 }
 
 void StartWindow::solve() {
@@ -211,7 +215,7 @@ void StartWindow::solve() {
     if (model.options.motion == MotionModel::kImu) {
       model.R_first = start.frames.front().nav.T_world_body.R;
     }
-    WindowNormal there = settled_window(model, start);
+    WindowNormal there = settled(start);
     if (!solution || there.cost < normal.cost) {
       normal = std::move(there);
       solution = std::move(start);
@@ -233,14 +237,14 @@ void StartWindow::solve() {
 
 /// The solution again, for a model that is another one now.
 void StartWindow::settle_solution() {
-  normal = settled_window(model, *solution);
+  normal = settled(*solution);
   clean_and_cover();
 }
 
 /// Takes mismatches out of the solution; what it knows then.
 void StartWindow::clean_and_cover() {
   for (int round = 0; round < kCleanings && drop_mismatches(model, *solution) > 0; ++round) {
-    normal = settled_window(model, *solution);
+    normal = settled(*solution);
   }
   covariance = frame_covariance(normal);
   if (covariance.size() == 0) {

@@ -19,6 +19,9 @@ inline constexpr double kSeenParallax = 0.02;  // [rad], of the usual point
 /// Of the cost, still to come: no unknown is off by more than 0.2 sigma.
 inline constexpr double kSettled = 0.02;
 
+/// Angle under which the usual point sees the way that the body went [rad].
+[[nodiscard]] double parallax(const WindowState& state);
+
 /// The problem that a navigator's start solves, before anything was seen.
 [[nodiscard]] WindowModel window_model(const NavigatorOptions& options, const StereoCalibration& calibration);
 
@@ -42,6 +45,9 @@ struct StartWindow {
   std::vector<InputSample> samples;  // all of them, as they came
   std::optional<StampJump> clock_step;
   std::vector<SmoothedState> rested;  // at frames that the window has dropped
+  /// Covariance of the window's origin, seen from the first frame of all: position and yaw.
+  Eigen::Matrix4d origin = Eigen::Matrix4d::Zero();
+  bool rests = false;  // the last solution awaits a motion
   std::vector<StereoFrame> raw;
   std::vector<WindowFrame> frames;  // with inputs, without states
   std::optional<WindowState> solution;
@@ -74,9 +80,12 @@ struct StartWindow {
   };
   [[nodiscard]] Frames kept() const;
   [[nodiscard]] std::optional<WindowState> continued(const Frames& now) const;
+  /// A body's covariance, which is one against the window's origin.
+  [[nodiscard]] Eigen::MatrixXd seen_from_first(const NavigationState& nav, const Eigen::MatrixXd& P) const;
   [[nodiscard]] std::vector<SmoothedState> trajectory() const;
   [[nodiscard]] SensorStartResult unsolved() const;
   void solve();
+  [[nodiscard]] WindowNormal settled(WindowState& state) const;
   void settle_solution();
   void clean_and_cover();
   /// The rig says nothing about how long a metre is.
@@ -87,10 +96,14 @@ struct StartWindow {
   [[nodiscard]] StartReport judged() const;
   [[nodiscard]] bool still_refines(const StartReport& now, double scale_before, double solved_before_s) const;
   StartReport solve_and_judge();
-  [[nodiscard]] bool moves() const { return solution && parallax() > kSeenParallax; }
+  [[nodiscard]] bool moves() const { return solution && parallax(*solution) > kSeenParallax; }
   /// Only a motion tells the scale, and an IMU would.
+  [[nodiscard]] bool is_over_by_motion() const {
+    return leaves_scale_open() && has_scale(model.options.motion);
+  }
   [[nodiscard]] bool awaits_motion() const;
   [[nodiscard]] bool is_out_of_time() const { return waited_s() >= options.longest_still_s; }
+  [[nodiscard]] bool still_rests() const;
   void forget_rest();
   [[nodiscard]] std::optional<StartWindow> trusting(StartStatus status) const;
   bool explain_by_step();
@@ -104,7 +117,6 @@ struct StartWindow {
   [[nodiscard]] double tilt_sigma() const;
   [[nodiscard]] InitialState handed_over() const;
   [[nodiscard]] double scale_sigma() const;
-  [[nodiscard]] double parallax() const;
 };
 
 }  // namespace limber::detail

@@ -53,7 +53,11 @@ void StereoFilter::add(const InputSample& sample) {
   }
   checks_.add(sample, inputs_);
   estimate_.set_time(state_ns);
-  late_ += sample.t_ns < state_ns && has_processed_ ? 1 : 0;
+  if (has_processed_) {
+    late_ += sample.t_ns < state_ns ? 1 : 0;
+  } else if (sample.t_ns <= state_ns) {
+    (void)checks_.take_counts();  // what failed before the state was is the start's to say
+  }
 }
 
 std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {

@@ -168,6 +168,22 @@ TEST(FailingInputs, LateSamplesAreCountedAndTheirTimeIsAGap) {
   EXPECT_GE(late, 300U);
 }
 
+/// A run feeds a filter all samples since the recording began, which its start has already judged.
+TEST(FailingInputs, BeforeTheStateAreTheStartsToSay) {
+  const Scene scene = scene_of(2.0);
+  InitialState initial = scene.initial;
+  initial.nav.t_ns = 1000 * kMs;
+  StereoFilter filter(with_method(scene, Method::kEkf), scene.calibration, initial);
+  for (const InputSample& sample : scene.inputs) {
+    const bool stuck = sample.t_ns > 500 * kMs && sample.t_ns < 800 * kMs;
+    filter.add_imu({sample.t_ns, stuck ? Eigen::Vector3d::Zero() : sample.angular,
+                    stuck ? Eigen::Vector3d::Zero() : sample.linear});
+  }
+  const InputReport inputs = filter.process({1500 * kMs, {}}).inputs;
+  EXPECT_FALSE(inputs.faults.any());
+  EXPECT_EQ(inputs.status, InputStatus::kSound);
+}
+
 TEST(FailingInputs, AFiniteSampleThatIsImpossibleIsLeftOut) {
   const Scene scene = scene_of(2.0);
   StereoFilter filter(with_method(scene, Method::kEkf), scene.calibration, scene.initial);

@@ -35,7 +35,11 @@ TEST(StartAtRest, WaitsForTheMotionThatTellsTheScale) {
   EXPECT_GT(record.sensor_start->waited_s, kRest);
   EXPECT_LT(record.sensor_start->scale_sigma, 0.2);
   ASSERT_EQ(record.trajectory.size(), recording.frames.size());
+  double before = 0.0;  // variance: where the window begins anew is known no better than what led there
   for (const TrajectoryRow& row : record.trajectory) {
+    const double variance = row.covariance->topLeftCorner<3, 3>().trace();
+    EXPECT_GT(variance, 0.5 * before) << row.t_ns;
+    before = variance;
     if (1e-9 * static_cast<double>(row.t_ns - record.trajectory.front().t_ns) < kRest) {
       EXPECT_LT((row.T_world_body.p - record.trajectory.front().T_world_body.p).norm(), 0.02) << row.t_ns;
     }
