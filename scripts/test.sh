@@ -29,7 +29,9 @@ trap 'echo "limber: FAILED, see above" >&2' ERR
 filter="core;sensors;predict;measure;state;landmarks;stack;update;health;navigate"
 watched="$filter;evaluate;io;clean;rig_files;images;datasets;bags;simulate"
 released=(--label-exclude '^full$')
+lines=(-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1)  # reports name functions, and with --full lines, too: a tenth of the compiler's time
 if $full; then
+  lines=()
   filter+=";initialize"
   watched=""
   released=()
@@ -48,7 +50,7 @@ ctest --preset release "${released[@]}"
 # The users' projects (label `consumer`), the browser (`page`), the documented commands (`docs`) and the long statistics
 # (`slow`) were run above.
 echo "== Sanitizers"
-cmake --preset asan -DLIMBER_FILTER_ROOMS="$filter" -DLIMBER_TEST_ROOMS="$watched" >/dev/null
+cmake --preset asan -DLIMBER_FILTER_ROOMS="$filter" -DLIMBER_TEST_ROOMS="$watched" "${lines[@]}" >/dev/null
 cmake --build --preset asan --target test_programs
 ctest --preset asan --label-exclude 'slow|consumer|page|docs'
 
