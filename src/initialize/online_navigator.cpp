@@ -154,6 +154,7 @@ OnlineReport OnlineNavigator::process(const StereoFrame& frame) {
     const SensorStartResult found = start_->result();
     clock_step_ = found.clock_step;
     hand_over(found.initial, clock_step_ ? by_clock(inputs_, *clock_step_) : inputs_);
+    (void)show_start(found, *navigator_);
     for (const StereoFrame& unused : found.unused) {  // this one is the last
       out.frame = navigator_->process(unused);
     }

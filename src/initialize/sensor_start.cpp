@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "limber/initialize/sensor_start.hpp"
 
+#include <cstddef>
 #include <stdexcept>
 
 #include "limber/core/time.hpp"
+#include "limber/navigate/navigator.hpp"
 #include "limber/state/initial_state.hpp"
 #include "start_window.hpp"
 
 namespace limber {
 
 using Eigen::Index;
+using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using namespace detail;
 
@@ -144,6 +147,7 @@ SensorStartResult SensorStart::result_for(Method method) {
     out.initial = trusting->handed_over();
     out.initial.distrusting = std::make_shared<const InitialState>(w.handed_over());
     out.trajectory = trusting->trajectory();
+    out.distrusting = w.trajectory();
     out.report.scale_sigma = trusting->scale_sigma();
     out.report.tilt_sigma = trusting->tilt_sigma();
   } else if (w.solution) {
@@ -160,6 +164,26 @@ SensorStartResult SensorStart::result_for(Method method) {
   out.bias_step_ns = w.stepped_before_ns;
   out.clock_step = w.clock_step;
   out.unused = w.unused;
+  if (out.solved) {
+    out.used = w.raw;
+  }
+  return out;
+}
+
+std::vector<std::shared_ptr<const CalibrationReport>> show_start(const SensorStartResult& start,
+                                                                 Navigator& navigator) {
+  const std::vector<SmoothedState>& states = start.distrusting.empty() ? start.trajectory : start.distrusting;
+  auto state = states.end() - static_cast<std::ptrdiff_t>(start.used.size());
+  std::vector<std::shared_ptr<const CalibrationReport>> out;
+  for (const StereoFrame& frame : start.used) {
+    const MatrixXd& of_motion = state->motion_covariance;
+    Matrix3d velocity = Matrix3d::Zero();
+    if (has_scale(navigator.options().motion)) {
+      velocity = of_motion.topLeftCorner<3, 3>();
+    }
+    out.push_back(navigator.watch_earlier(frame, state->nav, velocity));
+    ++state;
+  }
   return out;
 }
 

@@ -61,6 +61,12 @@ bool ends_epoch(const StereoFilter& filter) {
   return filter.estimate().epoch_began_ns() == filter.estimate().nav().t_ns;
 }
 
+/// What a velocity says of the length of a metre.
+TrajectoryQuality quality_of(const Eigen::Vector3d& velocity, const Eigen::Matrix3d& covariance) {
+  const Eigen::Vector3d along = velocity.stableNormalized();
+  return {true, covariance.isZero(0.0) ? 0.0 : velocity.squaredNorm(), along.dot(covariance * along)};
+}
+
 double squared_size(const StereoFilter& filter) {
   const auto n = static_cast<double>(filter.estimate().size());
   return n * n;
@@ -202,6 +208,15 @@ void Navigator::take_over_from_parallel(std::int64_t t_ns) {
   watch_anew(t_ns);
 }
 
+std::shared_ptr<const CalibrationReport> Navigator::watch_earlier(const StereoFrame& frame,
+                                                                  const NavigationState& nav,
+                                                                  const Eigen::Matrix3d& velocity) {
+  if (watch_) {
+    watch_->add(frame, nav.T_world_body * T_body_cam0_, quality_of(nav.v_world_body, velocity));
+  }
+  return known_calibration();
+}
+
 /// The calibration, judged from where the filter that it cannot lead astray (if there is one) says it was.
 void Navigator::watch(const StereoFrame& frame, const StereoFilter& filter, const FrameReport& report) {
   if (!watch_) {
@@ -209,15 +224,12 @@ void Navigator::watch(const StereoFrame& frame, const StereoFilter& filter, cons
   }
   const Estimate& estimate = filter.estimate();
   TrajectoryQuality quality;
+  if (filter.options().motion == MotionModel::kImu) {
+    quality = quality_of(estimate.nav().v_world_body, estimate.P().diagonal_block<3>(StateLayout::kVelocity));
+  }
   quality.sound =
       report.status == UpdateStatus::kUpdated && !report.reset && !report.inputs.contradiction &&
       (report.inputs.status == InputStatus::kSound || report.inputs.status == InputStatus::kNotNeeded);
-  if (filter.options().motion == MotionModel::kImu) {
-    const Eigen::Vector3d& v = estimate.nav().v_world_body;
-    quality.speed_squared = v.squaredNorm();
-    const Eigen::Vector3d along = v.stableNormalized();
-    quality.speed_variance = along.dot(estimate.P().diagonal_block<3>(StateLayout::kVelocity) * along);
-  }
   watch_->add(frame, estimate.nav().T_world_body * T_body_cam0_, quality);
 }
 

@@ -98,7 +98,8 @@ bool is_sane(const TrajectoryRow& row) {
 }
 
 void take_end(const Navigator& navigator, RunRecord& record) {
-  if (record.stopped && record.frames.size() > record.frames_of_start) {
+  const bool is_start_alone = record.frames.size() == record.frames_of_start;
+  if ((record.stopped || is_start_alone) && !record.frames.empty()) {
     record.frames.back().calibration = navigator.calibration_report();
   }
   const Estimate& estimate = navigator.estimate();
@@ -161,7 +162,7 @@ SensorWindow sensor_window(const Recording& recording, const RunSetup& setup, co
 }
 
 /// Writes the window's frames into the record; says how long it took and what was not known by then.
-void keep_window(const SensorWindow& window, const Navigator& navigator, RunRecord& record) {
+void keep_window(const SensorWindow& window, Navigator& navigator, RunRecord& record) {
   if (window.frames.empty()) {
     return;
   }
@@ -181,6 +182,10 @@ void keep_window(const SensorWindow& window, const Navigator& navigator, RunReco
     if (calibration.parameters.any()) {
       record.calibration.push_back({state.nav.t_ns, calibration});
     }
+  }
+  const auto known = show_start(window.result, navigator);
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    record.frames[record.frames.size() - known.size() + k].calibration = known[k];
   }
   const StartReport& report = window.report;
   record.notes.push_back(fmt::format(

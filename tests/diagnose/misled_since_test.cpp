@@ -165,7 +165,7 @@ TEST(MisledSince, LeavesOpenThatTheRigIsOffWhereItMayBe) {
     return record.notes.back();
   };
   Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_baseline.yaml");
-  scenario.duration = 20.0;
+  scenario.duration = 28.0;  // eleven windows: enough to know 6 mm of the baseline by 3.5 sigmas
   EXPECT_THAT(lost_note(simulate(scenario, 7)), ::testing::HasSubstr(", or the rig is off, by tx +"));
   EXPECT_THAT(lost_note(pushed(drone(132), 0.12)), ::testing::Not(::testing::HasSubstr("or the rig")));
 }

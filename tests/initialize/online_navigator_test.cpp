@@ -134,6 +134,17 @@ TEST(OnlineNavigator, SaysWhatItWaitsForThenThatItStartsThenWhatTheFilterMadeOfT
   EXPECT_TRUE(navigator.health());
 }
 
+TEST(OnlineNavigator, JudgesTheCalibrationFromTheFirstFrameOfTheStartOn) {
+  const Scene scene = scene_with(MotionModel::kImu);
+  for (const Method method : {Method::kEkf, Method::kAdaptive}) {
+    OnlineNavigator navigator(options_of(scene, method), scene.calibration, soon());
+    (void)pass(navigator, scene);
+    const auto known = navigator.calibration_report();
+    ASSERT_TRUE(known);
+    EXPECT_EQ(known->state.from_ns, scene.frames.front().t_ns) << to_string(method);
+  }
+}
+
 TEST(OnlineNavigator, WithOdometryTheFirstFrameIsTheStartAndNotLost) {
   const Scene scene = scene_with(MotionModel::kOdometry);
   OnlineNavigator navigator(options_of(scene, Method::kLcekf), scene.calibration);

@@ -15,6 +15,8 @@
 
 namespace limber {
 
+class Navigator;
+
 namespace detail {
 struct StartWindow;
 }
@@ -98,6 +100,10 @@ struct SensorStartResult {
   StartReport report;                     ///< what is known by the last frame
   InitialState initial;                   ///< at the last frame that was used, with a first map
   std::vector<SmoothedState> trajectory;  ///< at every frame that was used; origin: the first
+  /// Of `adaptive`, where that trusts the rig: the same states without that trust. Else none.
+  std::vector<SmoothedState> distrusting;
+  /// The frames of the last of these states, but for a rest that was forgotten.
+  std::vector<StereoFrame> used;
   /// Where images and inputs had agreed and then did not any more (an input that failed) the start ends
   /// before that. These came after it: the navigator's next frames.
   std::vector<StereoFrame> unused;
@@ -106,6 +112,12 @@ struct SensorStartResult {
   std::optional<StampJump> clock_step;
   bool solved = true;  ///< false: images and inputs agree upon no motion, and nothing of them was used
 };
+
+/// @brief Shows a navigator the frames that its start has used up: the verdict on the calibration begins with
+/// them. Before its first frame. With odometry, or if the calibration is not watched, nothing is done.
+/// @return what is known of the calibration after each of `start.used`
+std::vector<std::shared_ptr<const CalibrationReport>> show_start(const SensorStartResult& start,
+                                                                 Navigator& navigator);
 
 /// @brief Whether one start serves both, from the same frames and inputs: what they ask of the rig (which of
 /// theta is free, whether the right pixels are used), rig and noises agree. What each begins with:

@@ -45,6 +45,14 @@ class Navigator {
   /// @throws std::invalid_argument as StereoFilter::process
   FrameReport process(const StereoFrame& frame);
 
+  /// @brief A frame of before the state, which a start has used up: the verdict on the calibration begins
+  /// with those. In the order of time, before the first process().
+  /// @param nav       of the body when the frame was taken
+  /// @param velocity  covariance of its velocity [m^2/s^2]; zero: nothing tells how long a metre is
+  /// @return what is known of the calibration, as FrameReport::calibration
+  std::shared_ptr<const CalibrationReport> watch_earlier(const StereoFrame& frame, const NavigationState& nav,
+                                                         const Eigen::Matrix3d& velocity);
+
   /// @brief Begins anew, with the options and the calibration of the construction; time may begin anew, too.
   /// @throws std::invalid_argument if shapes disagree or the state is not finite; nothing has changed then
   void reset(const InitialState& initial);
