@@ -63,9 +63,7 @@ bool is_recording_by_limber(const fs::path& folder) {
     return (is_mav0_by_limber(mav0) || is_truth(mav0 / "calibration_truth0" / "data.csv")) &&
            holds_only(folder, {"mav0"});
   }
-  return is_truth(folder / "calibration_truth.csv") &&
-         holds_only(folder, {"image_0", "image_1", "image_2", "image_3", "calib.txt", "times.txt",
-                             "poses.txt", "calibration_truth.csv"});
+  return is_truth(folder / "calibration_truth.csv") && holds_only(folder, names_in_kitti_folder());
 }
 
 void require_place(const fs::path& path, const char* expected, bool own, bool replace) {
@@ -77,6 +75,12 @@ void require_place(const fs::path& path, const char* expected, bool own, bool re
 }
 
 }  // namespace
+
+const std::set<fs::path>& names_in_kitti_folder() {
+  static const std::set<fs::path> names = {"image_0",   "image_1",   "image_2",   "image_3",
+                                           "calib.txt", "times.txt", "poses.txt", "calibration_truth.csv"};
+  return names;
+}
 
 void require_place_for_mav0(const fs::path& folder, bool replace) {
   const fs::path mav0 = folder / "mav0";

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
@@ -12,6 +12,7 @@
 #include "decalibrate/rotation_warp.hpp"
 #include "frontend/image_file.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/datasets/recording_place.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/images/picture.hpp"
 #include "limber/io/atomic_file.hpp"
@@ -29,6 +30,7 @@ struct Layout {
   fs::path truth;                   ///< in the new folder
   std::vector<fs::path> made_anew;  ///< relative to root: not copied
   fs::path list;                    ///< of the right images, in the new folder; empty if there is none
+  std::set<fs::path> parts = {};    ///< of the recording, by name; empty: all that is there
 };
 
 Layout layout_of(const Recording& recording) {
@@ -46,16 +48,19 @@ Layout layout_of(const Recording& recording) {
                     "images in another one: limber convert makes an EuRoC folder of it");
   }
   const char* const right = fs::exists(recording.path / "image_0") ? "image_1" : "image_3";
-  return {recording.path, "", right, "calibration_truth.csv", {right, "calibration_truth.csv"}, ""};
+  return {recording.path,         "", right, "calibration_truth.csv", {right, "calibration_truth.csv"}, "",
+          names_in_kitti_folder()};
 }
 
-/// Everything but what is made anew; links are followed, so that the copy stands on its own.
+/// The recording but for what is made anew; links are followed, so that the copy stands on its own.
 void copy_rest(const Layout& layout, const fs::path& folder) {
   for (auto entry =
            fs::recursive_directory_iterator(layout.root, fs::directory_options::follow_directory_symlink);
        entry != fs::recursive_directory_iterator(); ++entry) {
     const fs::path relative = entry->path().lexically_relative(layout.root);
-    if (std::find(layout.made_anew.begin(), layout.made_anew.end(), relative) != layout.made_anew.end()) {
+    const bool is_part = layout.parts.empty() || layout.parts.contains(*relative.begin());
+    if (!is_part ||
+        std::find(layout.made_anew.begin(), layout.made_anew.end(), relative) != layout.made_anew.end()) {
       entry.disable_recursion_pending();
     } else if (entry->is_regular_file()) {
       const fs::path to = folder / layout.inner / relative;

@@ -13,6 +13,7 @@
 #include "decalibrate/rotation_warp.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/datasets/read_recording.hpp"
+#include "limber/datasets/recording_place.hpp"
 
 namespace limber {
 namespace {
@@ -158,6 +159,7 @@ TEST(BendImages, OfKittiFoldersTellTheTruthToo) {
   const fs::path from = scratch.path() / "from", to = scratch.path() / "to";
   write(from / "calib.txt", "P0: 230 0 160 0 0 230 120 0 0 0 1 0\nP1: 230 0 160 -23 0 230 120 0 0 0 1 0\n");
   write(from / "times.txt", "0.0\n0.1\n");
+  write(from / "README.md", "No part of the recording.\n");
   for (const char* folder : {"image_0", "image_1"}) {
     fs::create_directories(from / folder);
     for (const char* name : {"000000.png", "000001.png"})
@@ -172,6 +174,8 @@ TEST(BendImages, OfKittiFoldersTellTheTruthToo) {
   EXPECT_NEAR(bent.truth.rig.front().theta[2], 0.03, 1e-12);
   EXPECT_EQ(bytes_of(bent.images[1].cam0), bytes_of(sound.images[1].cam0));
   EXPECT_NE(bytes_of(bent.images[1].cam1), bytes_of(sound.images[1].cam1));
+  EXPECT_FALSE(fs::exists(to / "README.md"));
+  EXPECT_NO_THROW(require_place_for_recording(to, true)) << "--force replaces what limber wrote";
 }
 
 }  // namespace

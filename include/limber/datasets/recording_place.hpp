@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 
 /// Which places are those of recordings: asked by the writers, and by programs before long work.
 namespace limber {
@@ -10,6 +11,9 @@ namespace limber {
 /// of KITTI raw drives, or the list of a ROS 2 bag (metadata.yaml). Bag files alone do not make it one.
 /// @return false also for what is no folder, or none that can be looked into
 [[nodiscard]] bool holds_recording(const std::filesystem::path& folder);
+
+/// What a KITTI odometry folder holds, by name; what else lies there is no part of the recording.
+[[nodiscard]] const std::set<std::filesystem::path>& names_in_kitti_folder();
 
 /// @brief For write_track_log and write_euroc: `folder` holds no mav0 yet, or an empty one.
 /// @param replace  an older mav0 that limber wrote may be there, too
