@@ -81,6 +81,20 @@ TEST(CalibrationMistakes, NameSwappedCameras) {
               ElementsAre(HasSubstr("the two cameras are swapped")));
 }
 
+/// Each pixel then went through the other camera's lens, and the rig the other way round fits no line,
+/// either.
+TEST(CalibrationMistakes, NameSwappedCamerasWhoseIntrinsicsDiffer) {
+  Scenario scenario = testing::short_scenario();
+  scenario.decalibration.clear();
+  scenario.rig.cam1.cu += 13.0;
+  scenario.rig.cam1.cv -= 11.0;
+  scenario.rig.cam1.fv = scenario.rig.cam1.fu = 297.0;
+  const Recording recording = simulate(scenario, 1);
+  EXPECT_THAT(calibration_mistakes(recording.calibration, recording.frames), IsEmpty());
+  EXPECT_THAT(calibration_mistakes(recording.calibration, swapped(recording.frames)),
+              ElementsAre(HasSubstr("the two cameras are swapped")));
+}
+
 /// A car's points, far and near, whose right camera has turned by `vergence`.
 std::vector<StereoFrame> street(const StereoCalibration& calibration, double vergence) {
   StereoCalibration turned = calibration;
