@@ -202,8 +202,8 @@ void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bo
 
 CalibrationState with_scale(const CalibrationState& state, const TrajectoryScale& scale,
                             const RigParameters& theta, const Tolerance& tolerance) {
-  const NormalEquations::Vector length = along_length(theta);
   BetaEstimate estimate = state.whole;
+  const NormalEquations::Vector length = along_length(theta, estimate.beta);
   estimate.beta -= scale.too_long * length;
   const double variance = scale.sigma * scale.sigma - kLeastScale * kLeastScale;  // which is in there
   estimate.covariance += std::max(variance, 0.0) * length * length.transpose();

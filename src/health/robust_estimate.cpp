@@ -158,14 +158,14 @@ NormalEquations::Matrix mean_epipolar(const std::vector<RigEvidence>& windows) {
 }
 
 /// What the trajectory's scale may be wrong by is along the baseline.
+/// @param length    of that, as along_length
 /// @param constant  part of it that is the same in all windows
-NormalEquations::Matrix by_scale(std::span<const RigEvidence> windows, const RigParameters& theta,
+NormalEquations::Matrix by_scale(std::span<const RigEvidence> windows, const NormalEquations::Vector& length,
                                  bool metric, double constant) {
   double variance = constant * constant;
   for (const RigEvidence& window : windows) {
     variance += window.scale_sigma * window.scale_sigma / static_cast<double>(windows.size());
   }
-  const NormalEquations::Vector length = along_length(theta);
   return (metric ? variance : kUnknownScale) * length * length.transpose();
 }
 
@@ -175,9 +175,10 @@ double middle(const RigEvidence& window, std::int64_t origin_ns) {
 
 }  // namespace
 
-NormalEquations::Vector along_length(const RigParameters& theta) {
+NormalEquations::Vector along_length(const RigParameters& theta, const NormalEquations::Vector& beta) {
   NormalEquations::Vector out = NormalEquations::Vector::Zero();
-  out.segment<3>(3) = theta.tail<3>().cwiseQuotient(plausible_error(theta.tail<3>().norm()).tail<3>());
+  out.segment<3>(3) =
+      theta.tail<3>().cwiseQuotient(plausible_error(theta.tail<3>().norm()).tail<3>()) + beta.segment<3>(3);
   return out;
 }
 
@@ -186,7 +187,8 @@ RigParameters RigEstimate::sigma() const { return covariance.diagonal().cwiseSqr
 BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                              bool metric) {
   const Fit found = fit(windows, std::vector<VectorXd>(windows.size(), VectorXd::Ones(1)));
-  return {found.x, found.covariance + by_scale(windows, theta, metric, kLeastScale), mean_epipolar(windows)};
+  return {found.x, found.covariance + by_scale(windows, along_length(theta, found.x), metric, kLeastScale),
+          mean_epipolar(windows)};
 }
 
 BetaTrend robust_trend(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric) {
@@ -199,8 +201,9 @@ BetaTrend robust_trend(const std::vector<RigEvidence>& windows, const RigParamet
   }
   const Fit found = fit(windows, basis);
   const NormalEquations::Matrix epipolar = mean_epipolar(windows);
+  const NormalEquations::Vector length = along_length(theta, found.x.head<kSize>());
   return {{found.x.head<kSize>(),
-           found.covariance.topLeftCorner<kSize, kSize>() + by_scale(windows, theta, metric, kLeastScale),
+           found.covariance.topLeftCorner<kSize, kSize>() + by_scale(windows, length, metric, kLeastScale),
            epipolar},
           {found.x.tail<kSize>(), found.covariance.bottomRightCorner<kSize, kSize>(), epipolar},
           found.covariance.topRightCorner<kSize, kSize>(),
@@ -259,8 +262,9 @@ std::vector<BetaEstimate> robust_steps(const std::vector<RigEvidence>& windows,
       const std::size_t from = at == 0 ? 0 : firsts[at - 1];
       const std::size_t to = at + 1 == firsts.size() ? windows.size() : firsts[at + 1] - 1;
       const std::span<const RigEvidence> all(windows);
-      out.back().covariance += by_scale(all.subspan(from, firsts[at] - 1 - from), theta, metric, 0.0) +
-                               by_scale(all.subspan(firsts[at], to - firsts[at]), theta, metric, 0.0);
+      const NormalEquations::Vector length = along_length(theta, found.x.head<kSize>());
+      out.back().covariance += by_scale(all.subspan(from, firsts[at] - 1 - from), length, metric, 0.0) +
+                               by_scale(all.subspan(firsts[at], to - firsts[at]), length, metric, 0.0);
     }
   }
   return out;

@@ -207,18 +207,37 @@ void Navigator::watch(const StereoFrame& frame, const StereoFilter& filter, cons
   if (!watch_) {
     return;
   }
-  const Estimate& estimate = filter.estimate();
-  TrajectoryQuality quality;
-  quality.sound =
+  const bool sound =
       report.status == UpdateStatus::kUpdated && !report.reset && !report.inputs.contradiction &&
       (report.inputs.status == InputStatus::kSound || report.inputs.status == InputStatus::kNotNeeded);
-  if (filter.options().motion == MotionModel::kImu) {
-    const Eigen::Vector3d& v = estimate.nav().v_world_body;
-    quality.speed_squared = v.squaredNorm();
-    const Eigen::Vector3d along = v.stableNormalized();
-    quality.speed_variance = along.dot(estimate.P().diagonal_block<3>(StateLayout::kVelocity) * along);
+  const Estimate& estimate = filter.estimate();
+  const bool knows_speed = filter.options().motion == MotionModel::kImu;
+  watch(frame, estimate.nav(),
+        knows_speed ? Eigen::Matrix3d(estimate.P().diagonal_block<3>(StateLayout::kVelocity))
+                    : Eigen::Matrix3d::Zero(),
+        sound);
+}
+
+void Navigator::watch(const StereoFrame& frame, const NavigationState& nav,
+                      const Eigen::Matrix3d& velocity_covariance, bool sound) {
+  TrajectoryQuality quality;
+  quality.sound = sound;
+  if (filter_.options().motion == MotionModel::kImu) {
+    const Eigen::Vector3d along = nav.v_world_body.stableNormalized();
+    quality.speed_squared = nav.v_world_body.squaredNorm();
+    quality.speed_variance = along.dot(velocity_covariance * along);
   }
-  watch_->add(frame, estimate.nav().T_world_body * T_body_cam0_, quality);
+  watch_->add(frame, nav.T_world_body * T_body_cam0_, quality);
+}
+
+std::shared_ptr<const CalibrationReport> Navigator::watch_start(const StereoFrame& frame,
+                                                                const NavigationState& nav,
+                                                                const Eigen::Matrix3d& velocity_covariance,
+                                                                bool sound) {
+  if (watch_) {
+    watch(frame, nav, velocity_covariance, sound);
+  }
+  return known_calibration();
 }
 
 std::shared_ptr<const CalibrationReport> Navigator::known_calibration() const {

@@ -160,13 +160,19 @@ SensorWindow sensor_window(const Recording& recording, const RunSetup& setup, co
   return out;
 }
 
+Eigen::Matrix3d velocity_covariance(const SmoothedState& state) {
+  return state.motion_covariance.rows() < 3 ? Eigen::Matrix3d::Zero()
+                                            : Eigen::Matrix3d(state.motion_covariance.topLeftCorner<3, 3>());
+}
+
 /// Writes the window's frames into the record; says how long it took and what was not known by then.
-void keep_window(const SensorWindow& window, const Navigator& navigator, RunRecord& record) {
+void keep_window(const SensorWindow& window, Navigator& navigator, RunRecord& record) {
   if (window.frames.empty()) {
     return;
   }
   record.frames_of_start = window.frames.size();
   const CalibrationEstimate calibration = navigator.calibration_estimate();
+  const bool watched = window.result.solved && !window.result.initial.distrusting;
   for (std::size_t k = 0; k < window.frames.size(); ++k) {
     const SmoothedState& state = window.result.trajectory[k];
     record.trajectory.push_back(
@@ -175,6 +181,10 @@ void keep_window(const SensorWindow& window, const Navigator& navigator, RunReco
     if (window.result.solved && window.frames[k].observed > 0) {
       record.frames.back().status = UpdateStatus::kUpdated;
       record.frames.back().used = window.frames[k].observed;
+    }
+    if (watched) {
+      record.frames.back().calibration = navigator.watch_start(
+          window.used[k], state.nav, velocity_covariance(state), !window.frames[k].inputs.contradiction);
     }
     record.frame_ms.push_back(window.frame_ms[k]);
     record.source_ms.push_back(window.source_ms[k]);

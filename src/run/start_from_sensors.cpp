@@ -56,6 +56,7 @@ void keep_used(std::size_t used, std::vector<ReadFrame> seen, SensorWindow& wind
     if (k < used) {
       window.source_ms.push_back(seen[k].ms);
       window.points.add(seen[k].frame);
+      window.used.push_back(std::move(seen[k].frame));
     } else {
       window.ahead.push_back(std::move(seen[k]));
     }

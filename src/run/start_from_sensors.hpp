@@ -20,6 +20,7 @@ struct SensorWindow {
   StartReport report;         // of the result
   StartReport of_last_frame;  // why no more were waited for; kWaiting: there were none
   std::vector<FrameReport> frames;
+  std::vector<StereoFrame> used;  // the same frames, as they were read
   std::vector<double> source_ms, frame_ms;
   detail::PointCount points;
   std::deque<ReadFrame> ahead;  // read, and still to be processed

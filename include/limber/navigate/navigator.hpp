@@ -52,6 +52,16 @@ class Navigator {
   /// The body at t_ns with the inputs so far, for instance at the rate of the IMU; changes nothing.
   [[nodiscard]] PredictedState predict(std::int64_t t_ns) const { return answering().predict(t_ns); }
 
+  /// @brief A frame that a start has used up, from where it says that the body was: the calibration is judged
+  /// by it, too. Nothing else changes. In order, and before the first call of process(); not of a start that
+  /// trusts a rig which this method does not (InitialState::distrusting).
+  /// @param velocity_covariance  of nav.v_world_body [m^2/s^2]; zero without an IMU
+  /// @param sound                inputs agreed with the images
+  /// @return what is known of the calibration by then, as FrameReport::calibration
+  std::shared_ptr<const CalibrationReport> watch_start(const StereoFrame& frame, const NavigationState& nav,
+                                                       const Eigen::Matrix3d& velocity_covariance,
+                                                       bool sound);
+
   /// The door of `oracle`, and of nobody else: the rig as it is from now on, which the filter takes for true.
   /// @throws as StereoFilter::show_true_rig
   void show_true_rig(const TrueRig& truth) { filter_.show_true_rig(truth); }
@@ -126,6 +136,8 @@ class Navigator {
 
   [[nodiscard]] std::shared_ptr<const CalibrationReport> known_calibration() const;
   void watch(const StereoFrame& frame, const StereoFilter& filter, const FrameReport& report);
+  void watch(const StereoFrame& frame, const NavigationState& nav, const Eigen::Matrix3d& velocity_covariance,
+             bool sound);
 
   double baseline_;  // of the assumed calibration [m]
   Pose T_body_cam0_;
