@@ -9,6 +9,7 @@
 
 #include "diagnose/directions.hpp"
 #include "limber/core/factors.hpp"
+#include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/measure/triangulate.hpp"
 
@@ -23,6 +24,7 @@ constexpr double kTelling = 0.25;                    // share of all points
 constexpr double kFewAgree = 0.5, kMostAgree = 0.8;  // of those that tell
 constexpr double kTurned = 0.15;    // [rad], of a rig that has turned and of its baseline's direction
 constexpr double kTurnPrior = 0.1;  // [rad]
+constexpr double kMuchBetter = 0.5;
 constexpr int kTurnSteps = 10;
 constexpr double kTurnConverged = 1e-5;  // [rad]
 
@@ -105,6 +107,21 @@ bool has_only_turned(const Pose& given, const Pose& without, const std::vector<S
   return shares.given >= shares.other;
 }
 
+double median_error(const std::vector<StereoBearings>& pairs, const Pose& T_cam1_cam0) {
+  std::vector<double> errors;
+  for (const StereoBearings& pair : pairs) {
+    errors.push_back(std::abs(epipolar_error(pair, T_cam1_cam0)));
+  }
+  return upper_median(std::move(errors));
+}
+
+/// Points that went through each other's lens fit the lines of the calibration, as it is, much better than
+/// the lines of any rig that has turned fit the points as they are.
+bool lenses_are_exchanged(const Pose& given, const StereoPairs& pairs, double focal_px) {
+  const Pose turned = turned_by_lines(given.inverse(), pairs.as_given, focal_px);
+  return median_error(pairs.exchanged, given) < kMuchBetter * median_error(pairs.as_given, turned);
+}
+
 }  // namespace
 
 StereoPairs stereo_pairs(const StereoCalibration& calibration, std::span<const StereoFrame> frames) {
@@ -156,7 +173,8 @@ std::optional<std::string> placement_mistake(const StereoCalibration& calibratio
         mistake.exchanged ? RigView{pairs.exchanged, given} : RigView{pairs.as_given, mistake.T_cam1_cam0};
     const Shares shares = compare_rigs({pairs.as_given, given}, without, focal_px);
     if (shares.telling >= kTelling && shares.given < kFewAgree && shares.other > best &&
-        !has_only_turned(given, mistake.T_cam1_cam0, pairs.as_given, focal_px)) {
+        ((mistake.exchanged && lenses_are_exchanged(given, pairs, focal_px)) ||
+         !has_only_turned(given, mistake.T_cam1_cam0, pairs.as_given, focal_px))) {
       best = shares.other;
       words = fmt::format(
           "{}: {:.0f} % of the stereo points that tell agree with the calibration, {:.0f} % would without",

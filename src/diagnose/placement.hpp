@@ -38,7 +38,9 @@ struct StereoPairs {
 ///
 /// A rig whose cameras have turned towards each other puts its points behind itself as well, as a baseline of
 /// the wrong sign does. Epipolar lines know that turn, and are the same for both signs: where the turned rig
-/// of the calibration agrees with as many points, nothing is said.
+/// of the calibration agrees with as many points, nothing is said; but where pixels through the other
+/// camera's lens fit the lines of the calibration twice as well as those of the turned rig fit them as they
+/// are.
 [[nodiscard]] std::optional<std::string> placement_mistake(const StereoCalibration& calibration,
                                                            const StereoPairs& pairs);
 

@@ -104,6 +104,30 @@ Clusters by_track(const std::vector<RigEvidence>& windows, const std::vector<Vec
   return out;
 }
 
+/// Of a place in the image over all windows.
+struct CellSums {
+  MatrixXd information;
+  VectorXd score;
+};
+
+/// Scores of places. A fit follows each place, the more the fewer there are, and what a smooth error of the
+/// lens does in all of them, it follows altogether: counted is what each has in a fit without it (the
+/// jackknife, CV3). Steps leave what lenses do out, and count scores as they are.
+MatrixXd by_place(const std::map<int, CellSums>& cells, const MatrixXd& information, SharedTracks shared) {
+  const auto count = static_cast<double>(cells.size());
+  MatrixXd out = MatrixXd::Zero(information.rows(), information.rows());
+  for (const auto& [cell, sums] : cells) {
+    if (shared == SharedTracks::kCounted) {
+      out += count / std::max(count - 1.0, 1.0) * sums.score * sums.score.transpose();
+      continue;
+    }
+    const VectorXd score =
+        multiply(information, Cholesky(information - sums.information).solve(sums.score).eval());
+    out += (count - 1.0) / count * score * score.transpose();
+  }
+  return out;
+}
+
 /// Scores summed over clusters, V_track + V_cell − V_both, and windows as clusters as they become many.
 /// @param basis  of each window; all alike in size. Zero: the window counts for nothing
 Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& basis,
@@ -118,26 +142,24 @@ Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& ba
   }
   const MatrixXd inverse = Cholesky(information).inverse();
   const VectorXd x = inverse * vector;
-  std::map<int, VectorXd> cells;
-  MatrixXd by_cell = MatrixXd::Zero(size, size), by_window = by_cell;
+  std::map<int, CellSums> cells;
+  MatrixXd by_window = MatrixXd::Zero(size, size);
   const auto n = static_cast<double>(
       std::count_if(basis.begin(), basis.end(), [](const VectorXd& b) { return !b.isZero(0.0); }));
   const double dof = std::max(n - static_cast<double>(basis.front().size()), 0.0);
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const NormalEquations::Vector beta = at(basis[k], x);
     for (const auto& [cell, sums] : windows[k].cells) {
-      VectorXd& sum = cells[cell];
-      sum.conservativeResizeLike(VectorXd::Zero(size));
-      add_spread(basis[k], sums.score(beta), sum);
+      CellSums& sum =
+          cells.try_emplace(cell, CellSums{MatrixXd::Zero(size, size), VectorXd::Zero(size)}).first->second;
+      add_spread(basis[k], basis[k], sums.information, sum.information);
+      add_spread(basis[k], sums.score(beta), sum.score);
     }
     VectorXd score = VectorXd::Zero(size);
     add_spread(basis[k], windows[k].all.score(beta), score);
     by_window += n / std::max(dof, 1.0) * score * score.transpose();
   }
-  const auto count = static_cast<double>(cells.size());
-  for (const auto& [cell, score] : cells) {
-    by_cell += count / std::max(count - 1.0, 1.0) * score * score.transpose();
-  }
+  const MatrixXd by_cell = by_place(cells, information, shared);
   const Clusters clusters = by_track(windows, basis, shared);
   const MatrixXd within = positive_part(larger(clusters.tracks, clusters.tracks + by_cell - clusters.both));
   const MatrixXd expected = kOfAWindow * within;

@@ -337,6 +337,25 @@ TEST(CalibrationWatch, TellsWhichWayABaselineOfUnknownLengthPoints) {
   EXPECT_GT(state.effect.epipolar_px.low, 0.7 * state.effect.epipolar_px.size);
 }
 
+/// A trajectory whose scale is gone makes a baseline of next to nothing, and vergence of what is left.
+TEST(CalibrationWatch, CannotTellWhereVisionHasLostItsScale) {
+  World world = fly_past(with_step(0.0, 0.0));
+  const auto judged = [&](double scale) {
+    CalibrationWatch watch({}, world.assumed, false);
+    for (std::size_t k = 0; k < world.frames.size(); ++k) {
+      Pose pose = world.poses[k];
+      pose.p *= scale;
+      watch.add(world.frames[k], pose, {});
+    }
+    return watch.report_at_once()->state;
+  };
+  EXPECT_EQ(judged(1.1).verdict, kOk);
+  const CalibrationState lost = judged(0.2);
+  EXPECT_EQ(lost.verdict, kCannotTell);
+  EXPECT_EQ(lost.by_depth, kCannotTell);
+  EXPECT_FALSE(lost.named);
+}
+
 TEST(CalibrationWatch, AnAxisOfItsOwnToleranceCounts) {
   WatchOptions how;
   how.tolerance.axes[0] = Band{0.005 * kDegree, 0.02 * kDegree};
