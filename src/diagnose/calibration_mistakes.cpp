@@ -72,13 +72,13 @@ std::vector<std::string> calibration_mistakes(const StereoCalibration& calibrati
   std::vector<std::string> out;
   check_image(calibration.cam0, pixels0, "cam0", out);
   check_image(calibration.cam1, pixels1, "cam1", out);
-  const std::vector<StereoBearings> pairs = detail::bearings_of(calibration, frames);
+  const detail::StereoPairs pairs = detail::stereo_pairs(calibration, frames);
   if (const auto mistake = detail::placement_mistake(calibration, pairs)) {
     out.push_back(*mistake);
   } else if (out.empty() &&
-             pairs.size() >= detail::kEnoughStereo) {  // intrinsics of another resolution do not fit
-    const RigParameters turned =
-        rig_from_pose(detail::turned_by_lines(pose_from_rig(calibration.theta), pairs, calibration.cam1.fu));
+             pairs.as_given.size() >= detail::kEnoughStereo) {  // intrinsics of another resolution do not fit
+    const RigParameters turned = rig_from_pose(
+        detail::turned_by_lines(pose_from_rig(calibration.theta), pairs.as_given, calibration.cam1.fu));
     if (const auto lens = detail::rectification_mistake(calibration, turned, frames)) {
       out.push_back(*lens);
     }
@@ -88,7 +88,7 @@ std::vector<std::string> calibration_mistakes(const StereoCalibration& calibrati
 
 std::optional<std::string> placement_mistake(const StereoCalibration& calibration,
                                              std::span<const StereoFrame> frames) {
-  return detail::placement_mistake(calibration, detail::bearings_of(calibration, frames));
+  return detail::placement_mistake(calibration, detail::stereo_pairs(calibration, frames));
 }
 
 }  // namespace limber

@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 
 constexpr double kUnitRange = 0.3;  // of an accelerometer's length about what is expected
 constexpr std::size_t kFewestTurns = 50;
-constexpr double kLeastTurning = 0.05;  // median of the camera's rate, less its mean [rad/s]
+constexpr double kLeastTurning = 0.01;  // median of the camera's rate, less its mean [rad/s]
 constexpr double kLittle = 0.5, kMost = 0.8, kAsGood = 0.03;  // shares of the camera's turning
 
 /// Rates of the left camera (cam0 frame) and of the gyro (IMU frame) at the same times, without their means.

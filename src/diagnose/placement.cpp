@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "diagnose/directions.hpp"
 #include "limber/core/factors.hpp"
+#include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/measure/triangulate.hpp"
 
@@ -22,12 +24,20 @@ constexpr double kTelling = 0.25;                    // share of all points
 constexpr double kFewAgree = 0.5, kMostAgree = 0.8;  // of those that tell
 constexpr double kTurned = 0.15;    // [rad], of a rig that has turned and of its baseline's direction
 constexpr double kTurnPrior = 0.1;  // [rad]
+constexpr double kMuchBetter = 0.5;
 constexpr int kTurnSteps = 10;
 constexpr double kTurnConverged = 1e-5;  // [rad]
 
 struct Mistake {
   Pose T_cam1_cam0;  ///< without it
   std::string words;
+  bool exchanged = false;  ///< each image, or its lens, is that of the other camera
+};
+
+/// Points as a rig sees them.
+struct RigView {
+  const std::vector<StereoBearings>& pairs;
+  const Pose& T_cam1_cam0;
 };
 
 /// What may have been written instead of this rig.
@@ -36,6 +46,7 @@ std::vector<Mistake> possible_mistakes(const StereoCalibration& calibration) {
   std::vector<Mistake> out = {
       {given.inverse(),
        "the two cameras are swapped (their images, or their calibrations), or T_cam1_cam0 is inverted"},
+      {given.inverse(), "the two cameras are swapped (their images, or their calibrations)", true},
       {{given.R, -given.p}, "the baseline has the wrong sign"}};
   if (calibration.body == BodyFrame::kImu) {
     const Pose T_imu_cam0 = calibration.T_body_cam0;
@@ -66,16 +77,16 @@ struct Shares {
   double telling = 0.0;             ///< they themselves, of all points
 };
 
-Shares compare_rigs(const std::vector<StereoBearings>& pairs, const Pose& given, const Pose& other,
-                    double focal_px) {
+Shares compare_rigs(const RigView& given, const RigView& other, double focal_px) {
   double of_given = 0.0, of_other = 0.0, of_both = 0.0;
-  for (const StereoBearings& pair : pairs) {
-    const bool one = agrees(pair, given, focal_px), two = agrees(pair, other, focal_px);
+  for (std::size_t k = 0; k < given.pairs.size(); ++k) {
+    const bool one = agrees(given.pairs[k], given.T_cam1_cam0, focal_px),
+               two = agrees(other.pairs[k], other.T_cam1_cam0, focal_px);
     of_both += one && two ? 1.0 : 0.0;
     of_given += one && !two ? 1.0 : 0.0;
     of_other += two && !one ? 1.0 : 0.0;
   }
-  const auto all = static_cast<double>(pairs.size());
+  const auto all = static_cast<double>(given.pairs.size());
   const double left = std::max(all - of_both, 1.0);
   return {of_given / left, of_other / left, left / all};
 }
@@ -92,19 +103,37 @@ bool has_only_turned(const Pose& given, const Pose& without, const std::vector<S
   if (angle_between(turned.R, given.R) > kTurned || between > kTurned) {
     return false;
   }
-  const Shares shares = compare_rigs(pairs, turned, refined, focal_px);
+  const Shares shares = compare_rigs({pairs, turned}, {pairs, refined}, focal_px);
   return shares.given >= shares.other;
+}
+
+double median_error(const std::vector<StereoBearings>& pairs, const Pose& T_cam1_cam0) {
+  std::vector<double> errors;
+  for (const StereoBearings& pair : pairs) {
+    errors.push_back(std::abs(epipolar_error(pair, T_cam1_cam0)));
+  }
+  return upper_median(std::move(errors));
+}
+
+/// Points that went through each other's lens fit the lines of the calibration, as it is, much better than
+/// the lines of any rig that has turned fit the points as they are.
+bool lenses_are_exchanged(const Pose& given, const StereoPairs& pairs, double focal_px) {
+  const Pose turned = turned_by_lines(given.inverse(), pairs.as_given, focal_px);
+  return median_error(pairs.exchanged, given) < kMuchBetter * median_error(pairs.as_given, turned);
 }
 
 }  // namespace
 
-std::vector<StereoBearings> bearings_of(const StereoCalibration& calibration,
-                                        std::span<const StereoFrame> frames) {
-  std::vector<StereoBearings> out;
+StereoPairs stereo_pairs(const StereoCalibration& calibration, std::span<const StereoFrame> frames) {
+  StereoPairs out;
   for (const StereoFrame& frame : frames) {
     for (const StereoObservation& o : frame.observations) {
-      if (const auto pair = bearings(calibration, o)) {
-        out.push_back(*pair);
+      StereoObservation exchanged = o;
+      std::swap(exchanged.uv_cam0, exchanged.uv_cam1);
+      const auto pair = bearings(calibration, o), other = bearings(calibration, exchanged);
+      if (pair && other) {
+        out.as_given.push_back(*pair);
+        out.exchanged.push_back(*other);
       }
     }
   }
@@ -131,9 +160,8 @@ Pose turned_by_lines(Pose T_cam1_cam0, const std::vector<StereoBearings>& pairs,
   return T_cam1_cam0;
 }
 
-std::optional<std::string> placement_mistake(const StereoCalibration& calibration,
-                                             const std::vector<StereoBearings>& pairs) {
-  if (pairs.size() < kEnoughStereo) {
+std::optional<std::string> placement_mistake(const StereoCalibration& calibration, const StereoPairs& pairs) {
+  if (pairs.as_given.size() < kEnoughStereo) {
     return std::nullopt;
   }
   const double focal_px = calibration.cam1.fu;
@@ -141,9 +169,12 @@ std::optional<std::string> placement_mistake(const StereoCalibration& calibratio
   double best = kMostAgree;
   std::optional<std::string> words;
   for (const Mistake& mistake : possible_mistakes(calibration)) {
-    const Shares shares = compare_rigs(pairs, given, mistake.T_cam1_cam0, focal_px);
+    const RigView without =
+        mistake.exchanged ? RigView{pairs.exchanged, given} : RigView{pairs.as_given, mistake.T_cam1_cam0};
+    const Shares shares = compare_rigs({pairs.as_given, given}, without, focal_px);
     if (shares.telling >= kTelling && shares.given < kFewAgree && shares.other > best &&
-        !has_only_turned(given, mistake.T_cam1_cam0, pairs, focal_px)) {
+        ((mistake.exchanged && lenses_are_exchanged(given, pairs, focal_px)) ||
+         !has_only_turned(given, mistake.T_cam1_cam0, pairs.as_given, focal_px))) {
       best = shares.other;
       words = fmt::format(
           "{}: {:.0f} % of the stereo points that tell agree with the calibration, {:.0f} % would without",

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -57,9 +58,38 @@ Followed followed(const StereoCalibration& calibration, const StereoFrame& frame
   return out;
 }
 
+/// Between where a point was a frame before and where it is a frame after.
+StereoBearings between(const StereoBearings& before, const StereoBearings& after) {
+  return {0.5 * (before.cam0 + after.cam0), 0.5 * (before.cam1 + after.cam1)};
+}
+
+/// Of a bearing (z = 1), along a direction in the image, for a pixel's variance of 1.
+double bearing_variance(const Camera& camera, const Vector3d& bearing, const Eigen::Vector2d& along) {
+  const auto projection = project(camera, bearing);
+  if (!projection) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const Eigen::Matrix2d pixel_by_bearing = projection->J_uv_X.leftCols<2>();
+  return (pixel_by_bearing.inverse().transpose() * along).squaredNorm();
+}
+
+/// Of the distance to the epipolar line, for pixels of variance 1: at the rim of a wide lens a pixel is worth
+/// several in its middle.
+double epipolar_variance(const StereoCalibration& calibration, const StereoBearings& pair,
+                         const Vector3d& line) {
+  const Eigen::Vector2d across = line.head<2>();
+  return bearing_variance(calibration.cam0, pair.cam0, across) +
+         bearing_variance(calibration.cam1, pair.cam1, across);
+}
+
 ClusteredRows epipolar_rows(const StereoCalibration& calibration, std::span<const StereoFrame> frames) {
   const Pose T_cam1_cam0 = pose_from_rig(calibration.theta);
   const Eigen::Matrix<double, 6, 5> visible = visible_directions(calibration.theta);
+  const auto slope_at = [&](const StereoBearings& pair) -> VectorXd {
+    VectorXd row(6);
+    row.head<5>() = (detail::epipolar_slope(pair, T_cam1_cam0) * visible).transpose();
+    return row;
+  };
   ClusteredRows rows;
   Followed before = followed(calibration, frames[0]), now = followed(calibration, frames[1]);
   for (std::size_t n = 1; n + 1 < frames.size(); ++n) {
@@ -70,14 +100,17 @@ ClusteredRows epipolar_rows(const StereoCalibration& calibration, std::span<cons
       if (a == before.end() || b == after.end() || dt > 2.0 * kLongestBetween) {
         continue;
       }
-      VectorXd row(6);
-      row.head<5>() = (detail::epipolar_slope(pair, T_cam1_cam0) * visible).transpose();
-      const Vector3d line = detail::epipolar_line(pair.cam0, T_cam1_cam0);
-      row(5) = line.dot(b->second.cam1 - a->second.cam1) / dt;
-      rows.A.push_back(row);
-      row(5) = line.dot(T_cam1_cam0.R * (b->second.cam0 - a->second.cam0)) / dt;
-      rows.Z.push_back(row);
-      rows.y.push_back(detail::epipolar_error(pair, T_cam1_cam0));
+      VectorXd row = slope_at(pair);
+      row(5) = detail::epipolar_line(pair.cam0, T_cam1_cam0).dot(b->second.cam1 - a->second.cam1) / dt;
+      // Without the noise of this frame, which is in the residual.
+      const StereoBearings beside = between(a->second, b->second);
+      const Vector3d line = detail::epipolar_line(beside.cam0, T_cam1_cam0);
+      VectorXd instrument = slope_at(beside);
+      instrument(5) = line.dot(T_cam1_cam0.R * (b->second.cam0 - a->second.cam0)) / dt;
+      const double weight = 1.0 / std::sqrt(epipolar_variance(calibration, beside, line));
+      rows.A.emplace_back(weight * row);
+      rows.Z.emplace_back(weight * instrument);
+      rows.y.push_back(weight * detail::epipolar_error(pair, T_cam1_cam0));
       rows.cluster.push_back(id);
     }
     before = std::move(now);

@@ -28,6 +28,14 @@ RigParameters px_by_axis(const BetaEstimate& estimate, const RigParameters& thet
   return px.head<6>().cwiseQuotient(plausible_error(theta.tail<3>().norm()));
 }
 
+/// Of vision alone windows find the baseline as long as the trajectory's scale makes it. Beyond what may be
+/// believed of that scale it is lost, and what is linear about such a baseline means nothing.
+bool scale_is_lost(const BetaEstimate& estimate, const RigParameters& theta, bool metric) {
+  const double assumed = along_length(theta, NormalEquations::Vector::Zero()).norm();
+  const double found = along_length(theta, estimate.beta).norm();
+  return !metric && std::abs(found / assumed - 1.0) > std::sqrt(kUnknownScale);
+}
+
 /// A rig that moves is no better than it is on average.
 void count_movement(CalibrationState& out) {
   if (out.tracks < kFewestTracks) {
@@ -169,7 +177,9 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
   if (out.drift) {
     out.drift->named = static_cast<std::size_t>(most_likely_axis(out.drift->change, out.bands));
   }
-  judge_movement(windows, theta, options.tolerance, out);
+  if (!scale_is_lost(out.whole, theta, metric)) {
+    judge_movement(windows, theta, options.tolerance, out);
+  }
   return out;
 }
 
@@ -181,7 +191,7 @@ void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bo
   out.effect = effect_of(estimate, theta, slope);
   out.bands = axis_bands(tolerance, px_by_axis(estimate, theta), slope);
   out.axes.fill(HealthVerdict::kCannotTell);
-  if (out.tracks < kFewestTracks) {
+  if (out.tracks < kFewestTracks || scale_is_lost(estimate, theta, metric)) {
     return;
   }
   for (Eigen::Index k = 0; k < 6; ++k) {
@@ -202,8 +212,8 @@ void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bo
 
 CalibrationState with_scale(const CalibrationState& state, const TrajectoryScale& scale,
                             const RigParameters& theta, const Tolerance& tolerance) {
-  const NormalEquations::Vector length = along_length(theta);
   BetaEstimate estimate = state.whole;
+  const NormalEquations::Vector length = along_length(theta, estimate.beta);
   estimate.beta -= scale.too_long * length;
   const double variance = scale.sigma * scale.sigma - kLeastScale * kLeastScale;  // which is in there
   estimate.covariance += std::max(variance, 0.0) * length * length.transpose();

@@ -31,7 +31,10 @@ void RigWindow::add(const StereoFrame& frame, const Pose& T_world_cam0, bool fol
     const auto d0 = unproject(collected_.calibration.cam0, o.uv_cam0),
                d1 = unproject(collected_.calibration.cam1, o.uv_cam1);
     if (d0 && d1 && d0->z() > 0.0 && d1->z() > 0.0) {
-      kept.points.push_back({{o.track_id, stretch_}, *d0 / d0->z(), *d1 / d1->z(), image_cell(o.uv_cam1)});
+      kept.points.push_back({{o.track_id, stretch_},
+                             *d0 / d0->z(),
+                             *d1 / d1->z(),
+                             image_cell(collected_.calibration.cam1, o.uv_cam1)});
       ++collected_.points;
     }
   }

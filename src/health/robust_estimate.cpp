@@ -104,6 +104,30 @@ Clusters by_track(const std::vector<RigEvidence>& windows, const std::vector<Vec
   return out;
 }
 
+/// Of a place in the image over all windows.
+struct CellSums {
+  MatrixXd information;
+  VectorXd score;
+};
+
+/// Scores of places. A fit follows each place, the more the fewer there are, and what a smooth error of the
+/// lens does in all of them, it follows altogether: counted is what each has in a fit without it (the
+/// jackknife, CV3). Steps leave what lenses do out, and count scores as they are.
+MatrixXd by_place(const std::map<int, CellSums>& cells, const MatrixXd& information, SharedTracks shared) {
+  const auto count = static_cast<double>(cells.size());
+  MatrixXd out = MatrixXd::Zero(information.rows(), information.rows());
+  for (const auto& [cell, sums] : cells) {
+    if (shared == SharedTracks::kCounted) {
+      out += count / std::max(count - 1.0, 1.0) * sums.score * sums.score.transpose();
+      continue;
+    }
+    const VectorXd score =
+        multiply(information, Cholesky(information - sums.information).solve(sums.score).eval());
+    out += (count - 1.0) / count * score * score.transpose();
+  }
+  return out;
+}
+
 /// Scores summed over clusters, V_track + V_cell − V_both, and windows as clusters as they become many.
 /// @param basis  of each window; all alike in size. Zero: the window counts for nothing
 Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& basis,
@@ -118,26 +142,24 @@ Fit fit(const std::vector<RigEvidence>& windows, const std::vector<VectorXd>& ba
   }
   const MatrixXd inverse = Cholesky(information).inverse();
   const VectorXd x = inverse * vector;
-  std::map<int, VectorXd> cells;
-  MatrixXd by_cell = MatrixXd::Zero(size, size), by_window = by_cell;
+  std::map<int, CellSums> cells;
+  MatrixXd by_window = MatrixXd::Zero(size, size);
   const auto n = static_cast<double>(
       std::count_if(basis.begin(), basis.end(), [](const VectorXd& b) { return !b.isZero(0.0); }));
   const double dof = std::max(n - static_cast<double>(basis.front().size()), 0.0);
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const NormalEquations::Vector beta = at(basis[k], x);
     for (const auto& [cell, sums] : windows[k].cells) {
-      VectorXd& sum = cells[cell];
-      sum.conservativeResizeLike(VectorXd::Zero(size));
-      add_spread(basis[k], sums.score(beta), sum);
+      CellSums& sum =
+          cells.try_emplace(cell, CellSums{MatrixXd::Zero(size, size), VectorXd::Zero(size)}).first->second;
+      add_spread(basis[k], basis[k], sums.information, sum.information);
+      add_spread(basis[k], sums.score(beta), sum.score);
     }
     VectorXd score = VectorXd::Zero(size);
     add_spread(basis[k], windows[k].all.score(beta), score);
     by_window += n / std::max(dof, 1.0) * score * score.transpose();
   }
-  const auto count = static_cast<double>(cells.size());
-  for (const auto& [cell, score] : cells) {
-    by_cell += count / std::max(count - 1.0, 1.0) * score * score.transpose();
-  }
+  const MatrixXd by_cell = by_place(cells, information, shared);
   const Clusters clusters = by_track(windows, basis, shared);
   const MatrixXd within = positive_part(larger(clusters.tracks, clusters.tracks + by_cell - clusters.both));
   const MatrixXd expected = kOfAWindow * within;
@@ -158,14 +180,14 @@ NormalEquations::Matrix mean_epipolar(const std::vector<RigEvidence>& windows) {
 }
 
 /// What the trajectory's scale may be wrong by is along the baseline.
+/// @param length    of that, as along_length
 /// @param constant  part of it that is the same in all windows
-NormalEquations::Matrix by_scale(std::span<const RigEvidence> windows, const RigParameters& theta,
+NormalEquations::Matrix by_scale(std::span<const RigEvidence> windows, const NormalEquations::Vector& length,
                                  bool metric, double constant) {
   double variance = constant * constant;
   for (const RigEvidence& window : windows) {
     variance += window.scale_sigma * window.scale_sigma / static_cast<double>(windows.size());
   }
-  const NormalEquations::Vector length = along_length(theta);
   return (metric ? variance : kUnknownScale) * length * length.transpose();
 }
 
@@ -175,9 +197,10 @@ double middle(const RigEvidence& window, std::int64_t origin_ns) {
 
 }  // namespace
 
-NormalEquations::Vector along_length(const RigParameters& theta) {
+NormalEquations::Vector along_length(const RigParameters& theta, const NormalEquations::Vector& beta) {
   NormalEquations::Vector out = NormalEquations::Vector::Zero();
-  out.segment<3>(3) = theta.tail<3>().cwiseQuotient(plausible_error(theta.tail<3>().norm()).tail<3>());
+  out.segment<3>(3) =
+      theta.tail<3>().cwiseQuotient(plausible_error(theta.tail<3>().norm()).tail<3>()) + beta.segment<3>(3);
   return out;
 }
 
@@ -186,7 +209,8 @@ RigParameters RigEstimate::sigma() const { return covariance.diagonal().cwiseSqr
 BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                              bool metric) {
   const Fit found = fit(windows, std::vector<VectorXd>(windows.size(), VectorXd::Ones(1)));
-  return {found.x, found.covariance + by_scale(windows, theta, metric, kLeastScale), mean_epipolar(windows)};
+  return {found.x, found.covariance + by_scale(windows, along_length(theta, found.x), metric, kLeastScale),
+          mean_epipolar(windows)};
 }
 
 BetaTrend robust_trend(const std::vector<RigEvidence>& windows, const RigParameters& theta, bool metric) {
@@ -199,8 +223,9 @@ BetaTrend robust_trend(const std::vector<RigEvidence>& windows, const RigParamet
   }
   const Fit found = fit(windows, basis);
   const NormalEquations::Matrix epipolar = mean_epipolar(windows);
+  const NormalEquations::Vector length = along_length(theta, found.x.head<kSize>());
   return {{found.x.head<kSize>(),
-           found.covariance.topLeftCorner<kSize, kSize>() + by_scale(windows, theta, metric, kLeastScale),
+           found.covariance.topLeftCorner<kSize, kSize>() + by_scale(windows, length, metric, kLeastScale),
            epipolar},
           {found.x.tail<kSize>(), found.covariance.bottomRightCorner<kSize, kSize>(), epipolar},
           found.covariance.topRightCorner<kSize, kSize>(),
@@ -259,8 +284,9 @@ std::vector<BetaEstimate> robust_steps(const std::vector<RigEvidence>& windows,
       const std::size_t from = at == 0 ? 0 : firsts[at - 1];
       const std::size_t to = at + 1 == firsts.size() ? windows.size() : firsts[at + 1] - 1;
       const std::span<const RigEvidence> all(windows);
-      out.back().covariance += by_scale(all.subspan(from, firsts[at] - 1 - from), theta, metric, 0.0) +
-                               by_scale(all.subspan(firsts[at], to - firsts[at]), theta, metric, 0.0);
+      const NormalEquations::Vector length = along_length(theta, found.x.head<kSize>());
+      out.back().covariance += by_scale(all.subspan(from, firsts[at] - 1 - from), length, metric, 0.0) +
+                               by_scale(all.subspan(firsts[at], to - firsts[at]), length, metric, 0.0);
     }
   }
   return out;

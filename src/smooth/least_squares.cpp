@@ -276,7 +276,7 @@ void LeastSquares::add_track(Track& track, const SmootherInput& input) {
   double* value = track.landmark.value.data();
   problem_->AddParameterBlock(value, kTriplet);
   columns_.landmarks.push_back(value);
-  columns_.cells.push_back(image_cell(track.first_left()));
+  columns_.cells.push_back(image_cell(calibration_.cam0, track.first_left()));
   PointSight sight;
   sight.landmark = track.landmark;
   sight.T_body_cam0 = body_from_cam0(calibration_);

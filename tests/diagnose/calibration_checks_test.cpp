@@ -81,6 +81,20 @@ TEST(CalibrationMistakes, NameSwappedCameras) {
               ElementsAre(HasSubstr("the two cameras are swapped")));
 }
 
+/// Each pixel then went through the other camera's lens, and the rig the other way round fits no line,
+/// either.
+TEST(CalibrationMistakes, NameSwappedCamerasWhoseIntrinsicsDiffer) {
+  Scenario scenario = testing::short_scenario();
+  scenario.decalibration.clear();
+  scenario.rig.cam1.cu += 13.0;
+  scenario.rig.cam1.cv -= 11.0;
+  scenario.rig.cam1.fv = scenario.rig.cam1.fu = 297.0;
+  const Recording recording = simulate(scenario, 1);
+  EXPECT_THAT(calibration_mistakes(recording.calibration, recording.frames), IsEmpty());
+  EXPECT_THAT(calibration_mistakes(recording.calibration, swapped(recording.frames)),
+              ElementsAre(HasSubstr("the two cameras are swapped")));
+}
+
 /// A car's points, far and near, whose right camera has turned by `vergence`.
 std::vector<StereoFrame> street(const StereoCalibration& calibration, double vergence) {
   StereoCalibration turned = calibration;
@@ -100,6 +114,22 @@ std::vector<StereoFrame> street(const StereoCalibration& calibration, double ver
     frame.observations.push_back(o);
   }
   return {frame};
+}
+
+/// Lines that pixels make through the wrong lens turn the rig by degrees, and that puts far points on either
+/// side.
+TEST(CalibrationMistakes, NameSwappedCamerasWhoseLensesDiffer) {
+  StereoCalibration rig = sound_recording().calibration;
+  rig.theta << 0.005, -0.009, -0.006, -0.5, 0.004, 0.002;
+  rig.cam0 = {688.0, 686.0, 650.0, 352.0, 1280, 720, RadialTangential{-0.12, 0.04, 3e-4, -2e-4}};
+  rig.cam1 = {683.0, 684.0, 637.0, 367.0, 1280, 720, RadialTangential{-0.26, 0.06, -3e-4, 1e-4}};
+  for (const double degrees : {-0.2, 0.0, 0.2}) {
+    const std::vector<StereoFrame> frames = street(rig, degrees * kDegree);
+    EXPECT_FALSE(placement_mistake(rig, frames)) << degrees;
+    EXPECT_THAT(placement_mistake(rig, swapped(frames)).value_or(""),
+                HasSubstr("the two cameras are swapped"))
+        << degrees;
+  }
 }
 
 /// Vergence puts points behind the rig, as a baseline of the wrong sign does: the epipolar lines know which.

@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <numbers>
+#include <variant>
 
 #include "limber/core/so3.hpp"
 #include "limber/simulate/scenario_file.hpp"
@@ -51,6 +52,18 @@ TEST(ImuMistakes, NameTheUnit) {
                 each_sample(recording, [](ImuSample& s) { s.accel_imu /= 9.80665; });
               }),
               ElementsAre(HasSubstr("the accelerometer is in g instead of m/s^2: its length is 1.0")));
+}
+
+/// A rover on mostly straight ways: half of the time it turns by less than 2 deg/s.
+TEST(ImuMistakes, NameTheUnitOfAGyroThatTurnsLittle) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml");
+  scenario.duration = 10.0;
+  std::get<RandomSplineTrajectory>(scenario.trajectory).max_angular_rate = 0.06;
+  Recording rover = simulate(scenario, 3);
+  EXPECT_THAT(imu_mistakes(rover.calibration, rover.frames, rover.imu, 9.81), IsEmpty());
+  each_sample(rover, [](ImuSample& s) { s.omega_imu *= 180.0 / std::numbers::pi; });
+  EXPECT_THAT(imu_mistakes(rover.calibration, rover.frames, rover.imu, 9.81),
+              ElementsAre(HasSubstr("the gyro's rates are in deg/s")));
 }
 
 TEST(ImuMistakes, NameTheMount) {

@@ -147,6 +147,23 @@ TEST(RunRecording, SaysOfAStartFromSoundSensorsNothingThatIsNotTrue) {
   EXPECT_THAT(record.notes, Not(Contains(HasSubstr("late"))));
 }
 
+/// What came before the filter was not judged: of a car's 30 s the first eleven, and a rig that changed soon
+/// after them had no "before".
+TEST(RunRecording, JudgesTheRigByTheFramesOfItsStart) {
+  Scenario scenario = short_scenario();
+  scenario.duration = 4.0;
+  const Recording recording = simulate(scenario, 1);
+  for (const Method method : {Method::kLcekf, Method::kEkf}) {
+    RunOptions options;
+    options.method = method;
+    const RunRecord record = run(recording, options);
+    ASSERT_GT(record.frames_of_start, 10U);
+    EXPECT_TRUE(record.frames[record.frames_of_start - 1].calibration);
+    ASSERT_TRUE(record.frames.back().calibration);
+    EXPECT_EQ(record.frames.back().calibration->state.from_ns, record.frames.front().t_ns);
+  }
+}
+
 TEST(RunRecording, SkipsFramesBeforeTheGroundTruthThatItStartsFrom) {
   Recording recording = short_recording();
   std::erase_if(recording.truth.motion.states,

@@ -206,7 +206,7 @@ Recording without_cell(Recording recording, int cell) {
   std::map<std::int64_t, int> first;
   for (StereoFrame& frame : recording.frames) {
     for (const StereoObservation& o : frame.observations) {
-      if (o.in_cam0) first.try_emplace(o.track_id, image_cell(o.uv_cam0));
+      if (o.in_cam0) first.try_emplace(o.track_id, image_cell(recording.calibration.cam0, o.uv_cam0));
     }
     std::erase_if(frame.observations, [&](const StereoObservation& o) {
       return first.contains(o.track_id) && first.at(o.track_id) == cell;

@@ -22,8 +22,8 @@ struct TimeOffset {
 /// its epipolar line no depth can explain that. Beside tau, the five parameters of the rig are estimated that
 /// move points across it (all but the baseline's length), so that a wrong calibration is none of the clock.
 /// The left pixel's velocity is the instrument of the right one's, which is as noisy as the residual is
-/// small. Every four seconds have a rig of their own: one that jumps or drifts while it moves looks like an
-/// offset.
+/// small, and the point between the frames beside that of the point itself, whose noise is in the residual.
+/// Every four seconds have a rig of their own: one that jumps or drifts while it moves looks like an offset.
 /// @return nothing with fewer than 200 points that were followed through three frames, or where the motion
 /// does not tell them apart. sigma counts a track's residuals as one draw: they are alike along a track.
 [[nodiscard]] std::optional<TimeOffset> cam1_time_offset(const StereoCalibration& calibration,

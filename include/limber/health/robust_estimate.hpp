@@ -15,8 +15,12 @@ inline constexpr double kUnknownScale = 0.25;
 /// Relative error of a metre: no sensor is believed to know it better.
 inline constexpr double kLeastScale = 0.01;
 
-/// The length of the baseline, all of it, as an error of the rig [plausible errors].
-[[nodiscard]] NormalEquations::Vector along_length(const RigParameters& theta);
+/// @brief The baseline that was found, all of it, as an error of the rig [plausible errors]: a trajectory
+/// that is too long makes it so, by the same share, and no epipolar line shows that.
+/// @param theta  assumed
+/// @param beta   the error that was found
+[[nodiscard]] NormalEquations::Vector along_length(const RigParameters& theta,
+                                                   const NormalEquations::Vector& beta);
 
 /// The rig's error, true minus assumed theta [rad, m], and a covariance that counts tracks and places in the
 /// image, not pixels.

@@ -2,19 +2,21 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 
 #include "limber/sensors/calibration.hpp"
 
 namespace limber {
 
-/// @brief Number of the part of an image, 150 x 120 px, that a pixel lies in. What the model of a lens leaves
-/// is much the same within one, and hardly related between them.
-[[nodiscard]] inline int image_cell(const Eigen::Vector2d& uv) {
-  constexpr double kWidth_px = 150.0, kHeight_px = 120.0;
-  constexpr int kColumns = 1 << 16;
-  return static_cast<int>(std::floor(uv.x() / kWidth_px)) +
-         kColumns * static_cast<int>(std::floor(uv.y() / kHeight_px));
+/// @brief Number of the part of an image, a fifth of its width by a quarter of its height, that a pixel lies
+/// in. What the model of a lens leaves is much the same within one, and hardly related between them: it goes
+/// with the lens, however many pixels are behind that.
+[[nodiscard]] inline int image_cell(const Camera& camera, const Eigen::Vector2d& uv) {
+  constexpr double kColumns = 5.0, kRows = 4.0;
+  constexpr int kRowLength = 1 << 16;
+  return static_cast<int>(std::floor(kColumns * uv.x() / std::max(camera.width, 1))) +
+         kRowLength * static_cast<int>(std::floor(kRows * uv.y() / std::max(camera.height, 1)));
 }
 
 /// What the points of one image cell say of theta in a least-squares problem.
