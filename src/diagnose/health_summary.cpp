@@ -119,6 +119,9 @@ bool only_moves(const CalibrationState& state) {
 std::string why_not(const CalibrationState& state, const Tolerance& tolerance) {
   const bool epipolar = state.by_epipolar == HealthVerdict::kCannotTell,
              depth = state.by_depth == HealthVerdict::kCannotTell;
+  if (state.scale_is_lost) {
+    return "vision alone has lost the scale of its trajectory";
+  }
   if (state.deep == 0) {
     return "the rig hardly moved, so that nothing but stereo tells a depth";
   }

@@ -30,10 +30,10 @@ RigParameters px_by_axis(const BetaEstimate& estimate, const RigParameters& thet
 
 /// Of vision alone windows find the baseline as long as the trajectory's scale makes it. Beyond what may be
 /// believed of that scale it is lost, and what is linear about such a baseline means nothing.
-bool scale_is_lost(const BetaEstimate& estimate, const RigParameters& theta, bool metric) {
+bool loses_scale(const BetaEstimate& estimate, const RigParameters& theta) {
   const double assumed = along_length(theta, NormalEquations::Vector::Zero()).norm();
   const double found = along_length(theta, estimate.beta).norm();
-  return !metric && std::abs(found / assumed - 1.0) > std::sqrt(kUnknownScale);
+  return std::abs(found / assumed - 1.0) > std::sqrt(kUnknownScale);
 }
 
 /// A rig that moves is no better than it is on average.
@@ -177,7 +177,7 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
   if (out.drift) {
     out.drift->named = static_cast<std::size_t>(most_likely_axis(out.drift->change, out.bands));
   }
-  if (!scale_is_lost(out.whole, theta, metric)) {
+  if (!out.scale_is_lost) {
     judge_movement(windows, theta, options.tolerance, out);
   }
   return out;
@@ -191,7 +191,8 @@ void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bo
   out.effect = effect_of(estimate, theta, slope);
   out.bands = axis_bands(tolerance, px_by_axis(estimate, theta), slope);
   out.axes.fill(HealthVerdict::kCannotTell);
-  if (out.tracks < kFewestTracks || scale_is_lost(estimate, theta, metric)) {
+  out.scale_is_lost = !metric && loses_scale(estimate, theta);
+  if (out.tracks < kFewestTracks || out.scale_is_lost) {
     return;
   }
   for (Eigen::Index k = 0; k < 6; ++k) {

@@ -89,6 +89,8 @@ TEST(HealthSummary, SaysWhyItCannotTell) {
   summary.present.tracks = 80;
   summary.present.deep_tracks = 12;
   EXPECT_THAT(in_words(summary, Tolerance{}), StartsWith("of only 12 tracks is the depth known from motion"));
+  summary.present.scale_is_lost = true;
+  EXPECT_THAT(in_words(summary, Tolerance{}), StartsWith("vision alone has lost the scale"));
 }
 
 TEST(HealthSummary, IsJsonInDegreesMillimetresAndPercent) {

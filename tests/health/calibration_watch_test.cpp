@@ -310,7 +310,7 @@ TEST(CalibrationWatch, WhatATrustedLengthIsShowsBesideTheScaleOfTheTrajectory) {
   EXPECT_EQ(same.verdict, kOk);
   EXPECT_TRUE(same.estimate.covariance.isApprox(sound.estimate.covariance));
   const CalibrationState off = with_scale(sound, {0.05, kLeastScale}, theta, tolerance);
-  EXPECT_NEAR(along(off) - along(sound), 0.05, 1e-4);  // of the baseline that was found
+  EXPECT_NEAR(along(off) - along(sound), 0.05 * (1.0 - along(sound)), 1e-9) << "of the length that was found";
   EXPECT_NE(off.verdict, kOk);
   const CalibrationState far_off = with_scale(sound, {0.3, kLeastScale}, theta, tolerance);
   EXPECT_EQ(far_off.verdict, kDecalibrated);
@@ -350,7 +350,9 @@ TEST(CalibrationWatch, CannotTellWhereVisionHasLostItsScale) {
     return watch.report_at_once()->state;
   };
   EXPECT_EQ(judged(1.1).verdict, kOk);
+  EXPECT_FALSE(judged(1.1).scale_is_lost);
   const CalibrationState lost = judged(0.2);
+  EXPECT_TRUE(lost.scale_is_lost);
   EXPECT_EQ(lost.verdict, kCannotTell);
   EXPECT_EQ(lost.by_depth, kCannotTell);
   EXPECT_FALSE(lost.named);

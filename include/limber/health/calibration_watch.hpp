@@ -42,6 +42,9 @@ struct CalibrationState {
   std::array<HealthVerdict, 6> axes{};  ///< ax, ay, az, tx, ty, tz
   std::array<Band, 6> bands{};          ///< of the axes [rad, m]
   std::optional<std::size_t> named;     ///< the axis that explains best what is degraded or decalibrated
+  /// Of vision alone: the windows find a baseline that is half as long as assumed, or less, or half as long
+  /// again. The scale of the trajectory is gone, and nothing can be told.
+  bool scale_is_lost = false;
   /// true minus assumed theta, with its covariance
   RigEstimate estimate;
   BetaEstimate whole;  ///< what `estimate` is a part of
@@ -74,7 +77,7 @@ struct CalibrationState {
                                         bool drifts = false);
 
 /// @brief Fills in what follows from an estimate: effect, bands and verdicts. With fewer than 30 tracks
-/// (`out.tracks`) nothing can be told.
+/// (`out.tracks`), or where vision alone has lost its scale (`out.scale_is_lost`), nothing can be told.
 void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bool metric,
                     const Tolerance& tolerance, CalibrationState& out);
 
