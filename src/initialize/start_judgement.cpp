@@ -80,9 +80,8 @@ StartReport StartWindow::judged() const {
 /// A start that may be used is worth more a little later. A window that has hardly grown tells no trend.
 bool StartWindow::still_refines(const StartReport& now, double scale_before, double solved_before_s) const {
   const bool improves = now.scale_sigma < kRefines * scale_before || length() < kTrend * solved_before_s;
-  return now.status == StartStatus::kReady && leaves_scale_open() && has_scale(model.options.motion) &&
-         length() < options.longest_fine_s && !is_out_of_time() &&
-         now.scale_sigma > options.fine_scale_sigma && improves;
+  return now.status == StartStatus::kReady && is_over_by_motion() && length() < options.longest_fine_s &&
+         !is_out_of_time() && now.scale_sigma > options.fine_scale_sigma && improves;
 }
 
 StartReport StartWindow::solve_and_judge() {

@@ -45,16 +45,15 @@ std::optional<double> usual_shift(const StereoFrame& before, const StereoFrame& 
   return shifts.size() < kFewPoints ? std::nullopt : std::optional(upper_median(std::move(shifts)));
 }
 
-/// How a body's errors follow those of the origin, position and yaw: body_size × 4.
-MatrixXd by_origin(const NavigationState& nav, Index body_size, bool has_velocity) {
+/// How a body's errors follow those of the origin, position and yaw: body_size × 4. (A start by odometry has
+/// no window, all others have a velocity.)
+MatrixXd by_origin(const NavigationState& nav, Index body_size) {
   const Vector3d up = Vector3d::UnitZ();
   MatrixXd J = MatrixXd::Zero(body_size, 4);
   J.block<3, 3>(L::kPosition, 0).setIdentity();
   J.block<3, 1>(L::kPosition, 3) = up.cross(nav.T_world_body.p);
   J.block<3, 1>(L::kAttitude, 3) = nav.T_world_body.R.transpose() * up;
-  if (has_velocity) {
-    J.block<3, 1>(L::kVelocity, 3) = up.cross(nav.v_world_body);
-  }
+  J.block<3, 1>(L::kVelocity, 3) = up.cross(nav.v_world_body);
   return J;
 }
 
@@ -69,7 +68,7 @@ Matrix4d of_origin(const Matrix3d& R, const Eigen::Matrix<double, 6, 6>& pose) {
 }  // namespace
 
 MatrixXd StartWindow::seen_from_first(const NavigationState& nav, const MatrixXd& P) const {
-  const MatrixXd J = by_origin(nav, P.rows(), model.options.motion != MotionModel::kOdometry);
+  const MatrixXd J = by_origin(nav, P.rows());
   return P + J * origin * J.transpose();
 }
 
