@@ -152,6 +152,7 @@ RunOptions to_run_options(const RecordingArguments& arguments, const Recording& 
   }
   options.sigma_px = arguments.sigma_px;
   options.cleaning.clean = arguments.clean == "on";
+  options.threads = arguments.frontend.threads;
   options.cleaning.max_points = arguments.max_points;
   options.start = start_mode_from_string(arguments.start);
   if (!arguments.tolerance.empty()) {

@@ -35,6 +35,7 @@ using detail::milliseconds;
 using detail::read_frame;
 using detail::ReadFrame;
 using detail::SensorWindow;
+using detail::WindowSmoother;
 
 constexpr double kLargestPosition = 1e9;  // [m]
 constexpr double kKeptSeconds = 30.0;     // of RunRecord::last_frames
@@ -161,6 +162,25 @@ SensorWindow sensor_window(const Recording& recording, const RunSetup& setup, co
   return out;
 }
 
+/// The window's states, as far as they are known.
+void write_states(const std::vector<SmoothedState>& states, RunRecord& record) {
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const SmoothedState& state = states[k];
+    record.trajectory[k] =
+        trajectory_row(state.nav, record.motion, state.pose_covariance, state.motion_covariance);
+  }
+}
+
+/// Who looks at every frame gets those of the start as they stay: what tells of them is read before.
+std::vector<SmoothedState> smoothed_ahead(const FrameSource& source, std::size_t next, std::size_t count,
+                                          SensorWindow& window, WindowSmoother& smoother) {
+  for (std::size_t n = next; n < count && window.smoothing && !window.smoothing->complete(); ++n) {
+    window.ahead.push_back(read_frame(source, n));
+    smoother.add(window.ahead.back().frame);
+  }
+  return smoother.states();
+}
+
 /// Writes the window's frames into the record; says how long it took and what was not known by then.
 void keep_window(const SensorWindow& window, Navigator& navigator, RunRecord& record) {
   if (window.frames.empty()) {
@@ -168,10 +188,9 @@ void keep_window(const SensorWindow& window, Navigator& navigator, RunRecord& re
   }
   record.frames_of_start = window.frames.size();
   const CalibrationEstimate calibration = navigator.calibration_estimate();
+  record.trajectory.resize(window.frames.size());
+  write_states(window.result.trajectory, record);
   for (std::size_t k = 0; k < window.frames.size(); ++k) {
-    const SmoothedState& state = window.result.trajectory[k];
-    record.trajectory.push_back(
-        trajectory_row(state.nav, record.motion, state.pose_covariance, state.motion_covariance));
     record.frames.push_back(window.frames[k]);
     if (window.result.solved && window.frames[k].observed > 0) {
       record.frames.back().status = UpdateStatus::kUpdated;
@@ -180,7 +199,7 @@ void keep_window(const SensorWindow& window, Navigator& navigator, RunRecord& re
     record.frame_ms.push_back(window.frame_ms[k]);
     record.source_ms.push_back(window.source_ms[k]);
     if (calibration.parameters.any()) {
-      record.calibration.push_back({state.nav.t_ns, calibration});
+      record.calibration.push_back({window.frames[k].t_ns, calibration});
     }
   }
   const auto known = show_start(window.result, navigator);
@@ -270,6 +289,12 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
                                        from_truth ? " or ground truth" : ""));
   }
   keep_window(window, navigator, record);
+  WindowSmoother smoother(window.smoothing.get(), options.method, record.frames_of_start, options.threads);
+  if (callbacks.observe) {
+    write_states(
+        smoothed_ahead(frames, first + record.frames.size(), frame_count(recording), window, smoother),
+        record);
+  }
   const auto done = [&](std::size_t row, const StereoFrame* frame) {
     if (callbacks.observe) {
       callbacks.observe({record.trajectory[row], record.frames[row], frame ? &navigator : nullptr, frame,
@@ -324,11 +349,13 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     if (n + 1 == frame_count(recording)) {  // nothing comes any more that the rest of the work could wait for
       record.frames.back().calibration = navigator.calibration_report();
     }
+    smoother.add(frame);
     if (asks_for_scale) {
       keep(frame, record.last_frames);
     }
     done(record.frames.size() - 1, &frame);
   }
+  write_states(smoother.states(), record);
   record.elapsed_s = window.elsewhere_s + 1e-3 * milliseconds(begin_run, Clock::now());
   take_end(navigator, record);
   append(record.notes, remarks_on_inputs(summarize_inputs(record.frames)));

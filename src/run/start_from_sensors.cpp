@@ -9,8 +9,6 @@
 namespace limber::detail {
 namespace {
 
-// The frames of the start get poses smoothed over that long [ns].
-constexpr std::int64_t kSmoothedNs = 4'000'000'000;
 // What a start may take of a short recording: of the rest alone health and NIS are known.
 constexpr double kLongestShare = 0.5, kLongestMovingShare = 0.8;
 constexpr double kLeastFiltered = 1.0;  // [s]
@@ -22,30 +20,6 @@ std::optional<Method> counterpart(const RunSetup& setup) {
   return same_start(setup.navigator, setup.calibration, other, setup.calibration)
              ? std::optional(other.method)
              : std::nullopt;
-}
-
-void take_smoothed(std::vector<SmoothedState> smoothed, SensorStartResult& result) {
-  if (smoothed.size() >= result.trajectory.size()) {  // else what came then contradicts
-    smoothed.resize(result.trajectory.size());
-    result.trajectory = std::move(smoothed);
-  }
-}
-
-/// Reads a little further and lets the window's frames have what those behind it say of them.
-void smooth(const SensorData& sensors, const FrameSource& source, std::size_t next, const RunSetup& setup,
-            InputFeed& feed, SensorStart& start, SensorWindow& window) {
-  const MotionModel motion = setup.navigator.motion;
-  const std::int64_t begin_ns = window.frames.front().t_ns;
-  for (std::size_t n = next; n < frame_count(sensors) && frame_time(sensors, n) - begin_ns <= kSmoothedNs;
-       ++n) {
-    window.ahead.push_back(read_frame(source, n));
-    feed.feed(start, motion, window.ahead.back().frame.t_ns);
-    (void)start.add_frame(window.ahead.back().frame);
-  }
-  take_smoothed(start.result().trajectory, window.result);
-  if (window.counterpart) {
-    take_smoothed(start.result_for(*counterpart(setup)).trajectory, *window.counterpart);
-  }
 }
 
 /// The first frames are the window's; the others are the filter's first.
@@ -129,7 +103,8 @@ SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup
   keep_used(motion == MotionModel::kOdometry ? 0 : out.result.trajectory.size(), std::move(seen), out);
   note_steps(out);
   if (motion != MotionModel::kOdometry && !out.stopped && out.ahead.empty()) {
-    smooth(sensors, source, n, setup, feed, start, out);
+    out.smoothing =
+        std::make_shared<StartSmoothing>(std::move(start), feed, motion, frame_time(sensors, first));
   }
   return out;
 }

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "frame_feed.hpp"
 #include "limber/initialize/sensor_start.hpp"
 #include "remarks.hpp"
+#include "start_smoothing.hpp"
 
 namespace limber::detail {
 
@@ -23,8 +25,10 @@ struct SensorWindow {
   std::vector<double> source_ms, frame_ms;
   detail::PointCount points;
   std::deque<ReadFrame> ahead;  // read, and still to be processed
-  bool stopped = false;         // by the caller
-  double elsewhere_s = 0.0;     // what it took, if another run has spent that [s]
+  std::shared_ptr<StartSmoothing>
+      smoothing;             // of the result's trajectory; none where nothing is to be gained
+  bool stopped = false;      // by the caller
+  double elsewhere_s = 0.0;  // what it took, if another run has spent that [s]
 };
 
 /// What a run says of its start: why it waited no longer, and what is known with this result.

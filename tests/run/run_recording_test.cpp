@@ -88,6 +88,28 @@ TEST(RunRecording, OfASharedStartIsBitByBitThatOfItsOwn) {
   EXPECT_EQ(starts.size(), 3u) << "of ekf, of those that leave theta open, of mono-left";
 }
 
+TEST(RunRecording, SmoothsItsStartByTheFramesBehindItOnAnyNumberOfThreads) {
+  Scenario scenario = short_scenario();
+  set_pixels(scenario, PixelPreset::kRealistic);
+  const Recording recording = simulate(scenario, 1);
+  RunOptions options;
+  options.method = Method::kEkf;
+  const RunRecord in_turn = run(recording, options);
+  options.threads = 2;
+  EXPECT_TRUE(same_run(in_turn, run(recording, options)));
+  std::vector<TrajectoryRow> observed;
+  const auto observe = [&](const ObservedFrame& frame) { observed.push_back(frame.row); };
+  const RunRecord watched =
+      run_recording(recording, options, matched_frames(recording), {.observe = observe});
+  EXPECT_TRUE(same_run(in_turn, watched));
+  const std::size_t last = in_turn.frames_of_start - 1;
+  ASSERT_EQ(in_turn.trajectory[last].t_ns, in_turn.start.nav.t_ns);
+  const double handed_over = in_turn.start.body_covariance.diagonal().head(6).sum();
+  EXPECT_LT(in_turn.trajectory[last].covariance->trace(), 0.9 * handed_over);
+  EXPECT_EQ(observed[0].T_world_body.p, in_turn.trajectory[0].T_world_body.p);
+  EXPECT_EQ(*observed[last].covariance, *in_turn.trajectory[last].covariance);
+}
+
 TEST(RunRecording, OfAdaptiveWhichTrustsTheRigSharesItsStartWithThoseThatDoNot) {
   Scenario sound = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
   sound.duration = 4.5;

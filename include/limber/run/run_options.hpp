@@ -59,7 +59,8 @@ struct RunOptions {
   std::uint64_t seed = 0;
   std::uint64_t run = 0;        ///< which draw of the start error
   bool stop_when_lost = false;  ///< a filter that broke down ends the run (studies) instead of beginning anew
-  bool watch = true;            ///< false: no health monitor, for studies that do not ask for it
+  int threads = 1;    ///< more than one: the start is smoothed while the filter works; the same bits
+  bool watch = true;  ///< false: no health monitor, for studies that do not ask for it
 };
 
 /// How the calibration of a run is judged.
