@@ -67,6 +67,10 @@ SensorStartResult StartWindow::unsolved() const {
   return out;
 }
 
+bool may_trust_rig(const NavigatorOptions& options) {
+  return options.method == Method::kAdaptive || (options.method == Method::kEkf && options.learn_pixel_noise);
+}
+
 bool same_start(const NavigatorOptions& a, const StereoCalibration& rig_of_a, const NavigatorOptions& b,
                 const StereoCalibration& rig_of_b) {
   const WindowModel of_a = window_model(a, rig_of_a), of_b = window_model(b, rig_of_b);
@@ -139,11 +143,13 @@ SensorStartResult SensorStart::result_for(Method method) {
     out.report.status = StartStatus::kReady;
     return out;
   }
+  NavigatorOptions asked = w.model.options;
+  asked.method = method;
   out.report = !w.solution || w.solved_s < w.length() ? w.solve_and_judge()
                : w.unused.empty()                     ? w.judged()
                                                       : w.report;
   if (const std::optional<StartWindow> trusting =
-          method == Method::kAdaptive ? w.trusting(out.report.status) : std::nullopt) {
+          may_trust_rig(asked) ? w.trusting(out.report.status) : std::nullopt) {
     out.initial = trusting->handed_over();
     out.initial.distrusting = std::make_shared<const InitialState>(w.handed_over());
     out.trajectory = trusting->trajectory();

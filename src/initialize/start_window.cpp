@@ -26,11 +26,16 @@ constexpr int kMoreIterations = 75;      // of a solution that fits and has not 
 constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
 constexpr double kFits = 1.0;            // cost over the expected one
 
-/// What of theta a method leaves free: nothing if it trusts the rig.
+/// What of theta a method leaves free: nothing if it trusts the rig and the pixels. What lenses leave of
+/// pixels looks like a rig that is bent.
 MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibration& calibration) {
   switch (options.method) {
-    case Method::kEkf:
     case Method::kMonoLeft:
+      return MatrixXd(6, 0);
+    case Method::kEkf:
+      if (may_trust_rig(options)) {
+        break;
+      }
       return MatrixXd(6, 0);
     case Method::kLcekf:
       return constraint_directions(options.constraints, calibration.theta);

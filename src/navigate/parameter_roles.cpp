@@ -53,12 +53,19 @@ bool always_has_theta(Method method) {
 ParameterSet estimated(const NavigatorOptions& options) { return parameters_of(options.estimated); }
 ParameterSet softened(const NavigatorOptions& options) { return parameters_of(options.softened); }
 
+bool considers_theta(const NavigatorOptions& options) {
+  const bool doubts_lenses = options.method == Method::kEkf && options.learn_pixel_noise &&
+                             (estimated(options) & theta_parameters()).none();
+  return options.method == Method::kConsider || doubts_lenses;
+}
+
 bool has_theta(const NavigatorOptions& options) {
-  return always_has_theta(options.method) || (estimated(options) & theta_parameters()).any();
+  return always_has_theta(options.method) || considers_theta(options) ||
+         (estimated(options) & theta_parameters()).any();
 }
 
 bool estimates_theta(const NavigatorOptions& options) {
-  return has_theta(options) && options.method != Method::kConsider;
+  return has_theta(options) && !considers_theta(options);
 }
 
 bool constrains(const NavigatorOptions& options) {
@@ -88,6 +95,9 @@ RigParameters theta_sigma(const NavigatorOptions& options, const StereoCalibrati
 RigParameters theta_prior(const NavigatorOptions& options, const StereoCalibration& calibration) {
   if (options.method == Method::kAdaptive) {
     return kTrustedSigma * plausible_error(calibration.baseline());
+  }
+  if (options.method == Method::kEkf && considers_theta(options)) {
+    return kLensSigma * plausible_error(calibration.baseline());
   }
   return always_has_theta(options.method)
              ? theta_sigma(options, calibration)

@@ -15,6 +15,8 @@ inline constexpr std::array kMoreBlocks = {ParameterBlock::kCam0, ParameterBlock
 
 inline constexpr double kTrustedSigma =
     1e-3;  ///< plausible errors: theta of adaptive, as long as it trusts the rig
+inline constexpr double kLensSigma = 0.03;  ///< plausible errors: what lenses leave of a rig that ekf trusts,
+                                            ///< 0.024 px at a focal length of 460
 inline constexpr double kNotEstimated =
     1e-6;  ///< plausible errors: keeps P positive definite beside what is estimated
 
@@ -24,6 +26,9 @@ inline constexpr double kNotEstimated =
 [[nodiscard]] ParameterSet estimated(const NavigatorOptions& options);
 [[nodiscard]] ParameterSet softened(const NavigatorOptions& options);
 [[nodiscard]] bool has_theta(const NavigatorOptions& options);
+/// theta is in the state, and no update moves it (Schmidt): of consider, and of an ekf that has to learn what
+/// its pixels are worth.
+[[nodiscard]] bool considers_theta(const NavigatorOptions& options);
 /// theta follows its estimate from frame to frame.
 [[nodiscard]] bool estimates_theta(const NavigatorOptions& options);
 [[nodiscard]] bool constrains(const NavigatorOptions& options);

@@ -257,7 +257,7 @@ void StereoFilter::constrained_update(FrameInnovation&& seen, const std::vector<
                             : Eigen::Matrix<double, 6, 6>::Zero().eval();
     const PoseCorrection::Matrix6 P_pose = estimate_.P().diagonal_block<6>(0);
     UpdateReport updated = update(estimate_.mutable_P(), compressed(std::move(seen), accepted), model);
-    if (options_.method == Method::kConsider && updated.status == UpdateStatus::kUpdated) {
+    if (considers_theta(options_) && updated.status == UpdateStatus::kUpdated) {
       // Schmidt: the gain's theta rows are zero, so its block stays; the cross-covariances are those of the
       // EKF.
       const Index at = estimate_.layout().theta();

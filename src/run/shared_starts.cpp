@@ -19,10 +19,11 @@ SensorWindow of_counterpart(SensorWindow window) {
 }  // namespace
 
 std::optional<SensorWindow> KeptStarts::find(const RunSetup& setup) const {
-  const auto is_adaptive = [](const RunSetup& of) { return of.navigator.method == Method::kAdaptive; };
   for (const KeptStart& start : starts) {
     if (same_start(start.setup.navigator, start.setup.calibration, setup.navigator, setup.calibration)) {
-      return is_adaptive(start.setup) == is_adaptive(setup) ? start.window : of_counterpart(start.window);
+      return may_trust_rig(start.setup.navigator) == may_trust_rig(setup.navigator)
+                 ? start.window
+                 : of_counterpart(start.window);
     }
   }
   return std::nullopt;

@@ -16,7 +16,7 @@ constexpr double kLeastFiltered = 1.0;  // [s]
 /// The method of this start that may begin otherwise.
 std::optional<Method> counterpart(const RunSetup& setup) {
   NavigatorOptions other = setup.navigator;
-  other.method = other.method == Method::kAdaptive ? Method::kEkfFull : Method::kAdaptive;
+  other.method = may_trust_rig(other) ? Method::kEkfFull : Method::kAdaptive;
   return same_start(setup.navigator, setup.calibration, other, setup.calibration)
              ? std::optional(other.method)
              : std::nullopt;

@@ -16,8 +16,8 @@ namespace limber::detail {
 /// The frames that a start from the sensors has used up, and what it made of them.
 struct SensorWindow {
   SensorStartResult result;  // its trajectory is that of `frames`
-  /// Of the methods that this start serves and that begin otherwise: of `adaptive`, or if it is that one's,
-  /// of those that never trust the rig. Only of a start that is shared.
+  /// Of the methods that this start serves and that begin otherwise: of those that may trust the rig after
+  /// all, or if it is one of theirs, of those that never do. Only of a start that is shared.
   std::optional<SensorStartResult> counterpart;
   StartReport report;         // of the result
   StartReport of_last_frame;  // why no more were waited for; kWaiting: there were none

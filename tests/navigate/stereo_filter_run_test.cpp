@@ -156,20 +156,35 @@ TEST(NavigatorRun, LcekfWithoutConstraintsIsTheEkf) {
   }
 }
 
+/// A filter that carries theta's uncertainty `sigma` along, correlated with the pose, and leaves both as they
+/// are.
+void expect_considered(const Scene& scene, const NavigatorOptions& options, const RigParameters& sigma) {
+  const Eigen::Index at = 15;
+  const Eigen::Matrix<double, 6, 6> P_theta = sigma.cwiseAbs2().asDiagonal();
+  double correlation = 0.0;
+  run(scene, options, [&](StereoFilter& navigator, std::size_t, const FrameReport&) {
+    const Estimate& estimate = navigator.estimate();
+    EXPECT_EQ(estimate.theta(), scene.calibration.theta);
+    EXPECT_LE((estimate.P().diagonal_block<6>(at) - P_theta).cwiseAbs().maxCoeff(), 1e-18);
+    correlation = estimate.P().block(0, at, 6, 6).cwiseAbs().maxCoeff();
+  });
+  EXPECT_GT(correlation, 0.0);
+}
+
 TEST(NavigatorRun, ConsiderNeverMovesTheta) {
   const Scene scene = make_scene(wrong_rig());
-  const Eigen::Index at = 15;
-  const Eigen::Matrix<double, 6, 6> P_theta =
-      plausible_error(scene.calibration.baseline()).cwiseAbs2().asDiagonal();
-  double correlation = 0.0;
-  run(scene, with_method(scene, Method::kConsider),
-      [&](StereoFilter& navigator, std::size_t, const FrameReport&) {
-        const Estimate& estimate = navigator.estimate();
-        EXPECT_EQ(estimate.theta(), scene.calibration.theta);
-        EXPECT_LE((estimate.P().diagonal_block<6>(at) - P_theta).cwiseAbs().maxCoeff(), 1e-18);
-        correlation = estimate.P().block(0, at, 6, 6).cwiseAbs().maxCoeff();
-      });
-  EXPECT_GT(correlation, 0.0);
+  expect_considered(scene, with_method(scene, Method::kConsider),
+                    plausible_error(scene.calibration.baseline()));
+}
+
+TEST(NavigatorRun, EkfConsidersWhatLensesLeaveOfPixelsThatItHasToLearn) {
+  const Scene scene = make_scene({});
+  NavigatorOptions options = with_method(scene, Method::kEkf);
+  run(scene, options, [](StereoFilter& navigator, std::size_t, const FrameReport&) {
+    EXPECT_FALSE(navigator.estimate().layout().has_theta);
+  });
+  options.learn_pixel_noise = true;
+  expect_considered(scene, options, 0.03 * plausible_error(scene.calibration.baseline()));
 }
 
 TEST(NavigatorRun, EkfFullFindsAConstantError) {

@@ -46,10 +46,10 @@ std::vector<double> mean_scale_nees(const std::vector<Method>& methods, const Sc
 
 /// Landmarks that are corrected by several per cent each tell of the scale by chance what nobody has seen.
 /// Where the covariance was not carried along, lcekf and adaptive had 7.9 and 8.0 here (ekf-full 7.9,
-/// mono-left 3.8). A mean of three runs, whose scale errors hardly change within a run, is below 3.1 in 97.5
-/// % (chi-square of 3, over 3).
+/// mono-left 3.8), ekf 3.8 where it took lenses for exact. A mean of three runs, whose scale errors hardly
+/// change within a run, is below 3.1 in 97.5 % (chi-square of 3, over 3).
 TEST(FullScaleAfterAStart, IsKnownAsWellAsItIsSaidToBe) {
-  EXPECT_THAT(mean_scale_nees({Method::kLcekf, Method::kAdaptive}, paper_i()), Each(Lt(3.1)));
+  EXPECT_THAT(mean_scale_nees({Method::kEkf, Method::kLcekf, Method::kAdaptive}, paper_i()), Each(Lt(3.1)));
 }
 
 /// The truth's start hands over no map, but depths are corrected all the same: 8.0 where the covariance was

@@ -73,18 +73,21 @@ TEST(UnstatedPixelNoise, IsRemarkedOnWhereItIsMoreThanTracksHave) { expect_remar
 
 TEST(FullUnstatedPixelNoise, IsRemarkedOnWhereItIsMoreThanTracksHave) { expect_remark(Method::kLcekf); }
 
-/// What a wrong rig leaves in the innovations of a filter that trusts it is no noise.
+/// What a wrong rig leaves in the innovations of a filter that trusts it is no noise, until that is lost
+/// altogether.
 TEST(UnstatedPixelNoise, IsNotWhatATrustedRigIsOffBy) {
   Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 10.0;
+  scenario.duration = 6.0;
   scenario.noise.pixel = 0.25;
   scenario.noise.stated = false;
-  const Recording recording = simulate(scenario, 3);
   RunOptions options;
   options.method = Method::kEkf;
   options.start = StartMode::kGroundTruth;
   options.assume_error(1) = 0.035;  // two degrees of vergence
-  EXPECT_LE(run_recording(recording, options, matched_frames(recording)).pixel_noise.value().sigma_px, 2.0);
+  for (const std::uint64_t seed : {3, 5}) {
+    const Recording recording = simulate(scenario, seed);
+    EXPECT_LE(run_recording(recording, options, matched_frames(recording)).pixel_noise.value().sigma_px, 1.5);
+  }
 }
 
 const auto name_of = [](const auto& info) { return info.param == Method::kEkf ? "ekf" : "lcekf"; };

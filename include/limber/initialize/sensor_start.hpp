@@ -100,7 +100,7 @@ struct SensorStartResult {
   StartReport report;                     ///< what is known by the last frame
   InitialState initial;                   ///< at the last frame that was used, with a first map
   std::vector<SmoothedState> trajectory;  ///< at every frame that was used; origin: the first
-  /// Of `adaptive`, where that trusts the rig: the same states without that trust. Else none.
+  /// Where the rig is trusted after all (may_trust_rig): the same states without that trust. Else none.
   std::vector<SmoothedState> distrusting;
   /// The frames of the last of these states, but for a rest that was forgotten.
   std::vector<StereoFrame> used;
@@ -118,6 +118,10 @@ struct SensorStartResult {
 /// @return what is known of the calibration after each of `start.used`
 std::vector<std::shared_ptr<const CalibrationReport>> show_start(const SensorStartResult& start,
                                                                  Navigator& navigator);
+
+/// @brief Whether a start leaves the rig open, and the method takes it for exact after all where nothing
+/// contradicts that: `adaptive`, and an `ekf` that has to learn what its pixels are worth.
+[[nodiscard]] bool may_trust_rig(const NavigatorOptions& options);
 
 /// @brief Whether one start serves both, from the same frames and inputs: what they ask of the rig (which of
 /// theta is free, whether the right pixels are used), rig and noises agree. What each begins with:
@@ -162,7 +166,7 @@ class SensorStart {
   /// What is known by now, whatever the status.
   /// @throws std::invalid_argument if there was no frame yet
   [[nodiscard]] SensorStartResult result();
-  /// @brief The same for another method that this start serves (same_start): `adaptive` may trust the rig
+  /// @brief The same for another method that this start serves (same_start): some may trust the rig
   /// after all where the others do not.
   /// @throws std::invalid_argument as result()
   [[nodiscard]] SensorStartResult result_for(Method method);

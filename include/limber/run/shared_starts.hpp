@@ -11,10 +11,10 @@ struct KeptStarts;
 }
 
 /// @brief Starts from the sensors that runs over one recording share: what a method asks of its start
-/// (same_start) and one before has asked, too, is not solved again; `adaptive` shares with the methods that
-/// leave all of theta open. The results are those of runs that share
-/// nothing, bit by bit. For runs one after the other, over the same recording, its frames from the same
-/// source, cleaned alike.
+/// (same_start) and one before has asked, too, is not solved again; `adaptive`, and an `ekf` that
+/// learns its pixels' noise, share with the methods that leave all of theta open. The results are those of
+/// runs that share nothing, bit by bit. For runs one after the other, over the same recording, its frames
+/// from the same source, cleaned alike.
 class SharedStarts {
  public:
   SharedStarts();

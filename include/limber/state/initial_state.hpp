@@ -20,8 +20,8 @@ struct InitialState {
   std::vector<Landmark> landmarks = {};
   Eigen::MatrixXd landmarks_covariance = {};  ///< 3n×3n
   Eigen::MatrixXd landmarks_body = {};        ///< with the body, 3n×body_size()
-  /// Of `adaptive`, where the above trusts the rig: the same start without that trust. Its parallel filter
-  /// begins there, and it goes back there once the rig is proven wrong. Else none.
+  /// Where the above trusts the rig after all: the same start without that trust. The parallel filter of
+  /// `adaptive` begins there, and it goes back there once the rig is proven wrong. Else none.
   std::shared_ptr<const InitialState> distrusting = nullptr;
 };
 
