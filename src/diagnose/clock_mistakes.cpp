@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "limber/core/chi_square.hpp"
@@ -10,8 +11,9 @@
 namespace limber {
 namespace {
 
-constexpr double kSurely = 5.0;   // standard deviations of an offset ...
-constexpr double kChance = 1e-4;  // ... that chance exceeds as rarely, by Student's law ...
+constexpr double kSurely = 5.0;    // standard deviations of an offset ...
+constexpr double kChance = 1e-4;   // ... that chance exceeds as rarely, by Student's law ...
+constexpr double kLeastDof = 1.0;  // for less the law has no use
 constexpr double kLeastCam1 = 1e-3, kLeastCameras = 3e-3;  // ... and that is at least that large [s]
 
 bool is_off(const std::optional<TimeOffset>& offset, double assumed, double least) {
@@ -19,7 +21,8 @@ bool is_off(const std::optional<TimeOffset>& offset, double assumed, double leas
     return false;
   }
   const double sigmas = std::abs(offset->seconds - assumed) / offset->sigma;
-  return sigmas > kSurely && (std::isinf(offset->dof) || student_survival(sigmas, offset->dof) < kChance);
+  return sigmas > kSurely &&
+         (std::isinf(offset->dof) || student_survival(sigmas, std::max(offset->dof, kLeastDof)) < kChance);
 }
 
 bool cam1_is_off(const ClockOffsets& clocks) { return is_off(clocks.cam1, clocks.assumed_cam1, kLeastCam1); }

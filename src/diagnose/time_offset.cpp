@@ -223,7 +223,7 @@ std::optional<TimeOffset> camera_time_offset(const StereoCalibration& calibratio
     }
     out.seconds += solution->x(3);
     out.sigma = solution->sigma_of_last;
-    out.dof = static_cast<double>(clusters.size() - 1);
+    out.dof = solution->dof;
     if (std::abs(out.seconds) > kLargestOffset) {
       return std::nullopt;
     }
