@@ -35,7 +35,8 @@ struct TimeOffset {
 /// @brief Of the cameras against the IMU: how the left camera alone turned in a fifth of a second (two views,
 /// depths eliminated: errors of depth would look like turns), against the gyro over the same time, moved by
 /// tau; with a constant gyro bias. The gyro's slope before and behind is the instrument of its slope between.
-/// sigma is the jackknife's over seconds of the recording, with one d.o.f. less than there are seconds.
+/// sigma is the jackknife's over seconds of the recording, with one d.o.f. less than there are seconds that
+/// tell.
 /// @return nothing unless the body is the IMU and 20 pairs of frames in four seconds tell
 [[nodiscard]] std::optional<TimeOffset> camera_time_offset(const StereoCalibration& calibration,
                                                            std::span<const StereoFrame> frames,
