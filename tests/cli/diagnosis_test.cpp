@@ -112,12 +112,12 @@ TEST(Diagnosis, NamesTheClockOfARunThatWasLost) {
   };
   EXPECT_THROW((void)diagnose_recording(recording, {}, {until_lost}, {}, {}, {}), DivergenceError);
   for (ImuSample& sample : recording.imu) {
-    sample.t_ns += 20'000'000;
+    sample.t_ns -= 100'000'000;
   }
   lost = recording.frames.size() - 2;
   const Diagnosis diagnosis = diagnose_recording(recording, {}, {until_lost}, {}, {}, {});
   EXPECT_EQ(verdict_of(diagnosis), kCannotTell);
-  EXPECT_THAT(to_text(diagnosis), HasSubstr("the cameras are taken 2"));
+  EXPECT_THAT(to_text(diagnosis), HasSubstr("the cameras are taken 100."));
   EXPECT_THAT(to_text(diagnosis), HasSubstr("no run was possible: the covariance is none"));
 }
 
