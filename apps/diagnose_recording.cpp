@@ -36,12 +36,35 @@ void compare_with_ekf(const Recording& recording, RunOptions options, const Fram
   }
 }
 
-std::vector<std::string> mistakes_of(const Recording& recording, const StereoCalibration& assumed,
-                                     const std::vector<StereoFrame>& seen, double gravity) {
-  std::vector<std::string> out = calibration_mistakes(assumed, seen);
+/// What is wrong with the calibration as it was given, else with the clocks beside the rig as it was found.
+void add_mistakes(const Recording& recording, const StereoCalibration& assumed,
+                  const std::vector<StereoFrame>& seen, double gravity, Diagnosis& out) {
+  out.mistakes = calibration_mistakes(assumed, seen);
   const std::vector<std::string> of_imu = imu_mistakes(assumed, seen, recording.imu, gravity);
-  out.insert(out.end(), of_imu.begin(), of_imu.end());
-  return out;
+  out.mistakes.insert(out.mistakes.end(), of_imu.begin(), of_imu.end());
+  StereoCalibration found = assumed;
+  if (out.health) {
+    out.depths = depth_effects(assumed.theta, out.health->present.estimate);
+    found.theta += out.health->present.estimate.delta;
+  }
+  if (out.mistakes.empty() && out.readout_contradicted.empty()) {
+    out.clocks = clock_offsets(found, seen, recording.imu);
+  }
+  if (out.health && verdict_beside(out.clocks, *out.health) != out.health->verdict) {
+    out.state.reset();
+  }
+}
+
+/// A gross mistake may leave nothing to navigate with: then it is the answer.
+void explain(const std::exception_ptr& failure, Diagnosis& out) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const std::exception& error) {
+    if (out.mistakes.empty() && clock_mistakes(out.clocks).empty()) {
+      throw;
+    }
+    out.failure = error.what();
+  }
 }
 
 }  // namespace
@@ -63,15 +86,7 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     readout.add(seen.back());
     return seen.back();
   };
-  // A gross mistake may leave nothing to navigate with: then it is the answer.
-  const auto explain = [&](const std::exception& error) {
-    seen = at_stamps(std::move(seen), assumed);
-    out.mistakes = mistakes_of(recording, assumed, seen, options.gravity);
-    if (out.mistakes.empty()) {
-      throw;
-    }
-    out.failure = error.what();
-  };
+  std::exception_ptr failure;
   try {
     RunRecord record = run_recording(recording, options, remembered, {.progress = progress, .stop = stop});
     if (record.frames.empty()) {
@@ -102,21 +117,14 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     if (done) {
       done(record, summary);
     }
-    seen = at_stamps(std::move(seen), assumed);
-    out.mistakes = mistakes_of(recording, assumed, seen, options.gravity);
-  } catch (const DivergenceError& error) {
-    explain(error);
-  } catch (const std::invalid_argument& error) {  // no frame to start from
-    explain(error);
+  } catch (const DivergenceError&) {
+    failure = std::current_exception();
+  } catch (const std::invalid_argument&) {  // no frame to start from
+    failure = std::current_exception();
   }
-  StereoCalibration found = assumed;  // a wrong rig is no wrong clock
-  if (out.health) {
-    out.depths = depth_effects(assumed.theta, out.health->present.estimate);
-    found.theta += out.health->present.estimate.delta;
-  }
-  if (out.mistakes.empty() && out.readout_contradicted.empty()) {
-    out.cam1_offset = cam1_time_offset(found, seen);
-    out.camera_offset = camera_time_offset(found, seen, recording.imu);
+  add_mistakes(recording, assumed, at_stamps(std::move(seen), assumed), options.gravity, out);
+  if (failure) {
+    explain(failure, out);
   }
   return out;
 }

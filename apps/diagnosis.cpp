@@ -13,9 +13,6 @@
 namespace limber::app {
 namespace {
 
-constexpr double kSignificant = 5.0;                      // standard deviations of a time offset ...
-constexpr double kLeastCam1 = 1e-3, kLeastCamera = 3e-3;  // ... that is at least that large [s]
-
 std::string advice(const Diagnosis& diagnosis) {
   if (!diagnosis.mistakes.empty()) {
     return "mend the mistake below, and look again";
@@ -23,17 +20,15 @@ std::string advice(const Diagnosis& diagnosis) {
   if (!diagnosis.readout_contradicted.empty()) {
     return kReadoutAdvice;
   }
+  if (!clock_mistakes(diagnosis.clocks).empty()) {
+    return kClockAdvice;
+  }
   return advice_on(verdict_of(diagnosis), diagnosis.health && diagnosis.health->present.moves());
 }
 
-std::optional<std::string> offset_in_words(const std::optional<TimeOffset>& offset, double least,
-                                           const char* what) {
-  if (!offset || std::abs(offset->seconds) < std::max(least, kSignificant * offset->sigma)) {
-    return std::nullopt;
-  }
-  return fmt::format("{} {:.1f} ± {:.1f} ms {} than stamped: it looks like a rig that bends while it moves",
-                     what, 1e3 * std::abs(offset->seconds), 1e3 * offset->sigma,
-                     offset->seconds > 0.0 ? "later" : "earlier");
+/// The rig looks wrong, and a clock may be why.
+bool clocks_hide_rig(const Diagnosis& diagnosis) {
+  return diagnosis.mistakes.empty() && verdict_of(diagnosis) != diagnosis.health->verdict;
 }
 
 std::vector<std::string> all_mistakes(const Diagnosis& diagnosis) {
@@ -41,14 +36,8 @@ std::vector<std::string> all_mistakes(const Diagnosis& diagnosis) {
   if (!diagnosis.readout_contradicted.empty()) {
     out.push_back(diagnosis.readout_contradicted);
   }
-  for (const auto& words :
-       {offset_in_words(diagnosis.cam1_offset, kLeastCam1, "time offset: beside cam0, cam1 is taken"),
-        offset_in_words(diagnosis.camera_offset, kLeastCamera,
-                        "time offset: beside the IMU, the cameras are taken")}) {
-    if (words) {
-      out.push_back(*words);
-    }
-  }
+  const std::vector<std::string> of_clocks = clock_mistakes(diagnosis.clocks);
+  out.insert(out.end(), of_clocks.begin(), of_clocks.end());
   return out;
 }
 
@@ -149,7 +138,7 @@ HealthVerdict verdict_of(const Diagnosis& diagnosis) {
   if (!diagnosis.readout_contradicted.empty()) {
     return HealthVerdict::kCannotTell;
   }
-  return diagnosis.health ? diagnosis.health->verdict : HealthVerdict::kCannotTell;
+  return diagnosis.health ? verdict_beside(diagnosis.clocks, *diagnosis.health) : HealthVerdict::kCannotTell;
 }
 
 int exit_code(HealthVerdict verdict) {
@@ -181,6 +170,8 @@ std::string to_text(const Diagnosis& diagnosis) {
     fmt::format_to(out,
                    "the rig is not judged: rows with times of their own look like a rig that bends while it "
                    "moves; what follows has them in it\n");
+  } else if (diagnosis.health && clocks_hide_rig(diagnosis)) {
+    fmt::format_to(out, "{}; what follows has it in it\n", kClocksHideRig);
   } else if (diagnosis.health) {
     fmt::format_to(out, "{}\n", in_words(*diagnosis.health, diagnosis.judged_by.tolerance));
   }
@@ -238,8 +229,8 @@ std::string to_json(const Diagnosis& diagnosis) {
       {"ekf_beside_lcekf", json_of(diagnosis.pose)},
       {"ekf_failure", diagnosis.ekf_failure.empty() ? Json(nullptr) : Json(diagnosis.ekf_failure)},
       {"mistakes", all_mistakes(diagnosis)},
-      {"time_offset_cam1_cam0", json_of(diagnosis.cam1_offset)},
-      {"time_offset_cameras_imu", json_of(diagnosis.camera_offset)},
+      {"time_offset_cam1_cam0", json_of(diagnosis.clocks.cam1)},
+      {"time_offset_cameras_imu", json_of(diagnosis.clocks.cameras)},
       {"readout_time", diagnosis.readout ? Json{{"ms", 1e3 * diagnosis.readout->seconds},
                                                 {"sigma_ms", 1e3 * diagnosis.readout->sigma}}
                                          : Json(nullptr)},

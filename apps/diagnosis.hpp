@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "limber/diagnose/clock_mistakes.hpp"
 #include "limber/diagnose/depth_effect.hpp"
 #include "limber/diagnose/health_summary.hpp"
 #include "limber/diagnose/pose_loss.hpp"
 #include "limber/diagnose/readout_watch.hpp"
-#include "limber/diagnose/time_offset.hpp"
 #include "limber/run_files/health_state.hpp"
 
 /// What `limber health` says: as an exit code, in plain words, and as JSON.
@@ -30,23 +30,23 @@ struct Diagnosis {
   double duration_s = 0.0;
   WatchOptions judged_by;
   std::optional<double> nis_per_dof;
-  std::optional<HealthSummary> health;      ///< nothing if the run failed, or no frame could be judged
-  std::vector<DepthEffect> depths;          ///< of the present state
-  std::optional<HealthState> state;         ///< to be kept for later recordings
-  std::optional<SinceThen> since;           ///< if there was an earlier one to compare with
-  std::optional<PoseLoss> pose;             ///< of ekf beside lcekf
-  std::string ekf_failure;                  ///< why there is no ekf beside it; empty if it did not fail
-  std::vector<std::string> mistakes;        ///< of the calibration, see calibration_mistakes
-  std::optional<TimeOffset> cam1_offset;    ///< of cam1 against cam0
-  std::optional<TimeOffset> camera_offset;  ///< of the cameras against the IMU
-  std::optional<ReadoutTime> readout;       ///< of cam0, as the frames show it
+  std::optional<HealthSummary> health;  ///< nothing if the run failed, or no frame could be judged
+  std::vector<DepthEffect> depths;      ///< of the present state
+  std::optional<HealthState> state;     ///< to be kept for later recordings
+  std::optional<SinceThen> since;       ///< if there was an earlier one to compare with
+  std::optional<PoseLoss> pose;         ///< of ekf beside lcekf
+  std::string ekf_failure;              ///< why there is no ekf beside it; empty if it did not fail
+  std::vector<std::string> mistakes;    ///< of the calibration, see calibration_mistakes
+  ClockOffsets clocks;                  ///< not asked where there are mistakes
+  std::optional<ReadoutTime> readout;   ///< of cam0, as the frames show it
   std::string
       readout_contradicted;  ///< why the rig cannot be judged: another readout than was assumed; else empty
   std::string failure;       ///< why the run failed; empty if it did not
 };
 
 /// That of the calibration; `decalibrated` if a mistake was found; else `cannot tell` where the rows of the
-/// images are not exposed as assumed, which looks like a rig that bends.
+/// images are not exposed as assumed, which looks like a rig that bends, or where the rig looks wrong and a
+/// clock may be why.
 [[nodiscard]] HealthVerdict verdict_of(const Diagnosis& diagnosis);
 
 /// 0, 3, 4 or 5.

@@ -35,18 +35,13 @@ StereoFrame FirstFrames::operator()(std::size_t n) {
   StereoFrame frame = source_(n);
   if (!over_) {
     seen_.push_back(frame);
-    if (seen_.size() == kFirstLook) look();
+    if (seen_.size() == kFirstLook) look(at_stamps(seen_, assumed_));
     if (seen_.size() == kLastLook) finish();
   }
   return frame;
 }
 
-void FirstFrames::look() {
-  const std::vector<StereoFrame> frames = at_stamps(seen_, assumed_);
-  std::vector<std::string> found = imu_mistakes(assumed_, frames, recording_.imu, gravity_);
-  if (const auto misplaced = placement_mistake(assumed_, frames)) {
-    found.insert(found.begin(), *misplaced);
-  }
+void FirstFrames::say(const std::vector<std::string>& found) {
   for (const std::string& mistake : found) {
     mistakes_.push_back("looks like a mistake: " + mistake + ". Mend it and run again");
     say_(mistakes_.back());
@@ -54,10 +49,23 @@ void FirstFrames::look() {
   over_ = over_ || !found.empty();
 }
 
+void FirstFrames::look(const std::vector<StereoFrame>& frames) {
+  std::vector<std::string> found = imu_mistakes(assumed_, frames, recording_.imu, gravity_);
+  if (const auto misplaced = placement_mistake(assumed_, frames)) {
+    found.insert(found.begin(), *misplaced);
+  }
+  say(found);
+}
+
 void FirstFrames::finish() {
-  if (!over_) look();
+  if (over_) return;
+  const std::vector<StereoFrame> frames = at_stamps(std::exchange(seen_, {}), assumed_);
+  look(frames);
+  if (!over_) {
+    clocks_ = clock_offsets(assumed_, frames, recording_.imu);
+    say(clock_mistakes(clocks_));
+  }
   over_ = true;
-  seen_ = {};
 }
 
 }  // namespace limber::app

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "limber/diagnose/clock_mistakes.hpp"
 #include "limber/run/run_recording.hpp"
 
 namespace limber::app {
@@ -15,10 +16,12 @@ namespace limber::app {
                                                  const StereoCalibration& assumed);
 
 /// @brief Frames on their way into a run, the first of which are looked at for cameras that are not where the
-/// calibration puts them: exchanged, or a transform written the wrong way round.
+/// calibration puts them: exchanged, or a transform written the wrong way round; and for clocks that
+/// disagree.
 ///
 /// Looked at are the first 100 as soon as they have come, and once more the first 600, or all at the run's
-/// end: a rig that stands at first does not show how it sits on the IMU. No frame waits for that.
+/// end: a rig that stands at first does not show how it sits on the IMU. Clocks are asked then. No frame
+/// waits for that.
 class FirstFrames {
  public:
   /// Told of each mistake once, as soon as it is seen.
@@ -33,11 +36,14 @@ class FirstFrames {
   [[nodiscard]] StereoFrame operator()(std::size_t n);
   /// After the last frame, or where the run ended early.
   void finish();
+  /// As those frames show them; of none before the last look, and where there are other mistakes.
+  [[nodiscard]] const ClockOffsets& clocks() const { return clocks_; }
   /// All that was said.
   [[nodiscard]] const std::vector<std::string>& mistakes() const { return mistakes_; }
 
  private:
-  void look();
+  void look(const std::vector<StereoFrame>& frames);
+  void say(const std::vector<std::string>& found);
 
   const Recording& recording_;
   StereoCalibration assumed_;
@@ -46,6 +52,7 @@ class FirstFrames {
   Say say_;
   std::vector<StereoFrame> seen_;  ///< emptied by the last look
   bool over_ = false;
+  ClockOffsets clocks_;
   std::vector<std::string> mistakes_;
 };
 

@@ -96,15 +96,10 @@ void require_place_of_page(const RunArguments& arguments) {
   }
 }
 
-/// run_recording with what the command shows meanwhile; `readout` sees the frames as they come.
+/// run_recording with what the command shows meanwhile; `readout` and `first` see the frames as they come.
 RunRecord run_and_show(const Recording& recording, const RunOptions& options, const ImageFrames& source,
-                       LiveView* view, ReadoutWatch& readout, std::set<std::string>& said,
-                       SharedStarts* starts) {
+                       LiveView* view, ReadoutWatch& readout, FirstFrames& first, SharedStarts* starts) {
   Progress progress(to_string(options.method), frame_count(recording));
-  FirstFrames first(recording, corrected(recording.calibration, options.assume_error), options.gravity,
-                    source.frames, [&](const std::string& mistake) {
-                      if (said.insert(mistake).second) print_warning(mistake);
-                    });
   const FrameSource watched = [&](std::size_t n) {
     StereoFrame frame = first(n);
     readout.add(frame);
@@ -142,11 +137,16 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
   const std::unique_ptr<LiveView> view =
       open_live_view(arguments.view, recording, options, source.record, Interrupt::asked);
   ReadoutWatch readout(corrected(recording.calibration, options.assume_error));
-  RunRecord record = run_and_show(recording, options, source, view.get(), readout, *arguments.said, starts);
+  FirstFrames first(recording, corrected(recording.calibration, options.assume_error), options.gravity,
+                    source.frames, [&](const std::string& mistake) {
+                      if (arguments.said->insert(mistake).second) print_warning(mistake);
+                    });
+  RunRecord record = run_and_show(recording, options, source, view.get(), readout, first, starts);
   if (record.frames.empty()) {
     throw std::runtime_error("stopped before the first frame: nothing is written");
   }
-  const RunSummary summary = judge_run(recording, options, readout.estimate(), record);
+  RunSummary summary = judge_run(recording, options, readout.estimate(), record);
+  add_clocks(first.clocks(), summary);
   write_run(arguments.out, arguments.force, options, record, summary);
   if (arguments.notes != nullptr) {
     *arguments.notes = record.notes;

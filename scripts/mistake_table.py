@@ -4,8 +4,8 @@
 
   scripts/mistake_table.py RECORDING... [--limber FILE]
 
-RECORDING: a folder in EuRoC's layout, with images or a track log, calibrated right. A row: the mistake, the verdict, what was
-named. Mistakes that a recording cannot have (an IMU that it does not hold) are left out.
+RECORDING: a folder in EuRoC's layout, with images or a track log, or a KITTI odometry sequence, calibrated right. A row: the
+mistake, the verdict, what was named. Of a mistake that a recording cannot have (of an IMU that it does not hold) the row says so.
 """
 import argparse
 import json
@@ -124,6 +124,32 @@ def right_late(mav0):
     columns(tracks, change)
 
 
+def kitti_swapped(folder):
+    """The pictures alone; `P0 and P1` below are the calibrations."""
+    one, other, aside = folder / "image_0", folder / "image_1", folder / "aside"
+    one.rename(aside), other.rename(one), aside.rename(other)
+
+
+def kitti_projections(change):
+    """Changes P0 and P1 of calib.txt, lists of three rows."""
+    def changed(folder):
+        lines = dict(line.split(":", 1) for line in (folder / "calib.txt").read_text().splitlines() if ":" in line)
+        P = [[float(x) for x in lines[name].split()] for name in ("P0", "P1")]
+        for name, values in zip(("P0", "P1"), change([[p[4 * i:4 * i + 4] for i in range(3)] for p in P])):
+            lines[name] = " " + " ".join(repr(x) for row in values for x in row)
+        (folder / "calib.txt").write_text("".join(f"{name}:{values}\n" for name, values in lines.items()))
+    return changed
+
+
+def kitti_right_late(folder):
+    """But for the first, which has none before it."""
+    pictures = sorted((folder / "image_1").iterdir())
+    targets = [picture.readlink() for picture in pictures]
+    for picture, target in zip(pictures[1:], targets):
+        picture.unlink()
+        picture.symlink_to(target)
+
+
 MISTAKES = {
     "none": lambda mav0: None,
     "gyro in deg/s": imu(1, 4, 180.0 / math.pi),
@@ -139,18 +165,33 @@ MISTAKES = {
     "raw calibration, rectified pictures": raw,
     "right pictures a frame late": right_late,
 }
+KITTI_MISTAKES = {
+    "none": lambda folder: None,
+    "cameras swapped": kitti_swapped,
+    "P0 and P1 exchanged": kitti_projections(lambda P: [P[1], P[0]]),
+    "calibrated at half the resolution": kitti_projections(
+        lambda P: [[[x / 2 for x in row] for row in p[:2]] + [p[2]] for p in P]),
+    "right pictures a frame late": kitti_right_late,
+}
 
 
-def has_distortion(mav0):
-    return "distortion_model: none" not in sensors(mav0)[0].read_text()
+def is_kitti(folder):
+    return (folder / "calib.txt").exists()
 
 
-def applies(name, mav0):
-    if "IMU" in name or "gyro" in name or "accelerometer" in name:
-        return (mav0 / "imu0/data.csv").exists()
-    if name.startswith("rectified"):
-        return has_distortion(mav0)
-    return not (name.startswith("raw") and has_distortion(mav0))
+def why_not(name, mav0):
+    """Why this recording cannot have this mistake; nothing where it can."""
+    of_imu = any(word in name for word in ("IMU", "gyro", "accelerometer"))
+    if is_kitti(mav0):
+        if name in KITTI_MISTAKES:
+            return None
+        return "it has no IMU" if of_imu else "calib.txt has no T_BS" if "T_BS" in name else "calib.txt has no distortion"
+    if of_imu and not (mav0 / "imu0/data.csv").exists():
+        return "it has no IMU"
+    distorted = "distortion_model: none" not in sensors(mav0)[0].read_text()
+    if name.startswith("rectified") and not distorted:
+        return "it has no distortion"
+    return "its pictures are raw" if name.startswith("raw") and distorted else None
 
 
 def copy(recording, into):
@@ -180,11 +221,14 @@ def main():
     arguments = parser.parse_args()
     print("| recording | mistake | verdict | named |\n| --- | --- | --- | --- |", flush=True)
     for recording in arguments.recordings:
-        for name, make in MISTAKES.items():
+        mistakes = {**MISTAKES, **KITTI_MISTAKES} if is_kitti(recording) else MISTAKES
+        for name, make in mistakes.items():
             with tempfile.TemporaryDirectory() as scratch:
                 folder = pathlib.Path(scratch) / recording.name
                 mav0 = copy(recording, folder)
-                if not applies(name, mav0):
+                reason = why_not(name, mav0)
+                if reason:
+                    print(f"| {recording.name} | {name} | – | not made: {reason} |", flush=True)
                     continue
                 make(mav0)
                 verdict, named = judged(arguments.limber.resolve(), folder)

@@ -2,6 +2,7 @@
 #include "diagnose/clustered_regression.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -84,6 +85,24 @@ std::optional<double> jackknife(const WeightedSums& sums) {
   return std::sqrt(squares * (n - 1.0) / n);
 }
 
+/// What equations say of the last unknown beside the others.
+double information_of_last(const MatrixXd& A) {
+  const Eigen::Index last = A.rows() - 1;
+  return 1.0 / A.inverse()(last, last);
+}
+
+/// One second of turning among ten at rest decides alone, and then nothing tells its error.
+double degrees_of_freedom(const WeightedSums& sums) {
+  const double all = information_of_last(sums.all.A);
+  double sum = 0.0, squares = 0.0;
+  for (const auto& [cluster, part] : sums.of_cluster) {
+    const double told = std::max(0.0, all - information_of_last(sums.all.A - part.A));
+    sum += told;
+    squares += told * told;
+  }
+  return sum * sum / squares - 1.0;
+}
+
 }  // namespace
 
 std::optional<ClusteredSolution> solve(const ClusteredRows& rows) {
@@ -96,8 +115,9 @@ std::optional<ClusteredSolution> solve(const ClusteredRows& rows) {
     }
     x += *change;
   }
-  const auto sigma = jackknife(weighted_sums(rows, x));
-  return sigma ? std::optional(ClusteredSolution{x, *sigma}) : std::nullopt;
+  const WeightedSums sums = weighted_sums(rows, x);
+  const auto sigma = jackknife(sums);
+  return sigma ? std::optional(ClusteredSolution{x, *sigma, degrees_of_freedom(sums)}) : std::nullopt;
 }
 
 }  // namespace limber::detail

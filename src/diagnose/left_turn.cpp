@@ -29,15 +29,15 @@ constexpr double kMost = 0.8;        // share of the points
 constexpr double kPixel = 0.5;       // standard deviation of a pixel [px]
 constexpr double kDisparity =
     50.0;  // of what stereo says of a point's depth [px]: an error of the rig must fit in
-constexpr double kHuber = 2.0;          // standard deviations
-constexpr double kReadoutPrior = 0.05;  // [s]
+constexpr double kHuber = 2.0;  // standard deviations
+constexpr double kParameterPrior = 0.05;
 
 /// One point in both frames, z = 1.
 struct Pair {
   Vector3d from;
   Vector2d to;
-  double by_stereo = 0.0, inverse_depth = 0.0;                                      ///< along `from` [1/m]
-  Vector2d from_per_readout = Vector2d::Zero(), to_per_readout = Vector2d::Zero();  ///< see MovingPoint
+  double by_stereo = 0.0, inverse_depth = 0.0;                          ///< along `from` [1/m]
+  Vector2d from_slope = Vector2d::Zero(), to_slope = Vector2d::Zero();  ///< see MovingPoint
 };
 
 std::vector<Pair> pairs_of(const StereoCalibration& calibration, const StereoFrame& from,
@@ -68,23 +68,23 @@ std::vector<Pair> pairs_of(const StereoCalibration& calibration, const StereoFra
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 
-/// X_to = R X_from + t, in cam0, with rows that are exposed one after the other.
+/// X_to = R X_from + t, in cam0, with places that a parameter moves.
 struct Motion {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Vector3d t = Vector3d::Zero();
-  double readout = 0.0;  ///< [s]
+  double parameter = 0.0;  ///< see MovingPoint::slope
 };
 
-/// One point's part in a Gauss-Newton step of (R, t, readout, its depth).
+/// One point's part in a Gauss-Newton step of (R, t, parameter, its depth).
 struct Linearized {
   Eigen::Matrix<double, 2, 7> J;
   Vector2d J_depth, residual;
 };
 
 std::optional<Linearized> linearize(const Motion& motion, const Pair& p) {
-  Vector3d from = p.from, from_per_readout = Vector3d::Zero();
-  from_per_readout.head<2>() = p.from_per_readout;
-  from += motion.readout * from_per_readout;
+  Vector3d from = p.from, from_slope = Vector3d::Zero();
+  from_slope.head<2>() = p.from_slope;
+  from += motion.parameter * from_slope;
   const Vector3d X = motion.R * from + p.inverse_depth * motion.t;
   if (!(X.z() > 0.0)) {
     return std::nullopt;
@@ -92,20 +92,20 @@ std::optional<Linearized> linearize(const Motion& motion, const Pair& p) {
   Eigen::Matrix<double, 2, 3> D;
   D << 1.0 / X.z(), 0.0, -X.x() / (X.z() * X.z()), 0.0, 1.0 / X.z(), -X.y() / (X.z() * X.z());
   Linearized out;
-  out.J << -D * motion.R * skew(from), p.inverse_depth * D,
-      D * motion.R * from_per_readout - p.to_per_readout;
+  out.J << -D * motion.R * skew(from), p.inverse_depth * D, D * motion.R * from_slope - p.to_slope;
   out.J_depth = D * motion.t;
-  out.residual = p.to + motion.readout * p.to_per_readout - X.head<2>() / X.z();
+  out.residual = p.to + motion.parameter * p.to_slope - X.head<2>() / X.z();
   return out;
 }
 
 /// What is known beforehand, as standard deviations.
 struct Known {
   double pixel, inverse_depth;
-  double readout = 1.0;  ///< [s]
+  double parameter = 1.0;
 };
 
-/// A Gauss-Newton step: its length, and the equations that it solved, without what is known of the readout.
+/// A Gauss-Newton step: its length, and the equations that it solved, without what is known of the
+/// parameter.
 struct Improved {
   double length = 0.0,
          squares = 0.0;  ///< squares of the residuals in standard deviations, with their weights
@@ -135,8 +135,8 @@ std::optional<Improved> improve(Motion& motion, std::vector<Pair>& pairs, const 
     b += weight * part->J.transpose() * information * residual;
   }
   Matrix7d A = out.A;
-  A(6, 6) += 1.0 / (known.readout * known.readout);
-  b(6) -= motion.readout / (known.readout * known.readout);
+  A(6, 6) += 1.0 / (known.parameter * known.parameter);
+  b(6) -= motion.parameter / (known.parameter * known.parameter);
   const Vector7d step = solve_symmetric(A, b);
   if (!step.allFinite()) {
     return std::nullopt;
@@ -150,7 +150,7 @@ std::optional<Improved> improve(Motion& motion, std::vector<Pair>& pairs, const 
   }
   motion.R = so3_normalized(motion.R * so3_exp(step.head<3>()));
   motion.t += step.segment<3>(3);
-  motion.readout += step(6);
+  motion.parameter += step(6);
   out.length = step.norm();
   return out;
 }
@@ -194,21 +194,21 @@ std::optional<TwoViews> left_motion(const StereoCalibration& calibration, const 
                   focal * most_distances(motion, pairs)};
 }
 
-std::optional<PairReadout> readout_between(const MovingPoints& from, const MovingPoints& to, double focal_px,
-                                           double baseline) {
+std::optional<ParameterFit> parameter_between(const MovingPoints& from, const MovingPoints& to,
+                                              double focal_px, double baseline) {
   std::vector<Pair> pairs;
   for (const auto& [id, point] : to) {
     const auto first = from.find(id);
     if (first != from.end() && first->second.inverse_depth) {
       const MovingPoint& was = first->second;
       pairs.push_back({was.place.homogeneous(), point.place, *was.inverse_depth, *was.inverse_depth,
-                       was.per_readout, point.per_readout});
+                       was.slope, point.slope});
     }
   }
   if (pairs.size() < kFewestPoints) {
     return std::nullopt;
   }
-  const Known known{kPixel / focal_px, kDisparity / (focal_px * baseline), kReadoutPrior};
+  const Known known{kPixel / focal_px, kDisparity / (focal_px * baseline), kParameterPrior};
   Motion motion;
   const auto last = converge(motion, pairs, known);
   if (!last) {
@@ -217,8 +217,8 @@ std::optional<PairReadout> readout_between(const MovingPoints& from, const Movin
   const Eigen::Matrix<double, 6, 6> others = last->A.topLeftCorner<6, 6>();
   const Eigen::Matrix<double, 6, 1> with = last->A.topRightCorner<6, 1>();
   const double information = last->A(6, 6) - with.dot(solve_symmetric(others, with));
-  const double gradient = motion.readout * (information + 1.0 / (kReadoutPrior * kReadoutPrior));
-  return PairReadout{information, gradient, last->squares};
+  const double gradient = motion.parameter * (information + 1.0 / (kParameterPrior * kParameterPrior));
+  return ParameterFit{information, gradient, last->squares};
 }
 
 std::optional<std::size_t> frame_after(std::span<const StereoFrame> frames, std::size_t n, double seconds) {

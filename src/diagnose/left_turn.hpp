@@ -28,26 +28,24 @@ struct TwoViews {
 [[nodiscard]] std::optional<TwoViews> left_motion(const StereoCalibration& calibration,
                                                   const StereoFrame& from, const StereoFrame& to);
 
-/// A point of the left camera while it moves, z = 1.
+/// A point of the left camera, z = 1, whose place depends on a parameter.
 struct MovingPoint {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
-  /// What a second of readout would change of its place at the stamp: minus its velocity times (v / height -
-  /// 1/2) [1/s].
-  Eigen::Vector2d per_readout = Eigen::Vector2d::Zero();
-  std::optional<double> inverse_depth;  ///< along the bearing, by stereo [1/m]
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of the place, by the parameter
+  std::optional<double> inverse_depth;              ///< along the bearing, by stereo [1/m]
 };
 using MovingPoints = std::unordered_map<std::int64_t, MovingPoint>;  ///< by track_id
 
-/// What two frames of the left camera say of its readout time: least squares in `information` [1/s^2] and
-/// `gradient` [1/s]; `squares` are left of the residuals, in standard deviations.
-struct PairReadout {
+/// What two frames of the left camera say of the parameter: least squares in `information` and `gradient`;
+/// `squares` are left of the residuals, in standard deviations.
+struct ParameterFit {
   double information = 0.0, gradient = 0.0, squares = 0.0;
 };
 
-/// @brief As left_motion, with the readout time as a seventh unknown: rows with times of their own bend what
-/// no motion of a rigid world explains, where the camera turns faster in one of the frames than in the other.
-[[nodiscard]] std::optional<PairReadout> readout_between(const MovingPoints& from, const MovingPoints& to,
-                                                         double focal_px, double baseline);
+/// @brief As left_motion, with a parameter of the camera as a seventh unknown, known to 0.05 beforehand: a
+/// readout time or a lens bend what no motion of a rigid world explains.
+[[nodiscard]] std::optional<ParameterFit> parameter_between(const MovingPoints& from, const MovingPoints& to,
+                                                            double focal_px, double baseline);
 
 /// The index of the first frame at least this long [s] after frames[n], nothing where there is none within
 /// twice of it.

@@ -87,7 +87,8 @@ void ReadoutWatch::State::set_velocities() {
     const auto a = before.seen.find(id), b = after.seen.find(id);
     if (a != before.seen.end() && b != after.seen.end()) {
       detail::MovingPoint& moving = now.moving[id] = point.at;
-      moving.per_readout = -point.delay / dt * (b->second.at.place - a->second.at.place);
+      // A second of readout moves the place at the stamp by minus the velocity times (v / height - 1/2).
+      moving.slope = -point.delay / dt * (b->second.at.place - a->second.at.place);
     }
   }
 }
@@ -104,7 +105,7 @@ void ReadoutWatch::State::compare() {
     return;
   }
   const auto pair =
-      detail::readout_between(from.moving, now.moving, calibration.cam0.fu, calibration.baseline());
+      detail::parameter_between(from.moving, now.moving, calibration.cam0.fu, calibration.baseline());
   if (pair && pair->information > 0.0) {
     const double root = std::sqrt(pair->information);
     rows.A.push_back(Eigen::VectorXd::Constant(1, root));

@@ -113,6 +113,10 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
     out.headline = headline_of(HealthVerdict::kCannotTell);
     out.sentences.push_back(record.notes.front());
     out.advice = kReadoutAdvice;
+  } else if (s.clocks_hide_rig) {
+    out.headline = headline_of(HealthVerdict::kCannotTell);
+    out.sentences.emplace_back(kClocksHideRig);
+    out.advice = kClockAdvice;
   } else if (s.health) {
     out.light = light_of(s.health->verdict);
     out.headline = headline_of(s.health->verdict);

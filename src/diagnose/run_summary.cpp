@@ -224,6 +224,14 @@ void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibrat
   }
 }
 
+void add_clocks(const ClockOffsets& clocks, RunSummary& summary) {
+  if (summary.health) {
+    const HealthVerdict beside = verdict_beside(clocks, *summary.health);
+    summary.clocks_hide_rig = beside != summary.health->verdict;
+    summary.health->verdict = beside;
+  }
+}
+
 RunSummary summarize(const Recording& recording, const RunOptions& options, const RunRecord& record) {
   RunSummary out;
   out.method = to_string(options.method);

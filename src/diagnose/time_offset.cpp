@@ -25,11 +25,11 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double kLongestBetween = 0.3;  // [s] between frames that follow each other
-constexpr std::size_t kEnoughRows = 200, kEnoughPairs = 50;
+constexpr std::size_t kEnoughRows = 200, kEnoughPairs = 20;
 constexpr int kShifts = 8;
-constexpr double kAround = 0.15;             // length of what is before and behind a turn [s]
-constexpr double kCluster = 1.0;             // [s]
-constexpr std::size_t kEnoughClusters = 10;  // fewer do not tell their own spread
+constexpr double kAround = 0.15;  // length of what is before and behind a turn [s]
+constexpr double kCluster = 1.0;  // [s]
+constexpr std::size_t kEnoughClusters = 4;
 /// The rig may be another one in the next piece: one that jumps or drifts while it moves looks like an offset
 /// [s].
 constexpr double kPiece = 4.0;
@@ -130,7 +130,8 @@ std::optional<TimeOffset> offset_of_piece(const StereoCalibration& calibration,
     return std::nullopt;
   }
   const auto solution = detail::solve(rows);
-  return solution ? std::optional(TimeOffset{solution->x(5), solution->sigma_of_last}) : std::nullopt;
+  return solution ? std::optional(TimeOffset{.seconds = solution->x(5), .sigma = solution->sigma_of_last})
+                  : std::nullopt;
 }
 
 /// Where the pieces differ by more than their own sigmas say, theirs is what they differ by.
@@ -149,7 +150,7 @@ std::optional<TimeOffset> weighted_mean(const std::vector<TimeOffset>& pieces) {
     squares += std::pow((piece.seconds - mean) / piece.sigma, 2);
   }
   const double spread = squares / std::max(1.0, static_cast<double>(pieces.size()) - 1.0);
-  return TimeOffset{mean, std::sqrt(std::max(1.0, spread) / weights)};
+  return TimeOffset{.seconds = mean, .sigma = std::sqrt(std::max(1.0, spread) / weights)};
 }
 
 /// Rows for (bias, a change of tau) at the present tau. The instrument of the gyro's slope is its slope over
@@ -222,6 +223,7 @@ std::optional<TimeOffset> camera_time_offset(const StereoCalibration& calibratio
     }
     out.seconds += solution->x(3);
     out.sigma = solution->sigma_of_last;
+    out.dof = solution->dof;
     if (std::abs(out.seconds) > kLargestOffset) {
       return std::nullopt;
     }

@@ -17,7 +17,20 @@ namespace {
 
 constexpr Index kShares = 4;         // frames in which an epoch's work on G and E is done
 constexpr Index kSpareRows = 96;     // of G, for triplets that come back
+constexpr double kRounding = 1e-11;  // of a variance, as much as rounding may have taken of it
 constexpr double kSingular = 1e-13;  // eigenvalue of a correlation matrix that rounding may have made
+
+/// The factor of a covariance. Where states are known together far better than each alone, as poses and
+/// points of a filter that is lost by hundreds of metres, rounding takes the smallest eigenvalue of the
+/// correlation below zero: P is then made larger by less than any update rounds.
+Cholesky factor_of(MatrixXd& P) {
+  Cholesky llt(P);
+  if (!llt.succeeded()) {
+    P.diagonal() *= 1.0 + kRounding;
+    llt = Cholesky(P);
+  }
+  return llt;
+}
 
 /// Where the triplets of `count` leading scalars start.
 std::vector<Index> leading(Index count) {
@@ -104,13 +117,13 @@ bool PassiveBlock::change_epoch(Covariance& P, Index body_size, const EpochChang
   const std::vector<Index> z = leading(body_size) + change.kept;
   // What leaves: first the retired, then the rest (the old clone of the body among them).
   const std::vector<Index> left = change.retired + change.dropped;
-  const MatrixXd P_zz = picked(dense, z, z);
+  MatrixXd P_zz = picked(dense, z, z);
   if (empty() && change.retired.empty()) {
     Gt_ = {};
     P.assign(P_zz);
     return true;
   }
-  const Cholesky llt(P_zz);
+  const Cholesky llt = factor_of(P_zz);
   if (!llt.succeeded()) {
     return false;
   }

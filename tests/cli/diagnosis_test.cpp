@@ -6,6 +6,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "diagnose_recording.hpp"
+#include "limber/core/divergence_error.hpp"
+#include "limber/simulate/scenario_file.hpp"
+#include "limber/simulate/simulator.hpp"
+#include "source_folder.hpp"
+
 namespace limber::app {
 namespace {
 
@@ -76,10 +82,43 @@ TEST(Diagnosis, CannotTellOfARigWhoseRowsAreNotExposedAsAssumed) {
 
 TEST(Diagnosis, MentionsATimeOffsetThatIsLargeAndCertain) {
   Diagnosis diagnosis = with(kOk);
-  diagnosis.cam1_offset = TimeOffset{0.010, 0.001};
+  diagnosis.clocks.cam1 = TimeOffset{0.010, 0.001};
   EXPECT_THAT(to_text(diagnosis), HasSubstr("cam1 is taken 10.0 ± 1.0 ms later than stamped"));
-  diagnosis.cam1_offset = TimeOffset{0.010, 0.005};
+  diagnosis.clocks.cam1 = TimeOffset{0.010, 0.005};
   EXPECT_THAT(to_text(diagnosis), Not(HasSubstr("time offset")));
+}
+
+TEST(Diagnosis, CannotTellOfARigThatAClockMayMakeLookWrong) {
+  Diagnosis diagnosis = with(kDecalibrated);
+  diagnosis.clocks.cameras = TimeOffset{0.020, 0.001};
+  EXPECT_EQ(verdict_of(diagnosis), kCannotTell);
+  EXPECT_THAT(to_text(diagnosis),
+              ::testing::StartsWith("log: cannot tell\nLooks like a mistake: time offset: "));
+  EXPECT_THAT(to_text(diagnosis), HasSubstr("the rig is not judged: a clock that is off"));
+  EXPECT_THAT(to_text(diagnosis), HasSubstr("What to do: mend the clock"));
+  diagnosis.mistakes = {"the two cameras are swapped"};
+  EXPECT_EQ(verdict_of(diagnosis), kDecalibrated);
+}
+
+/// A clock that is off may leave nothing to navigate with, and a filter that is lost has shown its frames.
+TEST(Diagnosis, NamesTheClockOfARunThatWasLost) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 8.0;
+  Recording recording = simulate(scenario, 3);
+  std::size_t lost = 30;
+  const auto until_lost = [&](std::size_t n) {
+    if (n == lost) throw DivergenceError("the covariance is none");
+    return recording.frames[n];
+  };
+  EXPECT_THROW((void)diagnose_recording(recording, {}, {until_lost}, {}, {}, {}), DivergenceError);
+  for (ImuSample& sample : recording.imu) {
+    sample.t_ns -= 100'000'000;
+  }
+  lost = recording.frames.size() - 2;
+  const Diagnosis diagnosis = diagnose_recording(recording, {}, {until_lost}, {}, {}, {});
+  EXPECT_EQ(verdict_of(diagnosis), kCannotTell);
+  EXPECT_THAT(to_text(diagnosis), HasSubstr("the cameras are taken 100."));
+  EXPECT_THAT(to_text(diagnosis), HasSubstr("no run was possible: the covariance is none"));
 }
 
 TEST(Diagnosis, SaysWhyThereIsNoEkfBeside) {

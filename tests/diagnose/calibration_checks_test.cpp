@@ -248,6 +248,33 @@ TEST(CalibrationMistakes, NameRectifiedImagesWithARawCalibrationAndTheReverse) {
               ElementsAre(HasSubstr("the images look raw")));
 }
 
+/// A tracker that judges by the wrong lens drops the points that the lens bends most; those that are left fit
+/// a motion to half a pixel.
+TEST(CalibrationMistakes, NameRawImagesOfWhichTheTrackerKeptTheMiddle) {
+  Recording raw = flight(RadialTangential{-0.28, 0.07, 0.0, 0.0});
+  set_distortion(raw, NoDistortion{});
+  const Camera& camera = raw.calibration.cam0;
+  for (StereoFrame& frame : raw.frames) {
+    std::erase_if(frame.observations, [&](const StereoObservation& o) {
+      return (o.uv_cam0 - Eigen::Vector2d(camera.cu, camera.cv)).norm() > 0.4 * camera.fu;
+    });
+  }
+  EXPECT_THAT(calibration_mistakes(raw.calibration, raw.frames),
+              ElementsAre(HasSubstr("the images look raw")));
+}
+
+TEST(CalibrationMistakes, NameRawImagesOfARealRigAndOfOneThatHasTurned) {
+  LIMBER_NEED_DATA(folder, "track_logs");
+  Recording raw = read_recording(folder / "euroc_imu_april");
+  set_distortion(raw, NoDistortion{});
+  for (const double degrees : {0.0, -2.0}) {
+    StereoCalibration off = raw.calibration;
+    off.theta(1) += degrees * kDegree;
+    EXPECT_THAT(calibration_mistakes(off, raw.frames), ElementsAre(HasSubstr("the images look raw")))
+        << degrees;
+  }
+}
+
 TEST(CalibrationMistakes, AreNoneOfARigThatIsOnlyBent) {
   const RadialTangential lens{-0.28, 0.07, 0.0, 0.0};
   for (const Distortion& distortion : {Distortion(NoDistortion{}), Distortion(lens)}) {

@@ -173,6 +173,27 @@ TEST(ClusteredRegression, StatesWhatItIsWrongBy) {
   EXPECT_LT(normalized_squared, 1.35);
 }
 
+/// A rig that turns in one second of ten: that second decides, and nothing tells its error.
+TEST(ClusteredRegression, HasTheFreedomOfTheClustersThatTell) {
+  const auto freedom = [](double turning_of_others) {
+    detail::ClusteredRows rows;
+    const RandomStream random(2, 0, "freedom");
+    for (int c = 0; c < 10; ++c) {
+      for (int k = 0; k < 20; ++k) {
+        const Eigen::Vector3d draw = random.normal3(static_cast<std::uint64_t>(20 * c + k));
+        const double s = (c == 0 ? 1.0 : turning_of_others) * draw.x();
+        rows.A.push_back(Eigen::Vector2d(1.0, s));
+        rows.y.push_back(s + draw.y());
+        rows.cluster.push_back(c);
+      }
+    }
+    rows.Z = rows.A;
+    return detail::solve(rows).value().dof;
+  };
+  EXPECT_GT(freedom(1.0), 6.0);
+  EXPECT_LT(freedom(0.1), 1.0);
+}
+
 TEST(ClusteredRegression, OfOneClusterKnowsNothing) {
   detail::ClusteredRows rows;
   for (int k = 0; k < 10; ++k) {

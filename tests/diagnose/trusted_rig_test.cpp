@@ -11,6 +11,7 @@
 #include "limber/core/angle.hpp"
 #include "limber/run/trusted_axes.hpp"
 #include "limber/simulate/scenario_file.hpp"
+#include "limber/simulate/simulator.hpp"
 #include "source_folder.hpp"
 
 namespace limber {

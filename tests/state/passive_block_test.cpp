@@ -312,6 +312,23 @@ TEST(PassiveBlock, CopesWithATripletThatOthersDetermine) {
   EXPECT_LE((block.cross(P, kBody, 0).middleCols<3>(2 * kBody) - expected).norm(), 1e-12);
 }
 
+/// A filter that is lost by hundreds of metres, and knows a point beside its pose to less than a micrometre.
+TEST(PassiveBlock, CopesWithAnEigenvalueThatRoundingTookBelowZero) {
+  Covariance P;
+  P.append(kBody + 6);
+  MatrixXd dense = MatrixXd::Identity(kBody + 6, kBody + 6);
+  for (const Index i : {Index{0}, kBody}) {
+    for (const Index j : {Index{0}, kBody}) {
+      dense(i, j) = 350.0 * 350.0;
+    }
+  }
+  dense(0, 0) *= 1.0 - 1e-13;
+  P.set_diagonal_block(0, dense);
+  PassiveBlock block;
+  ASSERT_TRUE(block.change_epoch(P, kBody, {{kBody}, {kBody + 3}, {}}));
+  EXPECT_NEAR(P.dense()(0, 0), 350.0 * 350.0, 1e-4);
+}
+
 TEST(PassiveBlock, RefusesACovarianceThatIsNone) {
   Covariance P;
   P.append(kBody + 6);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -16,6 +17,8 @@ namespace limber {
 struct TimeOffset {
   /// how much later than stamped [s], and its standard deviation
   double seconds = 0.0, sigma = 0.0;
+  /// of sigma, in the sense of Student's law: a sigma from few seconds is itself hardly known
+  double dof = std::numeric_limits<double>::infinity();
 };
 
 /// @brief Of cam1 against cam0. A right pixel that is late by tau is off by tau times its velocity; across
@@ -32,8 +35,9 @@ struct TimeOffset {
 /// @brief Of the cameras against the IMU: how the left camera alone turned in a fifth of a second (two views,
 /// depths eliminated: errors of depth would look like turns), against the gyro over the same time, moved by
 /// tau; with a constant gyro bias. The gyro's slope before and behind is the instrument of its slope between.
-/// sigma is the jackknife's over seconds of the recording.
-/// @return nothing unless the body is the IMU and 50 pairs of frames in ten seconds tell
+/// sigma is the jackknife's over seconds of the recording, with one d.o.f. less than there are seconds that
+/// tell.
+/// @return nothing unless the body is the IMU and 20 pairs of frames in four seconds tell
 [[nodiscard]] std::optional<TimeOffset> camera_time_offset(const StereoCalibration& calibration,
                                                            std::span<const StereoFrame> frames,
                                                            std::span<const ImuSample> imu);

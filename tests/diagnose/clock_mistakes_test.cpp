@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// Clocks that are off: named from a few seconds that turn, no accusation of the rig, and none of a sound
+// clock.
+#include "limber/diagnose/clock_mistakes.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <span>
+
+#include "limber/simulate/scenario_file.hpp"
+#include "limber/simulate/scenario_presets.hpp"
+#include "limber/simulate/simulator.hpp"
+#include "source_folder.hpp"
+
+namespace limber {
+namespace {
+
+using enum HealthVerdict;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Recording flown(const char* scenario_name, double duration, std::uint64_t seed) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / scenario_name);
+  scenario.duration = duration;
+  set_pixels(scenario, PixelPreset::kRealistic);
+  return simulate(scenario, seed);
+}
+
+/// Stamps of the IMU are moved by that.
+void move_imu(Recording& recording, double seconds) {
+  for (ImuSample& sample : recording.imu) {
+    sample.t_ns += static_cast<std::int64_t>(1e9 * seconds);
+  }
+}
+
+std::vector<std::string> mistakes_in(const Recording& recording) {
+  return clock_mistakes(clock_offsets(recording.calibration, recording.frames, recording.imu));
+}
+
+TEST(ClockMistakes, AreNamedFromEightSecondsThatTurn) {
+  for (const std::uint64_t seed : {51u, 52u, 53u}) {
+    for (const double seconds : {0.02, -0.1}) {
+      Recording recording = flown("drone_none.yaml", 8.0, seed);
+      move_imu(recording, seconds);
+      EXPECT_THAT(mistakes_in(recording), ElementsAre(HasSubstr("beside the IMU, the cameras are taken")))
+          << seed << ' ' << seconds;
+    }
+  }
+}
+
+/// The sigma of an offset from few seconds is itself a guess, the more where one of them alone turns.
+TEST(ClockMistakes, AreNoneOfSoundClocksInPiecesOfFewSeconds) {
+  for (const char* const name : {"drone_none.yaml", "drone_moving.yaml"}) {
+    const Recording recording = flown(name, 30.0, 61);
+    for (const double length : {4.0, 6.0}) {
+      const auto frames =
+          static_cast<std::size_t>(length * static_cast<double>(recording.frames.size()) / 30.0);
+      for (std::size_t n = 0; n + frames <= recording.frames.size(); n += frames) {
+        const std::span piece = std::span(recording.frames).subspan(n, frames);
+        EXPECT_THAT(clock_mistakes(clock_offsets(recording.calibration, piece, recording.imu)), IsEmpty())
+            << name << ' ' << length << " s from frame " << n;
+      }
+    }
+  }
+}
+
+/// What the calibration says of the clock is no mistake.
+TEST(ClockMistakes, AreNoneWhereTheCalibrationKnowsTheOffset) {
+  Recording recording = flown("drone_none.yaml", 8.0, 54);
+  move_imu(recording, 0.02);
+  recording.calibration.time_offset_s = {0.02, 0.02};
+  EXPECT_THAT(mistakes_in(recording), IsEmpty());
+  recording.calibration.time_offset_s = {0.04, 0.04};
+  EXPECT_THAT(mistakes_in(recording), ElementsAre(HasSubstr("later than stamped, and 40.0 ms are assumed")));
+}
+
+TEST(ClockMistakes, NeedMoreSigmasOfFewerSeconds) {
+  const auto named = [](double dof) {
+    return !clock_mistakes({.cam1 = {}, .cameras = TimeOffset{.seconds = 0.01, .sigma = 0.001, .dof = dof}})
+                .empty();
+  };
+  EXPECT_FALSE(named(3.0));
+  EXPECT_TRUE(named(7.0));
+  EXPECT_THAT(clock_mistakes({.cam1 = {}, .cameras = TimeOffset{.seconds = 0.0029, .sigma = 1e-5}}),
+              IsEmpty());
+}
+
+HealthSummary wrong_by(HealthVerdict epipolar, HealthVerdict depth) {
+  HealthSummary out;
+  out.present.by_epipolar = epipolar;
+  out.present.by_depth = depth;
+  out.present.by_movement = kOk;
+  out.verdict = out.present.verdict = worst(epipolar, depth);
+  return out;
+}
+
+TEST(VerdictBesideClocks, DoesNotAccuseTheRigOfWhatAClockDoes) {
+  const ClockOffsets sound{.cam1 = {}, .cameras = TimeOffset{.seconds = 0.001, .sigma = 0.001}};
+  const ClockOffsets imu_off{.cam1 = {}, .cameras = TimeOffset{.seconds = 0.02, .sigma = 0.001}};
+  const ClockOffsets cam1_off{.cam1 = TimeOffset{.seconds = 0.02, .sigma = 0.001}, .cameras = {}};
+  EXPECT_EQ(verdict_beside(sound, wrong_by(kOk, kDecalibrated)), kDecalibrated);
+  EXPECT_EQ(verdict_beside(imu_off, wrong_by(kOk, kDecalibrated)), kCannotTell);
+  EXPECT_EQ(verdict_beside(imu_off, wrong_by(kDecalibrated, kDecalibrated)), kDecalibrated);
+  EXPECT_EQ(verdict_beside(imu_off, wrong_by(kOk, kOk)), kOk);
+  EXPECT_EQ(verdict_beside(cam1_off, wrong_by(kDecalibrated, kOk)), kCannotTell);
+}
+
+}  // namespace
+}  // namespace limber
