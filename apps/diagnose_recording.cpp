@@ -122,6 +122,11 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
   } catch (const std::invalid_argument&) {  // no frame to start from
     failure = std::current_exception();
   }
+  if (failure) {  // perhaps with the first frames: mistakes are looked for in as many as a run looks at
+    for (std::size_t n = first + seen.size(); n < frame_count(recording) && seen.size() < kLastLook; ++n) {
+      (void)remembered(n);
+    }
+  }
   add_mistakes(recording, assumed, at_stamps(std::move(seen), assumed), options.gravity, out);
   if (failure) {
     explain(failure, out);

@@ -11,7 +11,7 @@
 namespace limber::app {
 namespace {
 
-constexpr std::size_t kFirstLook = 100, kLastLook = 600;  // frames
+constexpr std::size_t kFirstLook = 100;  // frames
 
 }  // namespace
 

@@ -184,7 +184,11 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
 
 MatrixXd frame_covariance(const WindowNormal& normal) {
   const FramesFactor factor(normal.A, 0.0, PointsElimination(normal, 0.0).from_matrix(), normal.layout);
-  return factor.succeeded() ? factor.inverse() : MatrixXd();
+  if (!factor.succeeded()) {
+    return {};
+  }
+  const MatrixXd inverse = factor.inverse();
+  return 0.5 * (inverse + inverse.transpose());
 }
 
 }  // namespace limber::detail

@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "diagnose_recording.hpp"
+#include "limber/core/angle.hpp"
 #include "limber/core/divergence_error.hpp"
 #include "limber/simulate/scenario_file.hpp"
+#include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "source_folder.hpp"
 
@@ -100,25 +103,38 @@ TEST(Diagnosis, CannotTellOfARigThatAClockMayMakeLookWrong) {
   EXPECT_EQ(verdict_of(diagnosis), kDecalibrated);
 }
 
-/// A clock that is off may leave nothing to navigate with, and a filter that is lost has shown its frames.
+/// A clock that is off may leave nothing to navigate with: the frames behind are looked at all the same.
 TEST(Diagnosis, NamesTheClockOfARunThatWasLost) {
   Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
   scenario.duration = 8.0;
   Recording recording = simulate(scenario, 3);
-  std::size_t lost = 30;
+  bool lost = false;
   const auto until_lost = [&](std::size_t n) {
-    if (n == lost) throw DivergenceError("the covariance is none");
+    if (n == 30 && !std::exchange(lost, true)) throw DivergenceError("the covariance is none");
     return recording.frames[n];
   };
   EXPECT_THROW((void)diagnose_recording(recording, {}, {until_lost}, {}, {}, {}), DivergenceError);
   for (ImuSample& sample : recording.imu) {
     sample.t_ns -= 100'000'000;
   }
-  lost = recording.frames.size() - 2;
+  lost = false;
   const Diagnosis diagnosis = diagnose_recording(recording, {}, {until_lost}, {}, {}, {});
   EXPECT_EQ(verdict_of(diagnosis), kCannotTell);
   EXPECT_THAT(to_text(diagnosis), HasSubstr("the cameras are taken 100."));
   EXPECT_THAT(to_text(diagnosis), HasSubstr("no run was possible: the covariance is none"));
+}
+
+TEST(Diagnosis, NamesTheUnitsOfAGyroThatNoStartSurvives) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 6.0;
+  set_pixels(scenario, PixelPreset::kRealistic);
+  Recording recording = simulate(scenario, 77);
+  for (ImuSample& sample : recording.imu) {
+    sample.omega_imu *= kToDegrees;
+  }
+  const Diagnosis diagnosis = diagnose_recording(recording, {}, {matched_frames(recording)}, {}, {}, {});
+  EXPECT_EQ(verdict_of(diagnosis), kDecalibrated);
+  EXPECT_THAT(to_text(diagnosis), HasSubstr("deg/s instead of rad/s"));
 }
 
 TEST(Diagnosis, SaysWhyThereIsNoEkfBeside) {
