@@ -11,7 +11,6 @@
 #include "limber/core/angle.hpp"
 #include "limber/core/divergence_error.hpp"
 #include "limber/simulate/scenario_file.hpp"
-#include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "source_folder.hpp"
 
@@ -103,38 +102,35 @@ TEST(Diagnosis, CannotTellOfARigThatAClockMayMakeLookWrong) {
   EXPECT_EQ(verdict_of(diagnosis), kDecalibrated);
 }
 
-/// A clock that is off may leave nothing to navigate with: the frames behind are looked at all the same.
-TEST(Diagnosis, NamesTheClockOfARunThatWasLost) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 8.0;
-  Recording recording = simulate(scenario, 3);
+/// A run that is lost in its 30th frame.
+Diagnosis lost_early(const Recording& recording) {
   bool lost = false;
   const auto until_lost = [&](std::size_t n) {
     if (n == 30 && !std::exchange(lost, true)) throw DivergenceError("the covariance is none");
     return recording.frames[n];
   };
-  EXPECT_THROW((void)diagnose_recording(recording, {}, {until_lost}, {}, {}, {}), DivergenceError);
-  for (ImuSample& sample : recording.imu) {
-    sample.t_ns -= 100'000'000;
-  }
-  lost = false;
-  const Diagnosis diagnosis = diagnose_recording(recording, {}, {until_lost}, {}, {}, {});
-  EXPECT_EQ(verdict_of(diagnosis), kCannotTell);
-  EXPECT_THAT(to_text(diagnosis), HasSubstr("the cameras are taken 100."));
-  EXPECT_THAT(to_text(diagnosis), HasSubstr("no run was possible: the covariance is none"));
+  return diagnose_recording(recording, {}, {until_lost}, {}, {}, {});
 }
 
-TEST(Diagnosis, NamesTheUnitsOfAGyroThatNoStartSurvives) {
+/// A mistake may leave nothing to navigate with: the frames behind are looked at all the same.
+TEST(Diagnosis, NamesTheMistakesOfARunThatWasLost) {
   Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 6.0;
-  set_pixels(scenario, PixelPreset::kRealistic);
-  Recording recording = simulate(scenario, 77);
-  for (ImuSample& sample : recording.imu) {
+  scenario.duration = 8.0;
+  const Recording sound = simulate(scenario, 3);
+  EXPECT_THROW((void)lost_early(sound), DivergenceError);
+  Recording late = sound, in_degrees = sound;
+  for (ImuSample& sample : late.imu) {
+    sample.t_ns -= 100'000'000;
+  }
+  for (ImuSample& sample : in_degrees.imu) {
     sample.omega_imu *= kToDegrees;
   }
-  const Diagnosis diagnosis = diagnose_recording(recording, {}, {matched_frames(recording)}, {}, {}, {});
-  EXPECT_EQ(verdict_of(diagnosis), kDecalibrated);
-  EXPECT_THAT(to_text(diagnosis), HasSubstr("deg/s instead of rad/s"));
+  const Diagnosis of_clock = lost_early(late), of_gyro = lost_early(in_degrees);
+  EXPECT_EQ(verdict_of(of_clock), kCannotTell);
+  EXPECT_THAT(to_text(of_clock), HasSubstr("the cameras are taken 100."));
+  EXPECT_THAT(to_text(of_clock), HasSubstr("no run was possible: the covariance is none"));
+  EXPECT_EQ(verdict_of(of_gyro), kDecalibrated);
+  EXPECT_THAT(to_text(of_gyro), HasSubstr("deg/s instead of rad/s"));
 }
 
 TEST(Diagnosis, SaysWhyThereIsNoEkfBeside) {
