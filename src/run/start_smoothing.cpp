@@ -43,10 +43,13 @@ WindowSmoother::WindowSmoother(StartSmoothing* smoothing, Method method, std::si
       frames_(frames),
       how_(threads > 1 ? std::launch::async : std::launch::deferred) {}
 
-void WindowSmoother::begin() { smoothing_->begin(method_, frames_, how_); }
+void WindowSmoother::begin() {
+  smoothing_->begin(method_, frames_, how_);
+  has_begun_ = true;
+}
 
 void WindowSmoother::add(const StereoFrame& frame) {
-  if (smoothing_ == nullptr || smoothing_->has_begun()) {
+  if (smoothing_ == nullptr || has_begun_) {
     return;
   }
   smoothing_->add(frame);
@@ -59,7 +62,7 @@ std::vector<SmoothedState> WindowSmoother::states() {
   if (smoothing_ == nullptr) {
     return {};
   }
-  if (!smoothing_->has_begun()) {
+  if (!has_begun_) {
     begin();
   }
   return std::exchange(smoothing_, nullptr)->states();

@@ -28,7 +28,6 @@ class StartSmoothing {
   /// Of the start's first frames, as this method has them. No frame may be added any more.
   /// @param how  async: on a thread of its own; deferred: once the states are asked for
   void begin(Method method, std::size_t frames, std::launch how);
-  [[nodiscard]] bool has_begun() const { return states_.valid(); }
   /// What was begun; none if what came since the start contradicts it.
   [[nodiscard]] std::vector<SmoothedState> states() { return states_.get(); }
 
@@ -61,6 +60,7 @@ class WindowSmoother {
   Method method_;
   std::size_t frames_;
   std::launch how_;
+  bool has_begun_ = false;
 };
 
 }  // namespace limber::detail

@@ -111,6 +111,23 @@ TEST(RunRecording, SmoothsItsStartByTheFramesBehindItOnAnyNumberOfThreads) {
   EXPECT_EQ(*observed[last].covariance, *in_turn.trajectory[last].covariance);
 }
 
+TEST(RunRecording, SmoothsASharedStartAnewWhereTheRunBeforeFailed) {
+  Scenario sound = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  sound.duration = 4.5;
+  const Recording recording = simulate(sound, 1);
+  SharedStarts starts;
+  RunOptions options;
+  options.method = Method::kAdaptive;
+  options.threads = 2;
+  const auto fail = [&](std::size_t n) {
+    if (n + 2 > recording.frames.size()) throw std::runtime_error("failed");
+  };
+  EXPECT_THROW(
+      (void)run_recording(recording, options, matched_frames(recording), {.progress = fail}, &starts),
+      std::runtime_error);
+  expect_shared(recording, Method::kLcekf, run_alone(recording, Method::kLcekf), starts);
+}
+
 TEST(RunRecording, OfAdaptiveWhichTrustsTheRigSharesItsStartWithThoseThatDoNot) {
   Scenario sound = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
   sound.duration = 4.5;
