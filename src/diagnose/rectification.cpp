@@ -193,9 +193,9 @@ std::optional<std::string> raw_mistake(const StereoCalibration& calibration,
     return std::nullopt;
   }
   return fmt::format(
-      "the images look raw, and the calibration is that of rectified ones: a barrel distortion, r / (1 + k "
-      "r^2) "
-      "with k = {:.2f} ± {:.2f}, leaves {:.0f} % of what no motion of the left camera explains without",
+      "the images look raw, and the calibration is that of rectified ones: a barrel distortion, "
+      "r / (1 + k r^2) with k = {:.2f} ± {:.2f}, leaves {:.0f} % of what no motion of the left camera "
+      "explains without",
       lens->lambda, lens->sigma, 100.0 * left);
 }
 

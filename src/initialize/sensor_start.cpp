@@ -7,6 +7,7 @@
 #include "limber/core/time.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/state/initial_state.hpp"
+#include "navigate/parameter_roles.hpp"
 #include "start_window.hpp"
 
 namespace limber {
@@ -68,7 +69,7 @@ SensorStartResult StartWindow::unsolved() const {
 }
 
 bool may_trust_rig(const NavigatorOptions& options) {
-  return options.method == Method::kAdaptive || (options.method == Method::kEkf && options.learn_pixel_noise);
+  return options.method == Method::kAdaptive || doubts_lenses(options);
 }
 
 bool same_start(const NavigatorOptions& a, const StereoCalibration& rig_of_a, const NavigatorOptions& b,

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "limber/core/time.hpp"
+#include "navigate/parameter_roles.hpp"
 #include "window_guess.hpp"
 
 namespace limber::detail {
@@ -26,14 +27,13 @@ constexpr int kMoreIterations = 75;      // of a solution that fits and has not 
 constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
 constexpr double kFits = 1.0;            // cost over the expected one
 
-/// What of theta a method leaves free: nothing if it trusts the rig and the pixels. What lenses leave of
-/// pixels looks like a rig that is bent.
+/// What of theta a method leaves free: nothing if it trusts the rig and the lenses.
 MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibration& calibration) {
   switch (options.method) {
     case Method::kMonoLeft:
       return MatrixXd(6, 0);
     case Method::kEkf:
-      if (may_trust_rig(options)) {
+      if (doubts_lenses(options)) {
         break;
       }
       return MatrixXd(6, 0);

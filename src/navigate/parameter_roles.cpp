@@ -53,10 +53,13 @@ bool always_has_theta(Method method) {
 ParameterSet estimated(const NavigatorOptions& options) { return parameters_of(options.estimated); }
 ParameterSet softened(const NavigatorOptions& options) { return parameters_of(options.softened); }
 
+bool doubts_lenses(const NavigatorOptions& options) {
+  return options.method == Method::kEkf && options.learn_pixel_noise;
+}
+
 bool considers_theta(const NavigatorOptions& options) {
-  const bool doubts_lenses = options.method == Method::kEkf && options.learn_pixel_noise &&
-                             (estimated(options) & theta_parameters()).none();
-  return options.method == Method::kConsider || doubts_lenses;
+  return options.method == Method::kConsider ||
+         (doubts_lenses(options) && (estimated(options) & theta_parameters()).none());
 }
 
 bool has_theta(const NavigatorOptions& options) {
@@ -96,7 +99,7 @@ RigParameters theta_prior(const NavigatorOptions& options, const StereoCalibrati
   if (options.method == Method::kAdaptive) {
     return kTrustedSigma * plausible_error(calibration.baseline());
   }
-  if (options.method == Method::kEkf && considers_theta(options)) {
+  if (doubts_lenses(options) && considers_theta(options)) {
     return kLensSigma * plausible_error(calibration.baseline());
   }
   return always_has_theta(options.method)

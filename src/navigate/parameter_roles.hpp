@@ -26,8 +26,10 @@ inline constexpr double kNotEstimated =
 [[nodiscard]] ParameterSet estimated(const NavigatorOptions& options);
 [[nodiscard]] ParameterSet softened(const NavigatorOptions& options);
 [[nodiscard]] bool has_theta(const NavigatorOptions& options);
-/// theta is in the state, and no update moves it (Schmidt): of consider, and of an ekf that has to learn what
-/// its pixels are worth.
+/// An ekf that has to learn what its pixels are worth: what lenses leave of them looks like a rig that is
+/// bent.
+[[nodiscard]] bool doubts_lenses(const NavigatorOptions& options);
+/// theta is in the state, and no update moves it (Schmidt): of consider, and where lenses are doubted.
 [[nodiscard]] bool considers_theta(const NavigatorOptions& options);
 /// theta follows its estimate from frame to frame.
 [[nodiscard]] bool estimates_theta(const NavigatorOptions& options);
