@@ -193,11 +193,11 @@ bool StartWindow::is_due() const {
 
 /// A solution that fits may take its time until it has settled; others are left. At rest what a motion will
 /// tell is weakly known, and settles slowly: nobody waits for that.
-WindowNormal StartWindow::settled(WindowState& state) const {
-  WindowNormal out = solve_window(model, state, kStartIterations);
-  const bool rests = is_over_by_motion() && !is_out_of_time() && parallax(state) <= kSeenParallax;
-  return !rests && fits(model, state, out) && out.left > kSettled
-             ? solve_window(model, state, kMoreIterations)
+WindowNormal StartWindow::settled(WindowState& guess) const {
+  WindowNormal out = solve_window(model, guess, kStartIterations);
+  const bool resting = is_over_by_motion() && !is_out_of_time() && parallax(guess) <= kSeenParallax;
+  return !resting && fits(model, guess, out) && out.left > kSettled
+             ? solve_window(model, guess, kMoreIterations)
              : std::move(out);
 }
 

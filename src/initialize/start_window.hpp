@@ -85,7 +85,7 @@ struct StartWindow {
   [[nodiscard]] std::vector<SmoothedState> trajectory() const;
   [[nodiscard]] SensorStartResult unsolved() const;
   void solve();
-  [[nodiscard]] WindowNormal settled(WindowState& state) const;
+  [[nodiscard]] WindowNormal settled(WindowState& guess) const;
   void settle_solution();
   void clean_and_cover();
   /// The rig says nothing about how long a metre is.

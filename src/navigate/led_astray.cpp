@@ -59,21 +59,23 @@ std::vector<bool> flags_of(const StackedFrame& stacked, const std::vector<std::i
 }  // namespace
 
 /// Would the points be farther from where they are seen after the correction than before? It is a step from
-/// where nothing is linear any more: the next one would be larger.
-bool StereoFilter::leads_astray(const StereoFrame& frame, const Attempt& attempt,
-                                const ParameterErrorModel& model) const {
+/// where nothing is linear any more: the next one would be larger. Leaves the correction in `attempt` where
+/// it had to be worked out.
+bool StereoFilter::leads_astray(const StereoFrame& frame, const ParameterErrorModel& model,
+                                Attempt& attempt) const {
   const LeftMisfit before = left_misfit(attempt.stacked, attempt.accepted);
   if (before.points < kEnoughToTell || before.rms < kFarOff) {
     return false;
   }
-  Estimate corrected = estimate_;
-  const UpdateReport updated =
-      update(corrected.mutable_P(), compressed(attempt.seen, attempt.accepted), model);
-  if (updated.status != UpdateStatus::kUpdated ||
-      updated.dx.segment<3>(StateLayout::kAttitude).norm() < kLargeTurn) {
+  Correction& correction = attempt.correction.emplace(Correction{estimate_.P(), {}});
+  correction.report = update(correction.P, compressed(std::move(attempt.seen), attempt.accepted), model);
+  if (correction.report.status != UpdateStatus::kUpdated ||
+      correction.report.dx.segment<3>(StateLayout::kAttitude).norm() < kLargeTurn) {
     return false;
   }
-  corrected.retract(updated.dx);
+  Estimate corrected = estimate_;
+  corrected.mutable_P() = correction.P;
+  corrected.retract(correction.report.dx);
   std::vector<Refusal> behind;
   const StackedFrame stacked =
       stack_frame(corrected, frame, attempt.at.rig, sigma_px(), attempt.fresh, behind);

@@ -238,7 +238,7 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const F
 StereoFilter::Attempt StereoFilter::attempt(const StereoFrame& frame, const LinearizationPoint& at,
                                             const ParameterErrorModel& model, bool images_alone,
                                             FrameReport& report) {
-  Attempt out{at, {}, {}, {}, {}};
+  Attempt out{at, {}, {}, {}, {}, {}};
   if (initializes_before_update()) {
     out.fresh = initialize_landmarks(estimate_, frame, at.rig);  // Eqs. (29)-(32)
   }
@@ -249,14 +249,23 @@ StereoFilter::Attempt StereoFilter::attempt(const StereoFrame& frame, const Line
   return out;
 }
 
-void StereoFilter::constrained_update(FrameInnovation&& seen, const std::vector<bool>& accepted,
-                                      const ParameterErrorModel& model, double dt, FrameReport& report) {
-  if (!accepted.empty()) {
+/// Works the correction out, unless that was done before; consumes it or the frame's rows.
+UpdateReport StereoFilter::correct_covariance(Attempt& attempt, const ParameterErrorModel& model) {
+  if (attempt.correction) {
+    estimate_.mutable_P() = attempt.correction->P;
+    return std::move(attempt.correction->report);
+  }
+  return update(estimate_.mutable_P(), compressed(std::move(attempt.seen), attempt.accepted), model);
+}
+
+void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorModel& model, double dt,
+                                      FrameReport& report) {
+  if (!attempt.accepted.empty()) {
     const Eigen::Matrix<double, 6, 6> P_theta =
         has_theta(options_) ? estimate_.P().diagonal_block<6>(estimate_.layout().theta())
                             : Eigen::Matrix<double, 6, 6>::Zero().eval();
     const PoseCorrection::Matrix6 P_pose = estimate_.P().diagonal_block<6>(0);
-    UpdateReport updated = update(estimate_.mutable_P(), compressed(std::move(seen), accepted), model);
+    UpdateReport updated = correct_covariance(attempt, model);
     if (considers_theta(options_) && updated.status == UpdateStatus::kUpdated) {
       // Schmidt: the gain's theta rows are zero, so its block stays; the cross-covariances are those of the
       // EKF.
@@ -339,14 +348,14 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   }
   const ParameterErrorModel model = error_model();
   Attempt to_see = attempt(frame, at, model, images_alone, report);
-  if (leads_astray(frame, to_see, model)) {
+  if (leads_astray(frame, model, to_see)) {
     report.led_astray = true;
     report.removed += forget(frame);
     report.refused.clear();
     report.gate_overruled = false;
     to_see = attempt(frame, choose_linearization_point(frame), model, images_alone, report);
   }
-  constrained_update(std::move(to_see.seen), to_see.accepted, model, dt, report);  // Eqs. (16)-(19)
+  constrained_update(to_see, model, dt, report);  // Eqs. (16)-(19)
   record(to_see.stacked, to_see.accepted, to_see.fresh, report);
   if (!initializes_before_update()) {
     to_see.fresh = initialize_landmarks(estimate_, frame, mounted(calibration_));

@@ -141,6 +141,12 @@ class StereoFilter {
     ParameterVector shift = ParameterVector::Zero();
   };
 
+  /// A correction that was worked out before it was made.
+  struct Correction {
+    Covariance P;  ///< after it
+    UpdateReport report;
+  };
+
   /// A frame's rows, and which of its points are taken.
   struct Attempt {
     LinearizationPoint at;
@@ -148,6 +154,7 @@ class StereoFilter {
     StackedFrame stacked;
     FrameInnovation seen;
     std::vector<bool> accepted;
+    std::optional<Correction> correction{};  ///< where it had to be known
   };
 
   void add(const InputSample& sample);
@@ -176,10 +183,10 @@ class StereoFilter {
                                               const ParameterErrorModel& model, FrameReport& report) const;
   [[nodiscard]] Attempt attempt(const StereoFrame& frame, const LinearizationPoint& at,
                                 const ParameterErrorModel& model, bool images_alone, FrameReport& report);
-  [[nodiscard]] bool leads_astray(const StereoFrame& frame, const Attempt& attempt,
-                                  const ParameterErrorModel& model) const;
-  void constrained_update(FrameInnovation&& seen, const std::vector<bool>& accepted,
-                          const ParameterErrorModel& model, double dt, FrameReport& report);
+  [[nodiscard]] bool leads_astray(const StereoFrame& frame, const ParameterErrorModel& model,
+                                  Attempt& attempt) const;
+  [[nodiscard]] UpdateReport correct_covariance(Attempt& attempt, const ParameterErrorModel& model);
+  void constrained_update(Attempt& attempt, const ParameterErrorModel& model, double dt, FrameReport& report);
   void record(const StackedFrame& stacked, const std::vector<bool>& accepted, const NewLandmarks& fresh,
               FrameReport& report);
 
