@@ -44,7 +44,7 @@ void add_mistakes(const Recording& recording, const StereoCalibration& assumed,
   out.mistakes.insert(out.mistakes.end(), of_imu.begin(), of_imu.end());
   StereoCalibration found = assumed;
   if (out.health) {
-    out.depths = depth_effects(assumed.theta, out.health->present.estimate);
+    out.depths = depth_effects(assumed.theta, out.health->present.estimate, out.metric);
     found.theta += out.health->present.estimate.delta;
   }
   if (out.mistakes.empty() && out.readout_contradicted.empty()) {
@@ -105,10 +105,11 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     out.duration_s = summary.duration_s;
     out.nis_per_dof = summary.nis_per_dof;
     out.health = summary.health;
+    out.metric = has_scale(record.motion);
     if (summary.health && !summary.readout_contradicted && !out.stopped) {
       out.state = HealthState{recording.name,
                               {camera_in_words(assumed.cam0), camera_in_words(assumed.cam1)},
-                              rig_record(summary.health->present, assumed.theta, has_scale(record.motion))};
+                              rig_record(summary.health->present, assumed.theta, out.metric)};
     }
     if (!out.stopped) {
       compare_with_ekf(

@@ -49,6 +49,8 @@ void add_effect(Out out, const char* name, const SizeInterval& size, const Band&
                  to_string(verdict));
 }
 
+std::string limit_text(double limit) { return std::isfinite(limit) ? fmt::format("{:.3f}", limit) : "–"; }
+
 template <typename Out>
 void add_axes(Out out, const CalibrationState& state, const char* what) {
   const RigParameters delta = in_degrees_and_mm(state.estimate.delta);
@@ -58,9 +60,9 @@ void add_axes(Out out, const CalibrationState& state, const char* what) {
                  "wrong");
   for (std::size_t k = 0; k < 6; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    fmt::format_to(out, "{}  {:<18}{:>+15.4f}{:>10.4f}{:>10.3f}{:>9.3f}  {:<4}{}{}\n", kParameterNames[k],
-                   axis_in_words(k), delta(i), sigma(i), unit(i) * state.bands[k].ok,
-                   unit(i) * state.bands[k].wrong, k < 3 ? "deg" : "mm", to_string(state.axes[k]),
+    fmt::format_to(out, "{}  {:<18}{:>+15.4f}{:>10.4f}{:>10}{:>9}  {:<4}{}{}\n", kParameterNames[k],
+                   axis_in_words(k), delta(i), sigma(i), limit_text(unit(i) * state.bands[k].ok),
+                   limit_text(unit(i) * state.bands[k].wrong), k < 3 ? "deg" : "mm", to_string(state.axes[k]),
                    state.named == k ? ", explains it best" : "");
   }
 }
@@ -96,9 +98,10 @@ void add_past(Out out, const HealthSummary& health) {
 }
 
 template <typename Out>
-void add_depths(Out out, const std::vector<DepthEffect>& depths) {
-  fmt::format_to(out, "\nA depth measured straight ahead with this calibration\n");
-  for (const DepthEffect& effect : depths) {
+void add_depths(Out out, const Diagnosis& diagnosis) {
+  fmt::format_to(out, "\nA depth measured straight ahead with this calibration{}\n",
+                 diagnosis.metric ? "" : ", if its baseline is as long as it says");
+  for (const DepthEffect& effect : diagnosis.depths) {
     if (effect.error) {
       fmt::format_to(out, "  at {:>2.0f} m  is wrong by {:+.3f} ± {:.3f} m ({:+.2f} %)\n", effect.depth,
                      *effect.error, effect.sigma, 100.0 * *effect.error / effect.depth);
@@ -204,7 +207,7 @@ std::string to_text(const Diagnosis& diagnosis) {
     fmt::format_to(out, "\nHow it moved since {}", diagnosis.since->recording);
     add_axes(out, diagnosis.since->change, "now - then");
   }
-  add_depths(out, diagnosis.depths);
+  add_depths(out, diagnosis);
   return text;
 }
 

@@ -32,6 +32,7 @@ struct Diagnosis {
   std::optional<double> nis_per_dof;
   std::optional<HealthSummary> health;  ///< nothing if the run failed, or no frame could be judged
   std::vector<DepthEffect> depths;      ///< of the present state
+  bool metric = true;                   ///< something shows a metre; else the baseline's length is trusted
   std::optional<HealthState> state;     ///< to be kept for later recordings
   std::optional<SinceThen> since;       ///< if there was an earlier one to compare with
   std::optional<PoseLoss> pose;         ///< of ekf beside lcekf

@@ -183,6 +183,8 @@ def judgements(limber, drawn, folder, full):
     if not sound["health"]:
         return
     band = sound["health"]["present"]["axes"][drawn["axis"]]
+    if band["ok"] is None:  # nothing shows this axis
+        return
     for level, shape, size in errors(band["ok"], band["wrong"], band["unit"], drawn, full):
         size *= drawn["sign"]
         if shape == "constant":

@@ -197,7 +197,9 @@ void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bo
   }
   for (Eigen::Index k = 0; k < 6; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    out.axes[i] = judge(axis_size(out.estimate, k), out.bands[i]);
+    if (std::isfinite(out.bands[i].ok)) {
+      out.axes[i] = judge(axis_size(out.estimate, k), out.bands[i]);
+    }
   }
   out.by_epipolar = judge(out.effect.epipolar_px, tolerance.epipolar_px);
   out.by_depth =

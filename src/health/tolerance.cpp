@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "limber/core/factors.hpp"
@@ -25,6 +26,13 @@ void check_band(const Band& band, const std::string& name) {
 SizeInterval about(double value, double sigma) {
   const double size = std::abs(value);
   return {size, std::max(size - k95 * sigma, 0.0), size + k95 * sigma};
+}
+
+constexpr double kNoEffect = 1e-3;  // [px, shares of a depth by rad, m]: others have hundreds
+
+/// Infinite where nothing of it shows.
+double error_with_effect(double slope, double effect) {
+  return std::abs(slope) > kNoEffect ? effect / std::abs(slope) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -128,10 +136,11 @@ std::array<Band, 6> axis_bands(const Tolerance& tolerance, const RigParameters& 
   std::array<Band, 6> out;
   for (Eigen::Index k = 0; k < 6; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    const double by_px = std::max(px(k), 1e-12), by_depth = std::max(std::abs(slope(k)), 1e-12);
-    out[i] = tolerance.axes[i].value_or(
-        Band{std::min(tolerance.epipolar_px.ok / by_px, tolerance.depth.ok / by_depth),
-             std::min(tolerance.epipolar_px.wrong / by_px, tolerance.depth.wrong / by_depth)});
+    const auto reached = [&](double epipolar_px, double depth) {
+      return std::min(error_with_effect(px(k), epipolar_px), error_with_effect(slope(k), depth));
+    };
+    out[i] = tolerance.axes[i].value_or(Band{reached(tolerance.epipolar_px.ok, tolerance.depth.ok),
+                                             reached(tolerance.epipolar_px.wrong, tolerance.depth.wrong)});
   }
   return out;
 }

@@ -44,11 +44,21 @@ TEST(DepthError, IsUnknownWhereTheRaysNoLongerMeetInFront) {
 TEST(DepthEffects, GiveSigmaFromThatOfTheOffset) {
   RigEstimate offset;
   offset.covariance(3, 3) = 0.002 * 0.002;  // 1 % of the baseline: 1 % of the depth
-  const std::vector<DepthEffect> effects = depth_effects(side_by_side(0.2), offset);
+  const std::vector<DepthEffect> effects = depth_effects(side_by_side(0.2), offset, true);
   ASSERT_EQ(effects.size(), 3u);
   EXPECT_EQ(effects[1].depth, 10.0);
   EXPECT_NEAR(effects[1].error.value(), 0.0, 1e-9);
   EXPECT_NEAR(effects[1].sigma, 0.1, 1e-6);
+}
+
+TEST(DepthEffects, TrustTheLengthOfTheBaselineWhereNothingShowsAMetre) {
+  RigEstimate offset;
+  offset.delta = 0.001 * RigParameters::Unit(1) + 0.05 * RigParameters::Unit(3);
+  offset.covariance(3, 3) = 0.1 * 0.1;
+  const std::vector<DepthEffect> effects = depth_effects(side_by_side(0.2), offset, false);
+  EXPECT_DOUBLE_EQ(effects[1].error.value(),
+                   depth_error(side_by_side(0.2), 0.001 * RigParameters::Unit(1), 10.0).value());
+  EXPECT_NEAR(effects[1].sigma, 0.0, 1e-9);
 }
 
 /// A short simulated recording with a sound rig.

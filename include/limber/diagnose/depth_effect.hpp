@@ -26,6 +26,9 @@ inline constexpr std::array kShownDepths = {5.0, 10.0, 20.0};
                                                 double depth);
 
 /// The effect at kShownDepths; sigma to first order.
-[[nodiscard]] std::vector<DepthEffect> depth_effects(const RigParameters& assumed, const RigEstimate& offset);
+/// @param metric  whether something shows how long a metre is: else the length of the baseline is trusted, as
+///                by the verdict
+[[nodiscard]] std::vector<DepthEffect> depth_effects(const RigParameters& assumed, const RigEstimate& offset,
+                                                     bool metric);
 
 }  // namespace limber

@@ -81,7 +81,8 @@ struct CalibrationEffect {
 [[nodiscard]] CalibrationEffect effect_of(const BetaEstimate& estimate, const RigParameters& theta,
                                           const RigParameters& depth_slope);
 
-/// An axis' own band: where its effect alone reaches the tolerance [rad, m].
+/// An axis' own band: where its effect alone reaches the tolerance [rad, m]. Infinite where it has none that
+/// is seen: of a length of the baseline that is trusted.
 /// @param px  root mean square of the distance to the epipolar line, by axis [px by rad, m]
 [[nodiscard]] std::array<Band, 6> axis_bands(const Tolerance& tolerance, const RigParameters& px,
                                              const RigParameters& depth_slope);
