@@ -22,9 +22,9 @@ constexpr double kMapKnowsScale = 5.0;
 constexpr int kMostDoubts = 2;  // within that time
 /// Older events than this [s] need not be replayed, though no window of the alarm ended meanwhile.
 constexpr double kOldestCheckpoint = 5.0;
-/// Frames that are replayed while one comes in: a call costs about half as much again as an ordinary one, and
-/// five seconds are caught up in five.
-constexpr int kReplayedFrames = 2;
+/// Frames that are replayed while one comes in: a call costs about twice an ordinary one, and five seconds
+/// are caught up in two and a half.
+constexpr int kReplayedFrames = 3;
 /// No further frame where those replayed took that many times as long as the parallel filter's one. A frame
 /// takes about as long as the square of its states.
 constexpr double kMostReplayed = 4.0;

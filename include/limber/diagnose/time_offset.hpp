@@ -27,8 +27,12 @@ struct TimeOffset {
 /// The left pixel's velocity is the instrument of the right one's, which is as noisy as the residual is
 /// small, and the point between the frames beside that of the point itself, whose noise is in the residual.
 /// Every four seconds have a rig of their own: one that jumps or drifts while it moves looks like an offset.
+/// To first order; where that is three sigmas or 10 ms, Gauss-Newton in the rig and in time, for a rig that
+/// is off by degrees or a picture that is late by a frame is not linear. Right bearings are then taken from
+/// along the line to the next frame.
 /// @return nothing with fewer than 200 points that were followed through three frames, or where the motion
-/// does not tell them apart. sigma counts a track's residuals as one draw: they are alike along a track.
+/// does not tell them apart. sigma counts a track's residuals as one draw: they are alike along a track, with
+/// the degrees of freedom of the tracks that tell.
 [[nodiscard]] std::optional<TimeOffset> cam1_time_offset(const StereoCalibration& calibration,
                                                          std::span<const StereoFrame> frames);
 
