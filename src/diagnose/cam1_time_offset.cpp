@@ -26,13 +26,14 @@ constexpr std::size_t kEnoughRows = 200;
 /// The rig may be another one in the next piece: one that jumps or drifts while it moves looks like an offset
 /// [s].
 constexpr double kPiece = 4.0;
-constexpr int kRounds = 12;                // of Gauss-Newton
-constexpr double kSettledTime = 1.0;        // standard deviations: rows come and go with an offset, and step by half
+constexpr int kRounds = 12;  // of Gauss-Newton
+constexpr double kSettledTime =
+    1.0;  // standard deviations: rows come and go with an offset, and step by half
 constexpr double kSettledRig = 0.01;  // [rad, shares of the baseline]: second order is a hundredth of that
 constexpr double kLargestCam1Offset = 0.5;  // [s]
 constexpr double kLeastPieceDof = 1.0;
-constexpr double kDoubt = 3.0;    // standard deviations
-constexpr double kLate = 0.01;    // [s]
+constexpr double kDoubt = 3.0;  // standard deviations
+constexpr double kLate = 0.01;  // [s]
 
 /// The five directions that stereo points alone can see: three angles of theta [rad], and the baseline's
 /// direction [shares of its length]. Columns: turn and translation.
@@ -151,8 +152,8 @@ ClusteredRows epipolar_rows(const StereoCalibration& calibration, const std::vec
   return rows;
 }
 
-/// With one rig for all of the frames, to first order about the one that is assumed; or, linear neither in the
-/// rig nor where a picture is late, until that has settled.
+/// With one rig for all of the frames, to first order about the one that is assumed; or, linear neither in
+/// the rig nor where a picture is late, until that has settled.
 std::optional<TimeOffset> offset_of_piece(StereoCalibration calibration, std::span<const StereoFrame> frames,
                                           bool first_order) {
   if (frames.size() < 3) {
@@ -161,7 +162,8 @@ std::optional<TimeOffset> offset_of_piece(StereoCalibration calibration, std::sp
   const std::vector<Sight> stamped = sights_of(calibration, frames);
   double tau = 0.0;
   for (int round = 0; round < kRounds && std::abs(tau) < kLargestCam1Offset; ++round) {
-    const ClusteredRows rows = epipolar_rows(calibration, tau == 0.0 ? stamped : with_cam1_from(stamped, tau));
+    const ClusteredRows rows =
+        epipolar_rows(calibration, tau == 0.0 ? stamped : with_cam1_from(stamped, tau));
     const auto solution = rows.y.size() < kEnoughRows ? std::nullopt : detail::solve(rows);
     if (!solution) {
       return std::nullopt;
@@ -173,8 +175,8 @@ std::optional<TimeOffset> offset_of_piece(StereoCalibration calibration, std::sp
       return TimeOffset{.seconds = tau + step, .sigma = solution->sigma_of_last, .dof = solution->dof};
     }
     tau += step;
-    calibration.theta -= detail::pose_by_theta(calibration.theta).inverse() *
-                         (visible_directions(calibration.theta) * rig);
+    calibration.theta -=
+        detail::pose_by_theta(calibration.theta).inverse() * (visible_directions(calibration.theta) * rig);
   }
   return std::nullopt;
 }

@@ -20,7 +20,7 @@ void RightMatcher::miss(Memory& memory) {
   ++memory.failures;
 }
 
-std::optional<PatchFit> RightMatcher::look_for(const Pyramid& left, const Pyramid& right,
+std::optional<PatchFit> RightMatcher::look_for(const Pyramid& left, SearchedImage& right,
                                                const Eigen::Vector2d& uv0, const Memory& memory,
                                                const std::vector<Change>& changes) const {
   if (memory.matched) {
@@ -30,12 +30,13 @@ std::optional<PatchFit> RightMatcher::look_for(const Pyramid& left, const Pyrami
           return (x.uv_cam0 - uv0).squaredNorm() < (y.uv_cam0 - uv0).squaredNorm();
         });
     if (nearest != changes.end()) guess.uv += nearest->change;
-    if (auto fit = search_.follow(left, right, uv0, guess)) return fit;
+    if (auto fit = search_.follow(left, right.pyramid(), uv0, guess)) return fit;
   }
   return search_.find(left, right, uv0);
 }
 
 void RightMatcher::match(const Pyramid& left, const Pyramid& right, StereoFrame& frame) {
+  SearchedImage searched(right);
   std::vector<BearingPair> pairs;
   std::vector<StereoObservation*> owners;
   std::vector<Change> changes;
@@ -43,7 +44,7 @@ void RightMatcher::match(const Pyramid& left, const Pyramid& right, StereoFrame&
   for (StereoObservation& point : frame.observations) {
     Memory& memory = memories[point.track_id] = memories_[point.track_id];
     if (memory.wait > 0 && --memory.wait > 0) continue;
-    const auto fit = look_for(left, right, point.uv_cam0, memory, changes);
+    const auto fit = look_for(left, searched, point.uv_cam0, memory, changes);
     const auto bearing0 = unproject(assumed_.cam0, point.uv_cam0);
     const auto bearing1 = fit ? unproject(assumed_.cam1, fit->uv) : std::nullopt;
     if (!bearing0 || !bearing1) {

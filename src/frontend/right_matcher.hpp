@@ -36,7 +36,7 @@ class RightMatcher {
     Eigen::Vector2d uv_cam0, change;
   };
 
-  [[nodiscard]] std::optional<PatchFit> look_for(const Pyramid& left, const Pyramid& right,
+  [[nodiscard]] std::optional<PatchFit> look_for(const Pyramid& left, SearchedImage& right,
                                                  const Eigen::Vector2d& uv0, const Memory& memory,
                                                  const std::vector<Change>& changes) const;
   static void miss(Memory& memory);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "frontend/correlation.hpp"
 #include "frontend/patch.hpp"
 #include "limber/core/angle.hpp"
 #include "limber/core/so3.hpp"
@@ -90,24 +89,42 @@ std::optional<Eigen::Vector2d> way_back(const Pyramid& from, const Eigen::Vector
   return fit.uv;
 }
 
-/// Maxima of a correlation map, best first. The map is spoilt.
-std::vector<cv::Point> best_peaks(cv::Mat& map) {
+float largest_in_row(const cv::Mat1f& map, int row) {
+  return Eigen::Map<const Eigen::ArrayXf>(map[row], map.cols).maxCoeff();
+}
+
+/// Maxima of a correlation map, best first, of equal ones the upper left one. The map is spoilt.
+std::vector<cv::Point> best_peaks(cv::Mat1f& map) {
+  std::vector<float> largest;  // of each row
+  for (int row = 0; row < map.rows; ++row) largest.push_back(largest_in_row(map, row));
   std::vector<cv::Point> peaks;
   double least = kMinCoarseNcc;
   for (int k = 0; k < kPeaks; ++k) {
-    double best = 0.0;
-    cv::Point at;
-    cv::minMaxLoc(map, nullptr, &best, nullptr, &at);
-    if (best < least) break;
-    least = std::max(least, best - kBehindBestNcc);
-    peaks.push_back(at);
-    const cv::Rect around(at.x - kPeakRadius, at.y - kPeakRadius, 2 * kPeakRadius + 1, 2 * kPeakRadius + 1);
-    map(around & cv::Rect({}, map.size())).setTo(-1.0);
+    const auto best = std::max_element(largest.begin(), largest.end());
+    if (*best < least) break;
+    least = std::max(least, *best - kBehindBestNcc);
+    const int row = static_cast<int>(best - largest.begin());
+    const int column = static_cast<int>(std::find(map[row], map[row] + map.cols, *best) - map[row]);
+    peaks.emplace_back(column, row);
+    const cv::Rect around =
+        cv::Rect(column - kPeakRadius, row - kPeakRadius, 2 * kPeakRadius + 1, 2 * kPeakRadius + 1) &
+        cv::Rect({}, map.size());
+    map(around).setTo(-1.0);
+    for (int v = around.y; v < around.br().y; ++v) {
+      largest[static_cast<std::size_t>(v)] = largest_in_row(map, v);
+    }
   }
   return peaks;
 }
 
 }  // namespace
+
+const CorrelationImage& SearchedImage::coarse() {
+  if (!coarse_) {
+    coarse_.emplace(pyramid_[kCoarseLevel], cv::Size(2 * kTemplateRadius + 1, 2 * kTemplateRadius + 1));
+  }
+  return *coarse_;
+}
 
 RightSearch::RightSearch(const StereoCalibration& assumed, const TrackerOptions& options)
     : assumed_(assumed), options_(options) {
@@ -138,12 +155,12 @@ std::optional<cv::Rect2d> RightSearch::window(const Eigen::Vector2d& uv0) const 
 }
 
 /// The places of the window that look most like uv0 when coarse.
-std::vector<Eigen::Vector2d> RightSearch::candidates(const Pyramid& left, const Pyramid& right,
+std::vector<Eigen::Vector2d> RightSearch::candidates(const Pyramid& left, SearchedImage& right,
                                                      const Eigen::Vector2d& uv0) const {
   const auto where = window(uv0);
   if (!where) return {};
   const cv::Mat& from = left[kCoarseLevel];
-  const cv::Mat& to = right[kCoarseLevel];
+  const CorrelationImage& to = right.coarse();
   constexpr int kScale = 1 << kCoarseLevel;
   const cv::Point radius(kTemplateRadius, kTemplateRadius), one(1, 1);
   const cv::Point centre = cv::Point2d(uv0.x(), uv0.y()) / kScale;  // rounds
@@ -156,7 +173,7 @@ std::vector<Eigen::Vector2d> RightSearch::candidates(const Pyramid& left, const 
       area.height < square.height) {
     return {};
   }
-  cv::Mat map = correlation(to(area), from(square));
+  cv::Mat1f map = to.correlate(from(square), area);
   std::vector<Eigen::Vector2d> places;
   for (const cv::Point& peak : best_peaks(map)) {
     const cv::Point moved = (peak + area.tl() - square.tl()) * kScale;
@@ -180,15 +197,15 @@ std::optional<PatchFit> RightSearch::follow(const Pyramid& left, const Pyramid& 
   return there ? verified(*there, left, right, uv0) : std::nullopt;
 }
 
-std::optional<PatchFit> RightSearch::find(const Pyramid& left, const Pyramid& right,
+std::optional<PatchFit> RightSearch::find(const Pyramid& left, SearchedImage& right,
                                           const Eigen::Vector2d& uv0) const {
   const std::vector<Eigen::Vector2d> starts = candidates(left, right, uv0);
   if (starts.empty()) return std::nullopt;
   const Views views(left, uv0, kCoarseLevel);
   std::optional<PatchFit> best, rival;
   for (const Eigen::Vector2d& start : starts) {
-    const auto there = views.align(right, {start});
-    std::optional<PatchFit> fit = there ? verified(*there, left, right, uv0) : std::nullopt;
+    const auto there = views.align(right.pyramid(), {start});
+    std::optional<PatchFit> fit = there ? verified(*there, left, right.pyramid(), uv0) : std::nullopt;
     if (!fit || (best && (fit->uv - best->uv).norm() < kSamePlacePx)) continue;
     if (!best || fit->ncc > best->ncc) std::swap(best, fit);
     if (fit && (!rival || fit->ncc > rival->ncc)) rival = fit;

@@ -24,6 +24,10 @@ double correlation_of(const cv::Mat1b& x, const cv::Mat1b& y) {
   return a.dot(b) / (cv::norm(a) * cv::norm(b));
 }
 
+cv::Mat1f correlation(const cv::Mat1b& image, const cv::Mat1b& square) {
+  return CorrelationImage(image, square.size()).correlate(square, cv::Rect({}, image.size()));
+}
+
 TEST(Correlation, IsThatOfEachPlaceOfTheImage) {
   const cv::Mat1b image = noise({57, 31}, 1);
   for (const cv::Size size : {cv::Size(11, 11), cv::Size(3, 8), cv::Size(57, 31)}) {
@@ -36,6 +40,17 @@ TEST(Correlation, IsThatOfEachPlaceOfTheImage) {
       }
     }
   }
+}
+
+TEST(Correlation, OfAnAreaIsThatOfTheWholeThere) {
+  const cv::Mat1b image = noise({57, 31}, 7), square = noise({11, 11}, 8);
+  const CorrelationImage searched(image, square.size());
+  const cv::Mat1f whole = searched.correlate(square, cv::Rect({}, image.size()));
+  for (const cv::Rect& area : {cv::Rect(0, 0, 11, 11), cv::Rect(9, 4, 30, 20), cv::Rect(46, 20, 11, 11)}) {
+    const cv::Mat1f part = searched.correlate(square, area);
+    EXPECT_EQ(cv::norm(part - whole(cv::Rect(area.tl(), part.size())), cv::NORM_INF), 0.0);
+  }
+  EXPECT_TRUE(searched.correlate(square, cv::Rect(0, 0, 10, 31)).empty());
 }
 
 TEST(Correlation, IsOneWhereTheSquareWasCutWhateverTheBrightness) {
