@@ -124,7 +124,8 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     failure = std::current_exception();
   }
   if (failure) {  // perhaps with the first frames: mistakes are looked for in as many as a run looks at
-    for (std::size_t n = first + seen.size(); n < frame_count(recording) && seen.size() < kLastLook; ++n) {
+    const auto may_go_on = [&] { return seen.size() < kLastLook && !(stop && stop()); };
+    for (std::size_t n = first + seen.size(); n < frame_count(recording) && may_go_on(); ++n) {
       (void)remembered(n);
     }
   }

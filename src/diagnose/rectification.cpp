@@ -14,6 +14,7 @@
 
 #include "diagnose/clustered_regression.hpp"
 #include "diagnose/left_turn.hpp"
+#include "limber/core/chi_square.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
 #include "limber/measure/epipolar.hpp"
@@ -28,8 +29,13 @@ constexpr double kApart = 0.6;                   // [s]
 constexpr double kRawApart = 0.2;                // [s]: a tracker that judges by a wrong lens loses points
 constexpr std::size_t kMostRawPairs = 150;
 constexpr double kLeastBarrel = 0.1, kSurely = 6.0;  // a distortion, and its sigmas, that are named ...
+constexpr double kSame = 3.0;                        // sigmas between two that are one
+constexpr double kChance = 1e-3;                     // that exceeds it as rarely, by Student's law ...
+constexpr double kLeastDof = 1.0;                    // for less the law has no use
 constexpr double kUsualBarrel = -0.3;
-constexpr double kMostLeft = 0.98;  // ... where no more than this is left of the squares
+constexpr double kHardlyAny = 1.0 / 3.0;  // of the distortion that the calibration has
+constexpr double kLeastRadius = 0.1;      // [-] nearer to the centre nothing shows
+constexpr double kMostLeft = 0.98;        // ... where no more than this is left of the squares
 constexpr double kLongestStep = 0.15, kShortestStep = 0.01;
 constexpr int kSteps = 6;
 
@@ -98,7 +104,13 @@ std::optional<Comparison> compared(const std::vector<std::optional<double>>& giv
 /// fits lenses of cameras as they are, wide ones, too.
 struct RadialLens {
   double lambda = 0.0, sigma = 0.0;
+  double dof = 0.0;      ///< of sigma, in the sense of Student's law
   double squares = 0.0;  ///< that motions leave, of a pair in the mean
+
+  [[nodiscard]] bool is_surely_not(double other) const {
+    const double sigmas = std::abs(lambda - other) / sigma;
+    return sigmas > kSurely && student_survival(sigmas, std::max(dof, kLeastDof)) < kChance;
+  }
 };
 
 MovingPoints through_lens(const StereoCalibration& calibration, const Pose& T_cam1_cam0, double lambda,
@@ -164,6 +176,7 @@ std::optional<RadialLens> lens_from(double begin, const StereoCalibration& calib
       return std::nullopt;
     }
     out.sigma = step->sigma_of_last;
+    out.dof = step->dof;
     out.squares = at.squares;
     if (std::abs(step->x(0)) < kShortestStep) {
       return out;
@@ -199,6 +212,52 @@ std::optional<std::string> raw_mistake(const StereoCalibration& calibration,
       lens->lambda, lens->sigma, 100.0 * left);
 }
 
+/// The radial lens that the left camera's distortion is about, by the places of the points seen.
+double lambda_of(const Camera& camera, std::span<const StereoFrame> frames) {
+  Camera plain = camera;
+  plain.distortion = NoDistortion{};
+  std::vector<double> out;
+  for (std::size_t n = 0; n < frames.size(); n += frames.size() / kMostPairs + 1) {
+    for (const StereoObservation& o : frames[n].observations) {
+      const auto truly = o.in_cam0 ? unproject(camera, o.uv_cam0) : std::nullopt;
+      const auto seen = o.in_cam0 ? unproject(plain, o.uv_cam0) : std::nullopt;
+      if (truly && seen && truly->z() > 0.0) {
+        const double r = seen->hnormalized().norm(), r_true = truly->hnormalized().norm();
+        if (r > kLeastRadius) {
+          out.push_back((r / r_true - 1.0) / (r * r));
+        }
+      }
+    }
+  }
+  return out.empty() ? 0.0 : upper_median(std::move(out));
+}
+
+/// Where the camera hardly turns no pair tells, but all of them together may.
+std::optional<std::string> rectified_mistake(const StereoCalibration& calibration,
+                                             const StereoCalibration& plain,
+                                             std::span<const StereoFrame> frames) {
+  const double given = lambda_of(calibration.cam0, frames);
+  if (std::abs(given) < kLeastBarrel) {
+    return std::nullopt;
+  }
+  const std::vector<FramePair> pairs = some_pairs(frames, kRawApart, kMostRawPairs);
+  const auto lens = radial_lens(plain, pairs);
+  const auto beside =
+      lens_from(given, plain, pairs);  // of few pairs there may be two, and this is the right one
+  if (!lens || (beside && std::abs(beside->lambda - lens->lambda) > kSame * lens->sigma) ||
+      lens->lambda / given > kHardlyAny || !lens->is_surely_not(given)) {
+    return std::nullopt;
+  }
+  const double left = lens->squares / lens_rows(plain, given, pairs).squares;
+  if (!(left < kMostLeft)) {
+    return std::nullopt;
+  }
+  return fmt::format(
+      "the images look rectified, and the calibration is that of raw ones: its distortion is about "
+      "r / (1 + k r^2) with k = {:.2f}, and the left camera's motions say k = {:.2f} ± {:.2f}",
+      given, lens->lambda, lens->sigma);
+}
+
 }  // namespace
 
 std::optional<std::string> rectification_mistake(const StereoCalibration& calibration,
@@ -212,7 +271,7 @@ std::optional<std::string> rectification_mistake(const StereoCalibration& calibr
   plain.cam0.distortion = plain.cam1.distortion = NoDistortion{};
   const auto without = compared(left_over_px(calibration, turned, pairs), left_over_px(plain, turned, pairs));
   if (!without || !without->tells()) {
-    return std::nullopt;
+    return rectified_mistake(calibration, plain, frames);
   }
   return "the images look rectified, and the calibration is that of raw ones: the left camera's points " +
          without->in_words("with its distortion", "without");

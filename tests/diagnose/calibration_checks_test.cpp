@@ -285,6 +285,23 @@ TEST(CalibrationMistakes, NameRawImagesOfARealRigAndOfOneThatHasTurned) {
   }
 }
 
+/// A car hardly turns: no pair of frames tells a lens, all of them together do. Both ways, for rigs as they
+/// are and bent ones.
+TEST(CalibrationMistakes, NameRectifiedImagesOfACar) {
+  LIMBER_NEED_DATA(folder, "track_logs");
+  Recording car = read_recording(folder / "kitti_09_26_drive_0005");
+  StereoCalibration raw = car.calibration;
+  raw.cam0.distortion = raw.cam1.distortion = RadialTangential{-0.37, 0.2, 0.0, 0.0};
+  for (const double degrees : {0.0, 2.0}) {
+    for (StereoCalibration* rig : {&car.calibration, &raw}) {
+      rig->theta(1) += degrees * kDegree;
+    }
+    EXPECT_THAT(calibration_mistakes(car.calibration, car.frames), IsEmpty()) << degrees;
+    EXPECT_THAT(calibration_mistakes(raw, car.frames), ElementsAre(HasSubstr("the images look rectified")))
+        << degrees;
+  }
+}
+
 TEST(CalibrationMistakes, AreNoneOfARigThatIsOnlyBent) {
   const RadialTangential lens{-0.28, 0.07, 0.0, 0.0};
   for (const Distortion& distortion : {Distortion(NoDistortion{}), Distortion(lens)}) {
