@@ -62,11 +62,11 @@ std::vector<std::string> clock_mistakes(const ClockOffsets& clocks) {
 
 HealthVerdict verdict_beside(const ClockOffsets& clocks, const HealthSummary& health) {
   const bool cam1 = cam1_is_off(clocks), cameras = cameras_are_off(clocks);
-  if (!is_wrong(health.verdict) || (!cam1 && !cameras)) {
+  if (!cam1 && !cameras) {
     return health.verdict;
   }
   const HealthVerdict by_lines = worst(health.present.by_epipolar, health.present.by_movement);
-  return !cam1 && is_wrong(by_lines) ? by_lines : HealthVerdict::kCannotTell;
+  return !cam1 && is_wrong(health.verdict) && is_wrong(by_lines) ? by_lines : HealthVerdict::kCannotTell;
 }
 
 }  // namespace limber

@@ -103,7 +103,8 @@ TEST(VerdictBesideClocks, DoesNotAccuseTheRigOfWhatAClockDoes) {
   EXPECT_EQ(verdict_beside(sound, wrong_by(kOk, kDecalibrated)), kDecalibrated);
   EXPECT_EQ(verdict_beside(imu_off, wrong_by(kOk, kDecalibrated)), kCannotTell);
   EXPECT_EQ(verdict_beside(imu_off, wrong_by(kDecalibrated, kDecalibrated)), kDecalibrated);
-  EXPECT_EQ(verdict_beside(imu_off, wrong_by(kOk, kOk)), kOk);
+  EXPECT_EQ(verdict_beside(sound, wrong_by(kOk, kOk)), kOk);
+  EXPECT_EQ(verdict_beside(imu_off, wrong_by(kOk, kOk)), kCannotTell);  // exit code 0 is a promise
   EXPECT_EQ(verdict_beside(cam1_off, wrong_by(kDecalibrated, kOk)), kCannotTell);
 }
 

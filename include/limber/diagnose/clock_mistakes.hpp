@@ -29,14 +29,15 @@ struct ClockOffsets {
 /// the same once in ten thousand recordings: 17 sigma from five seconds, 8 from eight.
 [[nodiscard]] std::vector<std::string> clock_mistakes(const ClockOffsets& clocks);
 
-/// @brief The verdict on a rig beside clocks that are off. `degraded` and `decalibrated` become `cannot tell`
-/// if it may be the clock: that of cam1 looks like a rig that bends while it moves; that of the IMU bends the
-/// trajectory, and with it what motion says of depths, but never moves a point off its epipolar line.
+/// @brief The verdict on a rig beside clocks that are off. `ok` becomes `cannot tell`: an offset is part of
+/// the calibration. `degraded` and `decalibrated` do so if it may be the clock: that of cam1 looks like a rig
+/// that bends while it moves; that of the IMU bends the trajectory, and with it what motion says of depths,
+/// but never moves a point off its epipolar line.
 [[nodiscard]] HealthVerdict verdict_beside(const ClockOffsets& clocks, const HealthSummary& health);
 
 /// Where verdict_beside is not that of the rig.
 inline constexpr const char* kClocksHideRig =
-    "the rig is not judged: a clock that is off looks like a rig that is wrong";
+    "the rig is not judged: a clock that is off looks like a rig that is wrong, or hides one";
 
 /// What to do about a clock that is off.
 inline constexpr const char* kClockAdvice =
