@@ -26,9 +26,10 @@ std::string advice(const Diagnosis& diagnosis) {
   return advice_on(verdict_of(diagnosis), diagnosis.health && diagnosis.health->present.moves());
 }
 
-/// The rig looks wrong, and a clock may be why.
+/// A clock that is off may be why the rig looks as it does.
 bool clocks_hide_rig(const Diagnosis& diagnosis) {
-  return diagnosis.mistakes.empty() && verdict_of(diagnosis) != diagnosis.health->verdict;
+  return diagnosis.mistakes.empty() && verdict_of(diagnosis) == HealthVerdict::kCannotTell &&
+         diagnosis.health->verdict != HealthVerdict::kCannotTell;
 }
 
 std::vector<std::string> all_mistakes(const Diagnosis& diagnosis) {

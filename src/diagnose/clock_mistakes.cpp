@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "limber/core/chi_square.hpp"
@@ -29,6 +30,17 @@ bool cam1_is_off(const ClockOffsets& clocks) { return is_off(clocks.cam1, clocks
 
 bool cameras_are_off(const ClockOffsets& clocks) {
   return is_off(clocks.cameras, clocks.assumed_cameras, kLeastCameras);
+}
+
+/// What epipolar lines say of a rig, whatever trajectory there is: but for vergence and the baseline's
+/// length, which depths tell, and with them the trajectory.
+HealthVerdict by_lines(const CalibrationState& state) {
+  constexpr std::array<std::size_t, 4> kSeenByLines = {0, 2, 4, 5};
+  HealthVerdict out = state.by_movement;
+  for (const std::size_t axis : kSeenByLines) {
+    out = worst(out, state.axes[axis]);
+  }
+  return out;
 }
 
 /// "20.0 ± 0.3 ms later than stamped"
@@ -65,8 +77,8 @@ HealthVerdict verdict_beside(const ClockOffsets& clocks, const HealthSummary& he
   if (!cam1 && !cameras) {
     return health.verdict;
   }
-  const HealthVerdict by_lines = worst(health.present.by_epipolar, health.present.by_movement);
-  return !cam1 && is_wrong(health.verdict) && is_wrong(by_lines) ? by_lines : HealthVerdict::kCannotTell;
+  const HealthVerdict lines = by_lines(health.present);
+  return !cam1 && is_wrong(health.verdict) && is_wrong(lines) ? lines : HealthVerdict::kCannotTell;
 }
 
 }  // namespace limber

@@ -227,7 +227,8 @@ void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibrat
 void add_clocks(const ClockOffsets& clocks, RunSummary& summary) {
   if (summary.health) {
     const HealthVerdict beside = verdict_beside(clocks, *summary.health);
-    summary.clocks_hide_rig = beside != summary.health->verdict;
+    summary.clocks_hide_rig =
+        beside == HealthVerdict::kCannotTell && summary.health->verdict != HealthVerdict::kCannotTell;
     summary.health->verdict = beside;
   }
 }

@@ -87,8 +87,12 @@ TEST(ClockMistakes, NeedMoreSigmasOfFewerSeconds) {
               IsEmpty());
 }
 
+/// Of nod, and of what depths tell of vergence.
 HealthSummary wrong_by(HealthVerdict epipolar, HealthVerdict depth) {
   HealthSummary out;
+  out.present.axes.fill(kOk);
+  out.present.axes[0] = epipolar;
+  out.present.axes[1] = depth;
   out.present.by_epipolar = epipolar;
   out.present.by_depth = depth;
   out.present.by_movement = kOk;
@@ -106,6 +110,10 @@ TEST(VerdictBesideClocks, DoesNotAccuseTheRigOfWhatAClockDoes) {
   EXPECT_EQ(verdict_beside(sound, wrong_by(kOk, kOk)), kOk);
   EXPECT_EQ(verdict_beside(imu_off, wrong_by(kOk, kOk)), kCannotTell);  // exit code 0 is a promise
   EXPECT_EQ(verdict_beside(cam1_off, wrong_by(kDecalibrated, kOk)), kCannotTell);
+  // A vergence that is off by degrees moves points off their lines, too: it is nothing that lines have said.
+  HealthSummary turned = wrong_by(kOk, kDecalibrated);
+  turned.present.by_epipolar = kDecalibrated;
+  EXPECT_EQ(verdict_beside(imu_off, turned), kCannotTell);
 }
 
 }  // namespace

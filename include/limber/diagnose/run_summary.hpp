@@ -79,7 +79,7 @@ struct RunSummary {
   /// The frames show another readout time than was assumed: what the run says of itself is not to be
   /// believed.
   bool readout_contradicted = false;
-  /// The rig looked wrong, and a clock that is off may be why: it is not judged, see add_clocks.
+  /// A clock that is off may be why the rig looks as it does: it is not judged, see add_clocks.
   bool clocks_hide_rig = false;
   /// The method takes the length of the baseline for exact, and positions rest on it (but with odometry,
   /// which shows its metre in every sample); see add_scale_check.
