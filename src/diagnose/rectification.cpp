@@ -78,8 +78,10 @@ struct Comparison {
 
   [[nodiscard]] bool tells() const { return given >= kLeast_px && kRatio * other < given; }
   [[nodiscard]] std::string in_words(std::string_view as_given, std::string_view as_other) const {
-    return fmt::format("are off by {:.2f} px {}, {} by {:.2f} px ({} s apart)", given, as_given, as_other,
-                       other, kApart);
+    return fmt::format(
+        "are off by {} {}, {} by {:.2f} px ({} s apart)",
+        std::isfinite(given) ? fmt::format("{:.2f} px", given) : "more than any motion explains", as_given,
+        as_other, other, kApart);
   }
 };
 
