@@ -243,7 +243,7 @@ void add_run_command(CLI::App& app) {
       ->add_option("--points-per-update", arguments->points_per_update,
                    "Points of a frame that correct the state, spread over the image; the others wait until "
                    "one of them is lost, and tell of the calibration meanwhile. Default: 80 "
-                   "where a recording has images, else all")
+                   "where a recording has images, else 150")
       ->check(whole_number(1, 100'000));
   add_force_option(*command, arguments->force);
   add_view_options(*command, arguments->view);

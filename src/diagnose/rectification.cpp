@@ -29,13 +29,14 @@ constexpr double kApart = 0.6;                   // [s]
 constexpr double kRawApart = 0.2;                // [s]: a tracker that judges by a wrong lens loses points
 constexpr std::size_t kMostRawPairs = 150;
 constexpr double kLeastBarrel = 0.1, kSurely = 6.0;  // a distortion, and its sigmas, that are named ...
-constexpr double kSame = 3.0;                        // sigmas between two that are one
-constexpr double kChance = 1e-3;                     // that exceeds it as rarely, by Student's law ...
-constexpr double kLeastDof = 1.0;                    // for less the law has no use
+constexpr double kMostLeft = 0.98;                   // ... where no more than this is left of the squares
 constexpr double kUsualBarrel = -0.3;
-constexpr double kHardlyAny = 1.0 / 3.0;  // of the distortion that the calibration has
+/// Of a distortion that the calibration has, and the images have not.
+constexpr double kHardlyAny = 1.0 / 3.0;  // share of it that may be found
+constexpr double kChance = 1e-3;          // by Student's law, for as many sigmas between the two
+constexpr double kLeastDof = 1.0;         // for less the law has no use
+constexpr double kSame = 3.0;             // sigmas between two solutions that are one
 constexpr double kLeastRadius = 0.1;      // [-] nearer to the centre nothing shows
-constexpr double kMostLeft = 0.98;        // ... where no more than this is left of the squares
 constexpr double kLongestStep = 0.15, kShortestStep = 0.01;
 constexpr int kSteps = 6;
 
@@ -244,8 +245,7 @@ std::optional<std::string> rectified_mistake(const StereoCalibration& calibratio
   }
   const std::vector<FramePair> pairs = some_pairs(frames, kRawApart, kMostRawPairs);
   const auto lens = radial_lens(plain, pairs);
-  const auto beside =
-      lens_from(given, plain, pairs);  // of few pairs there may be two, and this is the right one
+  const auto beside = lens_from(given, plain, pairs);  // of few pairs there may be two solutions
   if (!lens || (beside && std::abs(beside->lambda - lens->lambda) > kSame * lens->sigma) ||
       lens->lambda / given > kHardlyAny || !lens->is_surely_not(given)) {
     return std::nullopt;

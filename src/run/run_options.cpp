@@ -21,6 +21,9 @@ constexpr double kTrackSigmaPx = 1.0;
 /// Errors of the front end's points last as long as their tracks, so that more of them say hardly more
 /// (docs/evidence/peers.md).
 constexpr std::size_t kImagePointsPerUpdate = 80;
+/// Of somebody's tracks. A frame's time grows with the square of its points, and more, and errors hardly fall
+/// (docs/evidence/benchmarks.md).
+constexpr std::size_t kTrackPointsPerUpdate = 150;
 
 MotionModel choose_motion(const SensorData& sensors, RunSetup& setup) {
   if (!sensors.imu.empty()) {
@@ -185,8 +188,8 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
     navigator.health.reset();
   }
   navigator.map.max_landmarks = options.max_landmarks;
+  navigator.map.points_per_update = recording.images.empty() ? kTrackPointsPerUpdate : kImagePointsPerUpdate;
   if (!recording.images.empty()) {
-    navigator.map.points_per_update = kImagePointsPerUpdate;
     navigator.map.forget_after_s = 0.0;  // a track that the front end has lost never comes back
   }
   if (options.points_per_update) {

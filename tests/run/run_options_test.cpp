@@ -43,6 +43,16 @@ TEST(SetUpRun, KeepsTheLengthOfTheBaselineWhereNothingElseFixesTheScale) {
   EXPECT_THAT(setup.notes, Contains(HasSubstr("constraints rotation+direction")));
 }
 
+TEST(SetUpRun, BoundsThePointsOfAnUpdateUnlessToldHowMany) {
+  Recording recording = short_recording();
+  EXPECT_EQ(set_up_run(recording, {}).navigator.map.points_per_update, 150U);
+  recording.images.emplace_back();
+  EXPECT_EQ(set_up_run(recording, {}).navigator.map.points_per_update, 80U);
+  RunOptions options;
+  options.points_per_update = 1000;
+  EXPECT_EQ(set_up_run(recording, options).navigator.map.points_per_update, 1000U);
+}
+
 TEST(SetUpRun, FollowsAChosenConstraintSetWithoutANote) {
   RunOptions options;
   options.constraints = constraint_set_from_string("ax,tx");

@@ -45,7 +45,7 @@ struct RunOptions {
   bool gate = true;
   /// of the map; those unseen for longest go
   std::size_t max_landmarks = 300;
-  std::optional<std::size_t> points_per_update;  ///< nothing: 80 of images, else all of them
+  std::optional<std::size_t> points_per_update;  ///< nothing: 80 of images, else 150
   CleaningOptions cleaning;                      ///< of every frame, before the navigator sees it
   std::optional<RigParameters>
       theta_sigma;  ///< ekf-full, soft, consider; nothing: 0.1 deg and 5 % of the baseline
