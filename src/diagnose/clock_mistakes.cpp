@@ -7,14 +7,13 @@
 #include <array>
 #include <cmath>
 
-#include "limber/core/chi_square.hpp"
+#include "diagnose/clustered_regression.hpp"
 
 namespace limber {
 namespace {
 
-constexpr double kSurely = 5.0;    // standard deviations of an offset ...
-constexpr double kChance = 1e-4;   // ... that chance exceeds as rarely, by Student's law ...
-constexpr double kLeastDof = 1.0;  // for less the law has no use
+constexpr double kSurely = 5.0;   // standard deviations of an offset ...
+constexpr double kChance = 1e-4;  // ... that chance exceeds as rarely, by Student's law ...
 constexpr double kLeastCam1 = 1e-3, kLeastCameras = 3e-3;  // ... and that is at least that large [s]
 
 bool is_off(const std::optional<TimeOffset>& offset, double assumed, double least) {
@@ -22,8 +21,7 @@ bool is_off(const std::optional<TimeOffset>& offset, double assumed, double leas
     return false;
   }
   const double sigmas = std::abs(offset->seconds - assumed) / offset->sigma;
-  return sigmas > kSurely &&
-         (std::isinf(offset->dof) || student_survival(sigmas, std::max(offset->dof, kLeastDof)) < kChance);
+  return sigmas > kSurely && detail::is_rarer_than(kChance, sigmas, offset->dof);
 }
 
 bool cam1_is_off(const ClockOffsets& clocks) { return is_off(clocks.cam1, clocks.assumed_cam1, kLeastCam1); }

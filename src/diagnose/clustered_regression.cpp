@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "limber/core/chi_square.hpp"
 #include "limber/core/median.hpp"
 
 namespace limber::detail {
@@ -118,6 +119,11 @@ std::optional<ClusteredSolution> solve(const ClusteredRows& rows) {
   const WeightedSums sums = weighted_sums(rows, x);
   const auto sigma = jackknife(sums);
   return sigma ? std::optional(ClusteredSolution{x, *sigma, degrees_of_freedom(sums)}) : std::nullopt;
+}
+
+bool is_rarer_than(double chance, double sigmas, double dof) {
+  constexpr double kLeastDof = 1.0;  // for less the law has no use
+  return std::isinf(dof) || student_survival(sigmas, std::max(dof, kLeastDof)) < chance;
 }
 
 }  // namespace limber::detail

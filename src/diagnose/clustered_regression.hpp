@@ -32,4 +32,8 @@ struct ClusteredSolution {
 /// @return nothing where x is not determined, or rests on one cluster
 [[nodiscard]] std::optional<ClusteredSolution> solve(const ClusteredRows& rows);
 
+/// @brief Whether chance puts a value that many sigmas off more seldom than that, by Student's law with one
+/// degree of freedom at least. Always where sigma is known (infinite dof): its number is the judge then.
+[[nodiscard]] bool is_rarer_than(double chance, double sigmas, double dof);
+
 }  // namespace limber::detail

@@ -14,7 +14,6 @@
 
 #include "diagnose/clustered_regression.hpp"
 #include "diagnose/left_turn.hpp"
-#include "limber/core/chi_square.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
 #include "limber/measure/epipolar.hpp"
@@ -34,7 +33,7 @@ constexpr double kUsualBarrel = -0.3;
 /// Of a distortion that the calibration has, and the images have not.
 constexpr double kHardlyAny = 1.0 / 3.0;  // share of it that may be found
 constexpr double kChance = 1e-3;          // by Student's law, for as many sigmas between the two
-constexpr double kLeastDof = 1.0;         // for less the law has no use
+constexpr double kRightLens = 2.0 / 3.0;  // share of it from where on nothing else need be looked for
 constexpr double kSame = 3.0;             // sigmas between two solutions that are one
 constexpr double kLeastRadius = 0.1;      // [-] nearer to the centre nothing shows
 constexpr double kLongestStep = 0.15, kShortestStep = 0.01;
@@ -112,7 +111,7 @@ struct RadialLens {
 
   [[nodiscard]] bool is_surely_not(double other) const {
     const double sigmas = std::abs(lambda - other) / sigma;
-    return sigmas > kSurely && student_survival(sigmas, std::max(dof, kLeastDof)) < kChance;
+    return sigmas > kSurely && is_rarer_than(kChance, sigmas, dof);
   }
 };
 
@@ -244,8 +243,12 @@ std::optional<std::string> rectified_mistake(const StereoCalibration& calibratio
     return std::nullopt;
   }
   const std::vector<FramePair> pairs = some_pairs(frames, kRawApart, kMostRawPairs);
-  const auto lens = radial_lens(plain, pairs);
   const auto beside = lens_from(given, plain, pairs);  // of few pairs there may be two solutions
+  // Then the other would be within 3 sigmas of it and 6 from what is given only if it were more than a third.
+  if (beside && beside->lambda / given > kRightLens) {
+    return std::nullopt;
+  }
+  const auto lens = radial_lens(plain, pairs);
   if (!lens || (beside && std::abs(beside->lambda - lens->lambda) > kSame * lens->sigma) ||
       lens->lambda / given > kHardlyAny || !lens->is_surely_not(given)) {
     return std::nullopt;

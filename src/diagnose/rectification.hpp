@@ -20,10 +20,9 @@ namespace limber::detail {
 /// motion is found with either lens.
 /// Depths to begin with are those of the calibration, or of the same rig `turned` as its epipolar lines say,
 /// whichever leaves less: of a rig that has moved the former lead nowhere.
-/// - Rectified: the calibration has distortion, and without it less than two thirds are left; or a distortion
-/// that is
-///   estimated beside the motions over 0.2 s, whatever it starts from, is less than a third of it, by 6 sigma
-///   and by Student's law for the seconds that tell, and leaves fewer squares.
+/// - Rectified: the calibration has distortion, and without it less than two thirds are left; or a
+///   distortion that is estimated beside the motions over 0.2 s, whatever it starts from, is less than a
+///   third of it, by 6 sigma and by Student's law for the seconds that tell, and leaves fewer squares.
 /// - Raw: it has none, and a barrel distortion, estimated beside the motions over 0.2 s, is 6 sigma and more
 ///   than 0.1, and leaves fewer squares. Trackers drop points that a wrong lens bends most:
 ///   what is left lies in all of the pairs together, not in the size of one.

@@ -31,9 +31,9 @@ struct ClockOffsets {
 
 /// @brief The verdict on a rig beside clocks that are off. `ok` becomes `cannot tell`: an offset is part of
 /// the calibration. `degraded` and `decalibrated` do so if it may be the clock: that of cam1 looks like a rig
-/// that bends while it moves; that of the IMU bends the trajectory, and
-/// with it what motion says of depths, so of vergence and the baseline's length. But it never moves a point
-/// off its epipolar line, by which the other four axes, and a rig that moves, are judged as before.
+/// that bends while it moves; that of the IMU bends the trajectory, and with it what motion says of depths,
+/// so of vergence and the baseline's length. But it never moves a point off its epipolar line, by which the
+/// other four axes, and a rig that moves, are judged as before.
 [[nodiscard]] HealthVerdict verdict_beside(const ClockOffsets& clocks, const HealthSummary& health);
 
 /// Where verdict_beside is not that of the rig.
