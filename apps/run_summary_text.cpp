@@ -18,8 +18,9 @@ std::string text_of(const std::optional<double>& value, const char* unit, int di
 
 void print_estimated(const CalibrationEstimate& estimate) {
   const char* heading = "estimated";
+  const ParameterSet told = told_parameters(estimate);
   for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
-    if (!estimate.parameters[k]) continue;
+    if (!told[k]) continue;
     const auto at = static_cast<Eigen::Index>(k);
     fmt::print("  {:<16}{:<7} {:+.3g} ± {:.2g} {} (true - assumed)\n", heading, kParameterNames[k],
                in_user_units(k, estimate.error(at)), in_user_units(k, estimate.sigma(at)), user_unit_of(k));

@@ -149,14 +149,19 @@ SensorStartResult SensorStart::result_for(Method method) {
   out.report = !w.solution || w.solved_s < w.length() ? w.solve_and_judge()
                : w.unused.empty()                     ? w.judged()
                                                       : w.report;
+  if (out.report.status == StartStatus::kTimedOut && w.knows_no_scale()) {
+    w.scale_told = false;
+    w.take_scale_of_rig();
+  }
   if (const std::optional<StartWindow> trusting =
           may_trust_rig(asked) ? w.trusting(out.report.status) : std::nullopt) {
     out.initial = trusting->handed_over();
     out.initial.distrusting = std::make_shared<const InitialState>(w.handed_over());
     out.trajectory = trusting->trajectory();
     out.distrusting = w.trajectory();
-    out.report.scale_sigma = trusting->scale_sigma();
-    out.report.tilt_sigma = trusting->tilt_sigma();
+    const InputReport inputs = out.report.inputs;
+    out.report = trusting->judged();
+    out.report.inputs = inputs;
   } else if (w.solution) {
     out.initial = w.handed_over();
     out.trajectory = w.trajectory();

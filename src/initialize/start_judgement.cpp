@@ -21,9 +21,24 @@ namespace {
 
 /// Misfit over the least of all solutions: of one that can be gone back to, of one that contradicts it.
 constexpr double kAgrees = 1.4, kDisagrees = 3.0;
-constexpr double kFitsAsWell = 1.1;  // of a rig that is trusted, which has fewer unknowns
-constexpr double kRefines = 0.9;     // of the scale's sigma, from one solution to the next
-constexpr double kTrend = 1.2;       // of the window's length
+constexpr double kFitsAsWell = 1.1;    // of a rig that is trusted, which has fewer unknowns
+constexpr double kFitsTheSame = 1.05;  // where it gives the scale; 0.1 deg of vergence pass, 0.3 do not
+constexpr double kRefines = 0.9;       // of the scale's sigma, from one solution to the next
+constexpr double kTrend = 1.2;         // of the window's length
+
+/// Directions of theta that leave disparities as they are: neither vergence nor the length of the baseline.
+std::vector<Index> across_disparities(const WindowModel& model) {
+  constexpr double kAcross = 0.1;  // cosine
+  const Eigen::Vector3d along = model.calibration.theta.tail<3>().normalized();
+  std::vector<Index> out;
+  for (Index k = 0; k < model.directions.cols(); ++k) {
+    const Eigen::Matrix<double, 6, 1> of = model.directions.col(k);
+    if (of(1) == 0.0 && std::abs(along.dot(of.tail<3>())) <= kAcross * of.tail<3>().norm()) {
+      out.push_back(k);
+    }
+  }
+  return out;
+}
 
 }  // namespace
 
@@ -113,9 +128,63 @@ StartReport StartWindow::solve_and_judge() {
   return out;
 }
 
+/// The same window, not solved yet, where theta is free along some of its directions alone.
+StartWindow StartWindow::with_open(const std::vector<Index>& open) const {
+  StartWindow out = *this;
+  out.model.directions = model.directions(Eigen::all, open);
+  for (std::vector<WindowFrame>* some : {&out.frames, &out.solution->frames}) {
+    for (WindowFrame& frame : *some) {
+      frame.theta = frame.theta(open).eval();
+    }
+  }
+  return out;
+}
+
+/// Where nothing has told the scale, the solution's is anyone's, and a filter that is linearised there learns
+/// nonsense. As good a solution is one with the rig's scale, if the pixels are as near to where it sees them,
+/// or would be if it were turned or moved across the lines along which depths are seen. What is known of it,
+/// the scale among it, stays what is known without the rig.
+void StartWindow::take_scale_of_rig() {
+  if (of_rig || !unused.empty() || !model.right) {
+    return;
+  }
+  for (const std::vector<Index>& open : {std::vector<Index>{}, across_disparities(model)}) {
+    auto there = std::make_shared<StartWindow>(with_open(open));
+    there->solution.reset();
+    there->solve();
+    if (there->solution && there->normal.cost < kFitsTheSame * normal.cost && move_to(*there, open)) {
+      of_rig = open.empty() ? std::move(there) : nullptr;
+      return;
+    }
+  }
+}
+
+/// To another window's solution, whose theta is open along these directions. @return whether it may be used
+bool StartWindow::move_to(const StartWindow& other, const std::vector<Index>& open) {
+  WindowState state = *other.solution;
+  for (WindowFrame& frame : state.frames) {
+    Eigen::VectorXd theta = Eigen::VectorXd::Zero(model.directions.cols());
+    theta(open) = frame.theta;
+    frame.theta = std::move(theta);
+  }
+  model.R_first = other.model.R_first;
+  WindowNormal there = linearise(model, state);
+  MatrixXd known = frame_covariance(there);
+  if (known.size() == 0) {
+    return false;
+  }
+  solution = std::move(state);
+  normal = std::move(there);
+  covariance = std::move(known);
+  return true;
+}
+
 /// The same window with the rig as it is, for a method that trusts it until it is proven wrong: if the start
 /// is ready, and what this window knows of the rig proves nothing.
 std::optional<StartWindow> StartWindow::trusting(StartStatus status) const {
+  if (of_rig) {
+    return *of_rig;
+  }
   if (!solution || status != StartStatus::kReady) {
     return std::nullopt;
   }
@@ -123,14 +192,10 @@ std::optional<StartWindow> StartWindow::trusting(StartStatus status) const {
   if (!looks_sound(rig_offset(model, *solution, covariance, noise))) {
     return std::nullopt;
   }
-  StartWindow out = *this;
-  out.model.directions = MatrixXd(6, 0);
-  for (WindowFrame& frame : out.solution->frames) {
-    frame.theta.resize(0);
-  }
+  StartWindow out = with_open({});
   out.settle_solution();
-  const bool fits = out.solution && out.normal.cost < kFitsAsWell * normal.cost;
-  return fits ? std::optional(std::move(out)) : std::nullopt;
+  const bool fits_as_well = out.solution && out.normal.cost < kFitsAsWell * normal.cost;
+  return fits_as_well ? std::optional(std::move(out)) : std::nullopt;
 }
 
 /// Once in a window the biases may step.
@@ -181,6 +246,7 @@ void StartWindow::go_back() {
 /// The last frame and the map; of their scale no more than the motion can tell.
 InitialState StartWindow::handed_over() const {
   InitialState out = hand_over(model, *solution, normal, covariance);
+  out.scale_told = scale_told;
   out.body_covariance = seen_from_first(out.nav, out.body_covariance);
   if (leaves_scale_open()) {
     take_noise_from_scale(out);

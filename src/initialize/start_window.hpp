@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -61,6 +62,8 @@ struct StartWindow {
   bool failed_before = false;                     // the solution before disagreed
   std::optional<std::int64_t> stepped_before_ns;  // the biases, in the interval that holds this
   std::vector<StereoFrame> unused;                // after images and inputs agreed last
+  bool scale_told = true;                         // by the end of the start, to some of it
+  std::shared_ptr<const StartWindow> of_rig;      // if not: with the rig as it is, if the pixels allow it
 
   /// Where the body is taken to stand if nothing tells: level, or the left camera looking horizontally.
   [[nodiscard]] Eigen::Matrix3d assumed_attitude() const;
@@ -102,9 +105,14 @@ struct StartWindow {
     return leaves_scale_open() && has_scale(model.options.motion);
   }
   [[nodiscard]] bool awaits_motion() const;
+  /// Not to a factor of e.
+  [[nodiscard]] bool knows_no_scale() const { return solution && leaves_scale_open() && scale_sigma() > 1.0; }
   [[nodiscard]] bool is_out_of_time() const { return waited_s() >= options.longest_still_s; }
   [[nodiscard]] bool still_rests() const;
   void forget_rest();
+  [[nodiscard]] StartWindow with_open(const std::vector<Eigen::Index>& open) const;
+  void take_scale_of_rig();
+  [[nodiscard]] bool move_to(const StartWindow& other, const std::vector<Eigen::Index>& open);
   [[nodiscard]] std::optional<StartWindow> trusting(StartStatus status) const;
   bool explain_by_step();
   bool explain_by_clock();

@@ -91,6 +91,10 @@ void StartWindow::forget_rest() {
   if (length() < kLongestRest) {
     return;
   }
+  if (knows_no_scale()) {
+    take_scale_of_rig();
+    of_rig.reset();
+  }
   const std::vector<WindowFrame>& solved = solution->frames;
   const auto first = std::find_if(solved.begin(), solved.end() - 1, [&](const WindowFrame& frame) {
     return seconds_between(frame.nav.t_ns, raw.back().t_ns) <= kKeptRest;

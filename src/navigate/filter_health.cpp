@@ -8,6 +8,7 @@
 #include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
 #include "limber/navigate/stereo_filter.hpp"
+#include "parameter_roles.hpp"
 
 namespace limber {
 
@@ -23,6 +24,9 @@ constexpr double kLongGap = 0.1;
 /// after that [s], though not every frame shows it.
 constexpr double kAccusedByChance = 1e-6;
 constexpr double kMisled = 0.5;
+
+/// A speed tells a scale where it is that many of its sigmas: to 5 %, as a start asks for.
+constexpr double kCertainMotion = 20.0;
 
 /// Of a filter that trusts theta, NIS also counts what theta would explain: without that.
 struct Innovations {
@@ -76,6 +80,20 @@ void StereoFilter::learn_pixel_noise(const ParameterErrorModel& model, const Upd
     if (!rig_accused_ns_ || seconds_between(*rig_accused_ns_, correction.t_ns) > kMisled) {
       pixel_noise_->learn(scatter * rest.dof, rest.dof);
     }
+  }
+}
+
+/// A body that certainly moves tells how long a metre is. What was gathered of the length of the baseline
+/// until then was compared to nothing.
+void StereoFilter::notice_motion() {
+  if (scale_told_) {
+    return;
+  }
+  const Eigen::Vector3d v = estimate_.nav().v_world_body;
+  const Eigen::Matrix3d P = estimate_.P().diagonal_block<3>(StateLayout::kVelocity);
+  scale_told_ = v.squaredNorm() * v.squaredNorm() > kCertainMotion * kCertainMotion * v.dot(P * v);
+  if (scale_told_ && detail::has_witness(options_)) {
+    estimate_.restart_witness(kWidestErrors);
   }
 }
 

@@ -59,6 +59,7 @@ CalibrationEstimate StereoFilter::calibration_estimate() const {
   if (estimates_theta(options_) && always_has_theta(options_.method)) {
     out.parameters |= theta_parameters();
   }
+  out.trusts_rig = options_.method == Method::kAdaptive && fresh_.is_zero();
   const StateLayout& layout = estimate_.layout();
   out.error << estimate_.theta() - given_.theta, estimate_.more();
   const auto read_sigma = [&](ParameterBlock block, Index at) {
@@ -101,7 +102,7 @@ void StereoFilter::walk_parameters(double dt) {
        : options_.method == Method::kAdaptive ? fresh
                                               : RigParameters(estimated_walk.head<6>()))
           .asDiagonal();
-  if (options_.method == Method::kAdaptive && !has_scale(options_.motion)) {
+  if (options_.method == Method::kAdaptive && !tells_length()) {
     walk = without_length(walk, calibration_.theta);
   }
   const Index at = estimate_.layout().theta();
@@ -111,6 +112,9 @@ void StereoFilter::walk_parameters(double dt) {
 void StereoFilter::distrust(const CalibrationPrior& prior) {
   const Index at = estimate_.layout().theta();
   Eigen::Matrix<double, 6, 6> jump = scale_.asDiagonal() * prior.jump * scale_.asDiagonal();
+  if (!scale_told_) {  // the length would be learned from a map whose scale is as unknown
+    jump = without_length(jump, calibration_.theta);
+  }
   jump.diagonal() += kTrustedSigma * kTrustedSigma * scale_.cwiseAbs2();  // keeps P positive definite
   estimate_.mutable_P().set_diagonal_block(at, estimate_.P().diagonal_block<6>(at) + jump);
   fresh_.begin(prior.fresh);
@@ -125,13 +129,18 @@ void StereoFilter::copy_state(const StereoFilter& constrained) {
   omega_input_ = constrained.omega_input_;
   pixel_noise_ = constrained.pixel_noise_;
   rig_accused_ns_ = constrained.rig_accused_ns_;
+  scale_told_ = constrained.scale_told_;
   last_frame_ns_ = constrained.last_frame_ns_;
 }
 
 void StereoFilter::take_over(const StereoFilter& constrained, const CalibrationPrior& prior) {
-  copy_state(constrained);
-  estimate_.promote_witness(constrained.error_model().watched.topRows<kBlockSize>());
-  use_estimated_calibration();
+  if (constrained.scale_told_) {
+    copy_state(constrained);
+    estimate_.promote_witness(constrained.error_model().watched.topRows<kBlockSize>());
+    use_estimated_calibration();
+  } else {
+    follow(constrained);  // its witness compares the length to a scale that nobody knows
+  }
   distrust(prior);
 }
 

@@ -3,6 +3,14 @@
 
 namespace limber {
 
+ParameterSet told_parameters(const CalibrationEstimate& estimate) {
+  ParameterSet out = estimate.parameters;
+  for (std::size_t k = 0; estimate.trusts_rig && k < static_cast<std::size_t>(kBlockSize); ++k) {
+    out[k] = false;
+  }
+  return out;
+}
+
 std::string to_string(InputStatus status) {
   switch (status) {
     case InputStatus::kNotNeeded:

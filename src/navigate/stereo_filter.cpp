@@ -83,7 +83,8 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
       budget_(calibration, options_.map.points_per_update),
       inputs_(options.motion == MotionModel::kOdometry ? kOdometryPrior : kImuPrior),
       checks_(limits_of(options.motion)),
-      sound_(initial) {
+      sound_(initial),
+      scale_told_(initial.scale_told || !has_scale(options.motion)) {
   check_parameters(options_, calibration);
   if (!has_more(options_)) {  // where more is estimated, the points would have to be correlated with it
     place_first_map(estimate_, initial, mount(calibration)[0].T_cam_body.inverse());
@@ -286,6 +287,7 @@ void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorMode
                                       corrected_by, updated.nis, static_cast<double>(updated.dof)};
       judge_inputs(correction, report);
       learn_pixel_noise(model, updated, correction);
+      notice_motion();
     }
     if (monitor_) {
       learn_from(model, updated, dt, report);

@@ -52,6 +52,7 @@ StartReport report_of(const SensorStartResult& result, const StartReport& of_las
   StartReport out = of_last_frame.status == StartStatus::kWaiting ? result.report : of_last_frame;
   out.tilt_sigma = result.report.tilt_sigma;
   out.scale_sigma = result.report.scale_sigma;
+  out.missing = result.report.missing;
   return out;
 }
 

@@ -45,9 +45,10 @@ Json estimated_parameters(const RunRecord& record) {
     return nullptr;
   }
   const CalibrationEstimate& last = record.calibration.back().estimate;
+  const ParameterSet told = told_parameters(last);
   Json out;
   for (std::size_t k = 0; k < kParameterNames.size(); ++k) {
-    if (last.parameters[k]) {
+    if (told[k]) {
       const auto at = static_cast<Eigen::Index>(k);
       out[std::string(kParameterNames[k])] = {{"error", in_user_units(k, last.error(at))},
                                               {"sigma", in_user_units(k, last.sigma(at))},

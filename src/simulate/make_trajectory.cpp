@@ -52,7 +52,7 @@ Vector3d limited(const Vector3d& step, double longest) {
 }
 
 SplineTrajectory make(const RandomSplineTrajectory& t, const Recipe& recipe) {
-  const std::size_t resting = t.rest > 0.0 ? control_count(t.rest, t.knot_spacing) : 0;
+  const std::size_t resting = t.rest > 0.0 ? 2 : 0;  // control poses that are as the first one
   std::vector<Pose> poses;
   for (std::size_t i = 0; i < resting + control_count(recipe.duration, t.knot_spacing); ++i) {
     const auto symmetric = [&](std::uint32_t j) -> Vector3d {
@@ -72,7 +72,7 @@ SplineTrajectory make(const RandomSplineTrajectory& t, const Recipe& recipe) {
   for (Pose& pose : poses) {
     pose.R = so3_normalized(pose.R * recipe.R_vehicle_body);
   }
-  return {std::move(poses), t.knot_spacing};
+  return {std::move(poses), t.knot_spacing, t.rest};
 }
 
 /// The vehicle on the figure-eight where its parameter is s (0 and pi: the crossing, pi/2 and 3 pi/2: the

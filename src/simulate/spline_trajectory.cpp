@@ -34,8 +34,8 @@ Vector3d specific_force(const Kinematics& state, double gravity) {
   return state.T_world_body.R.transpose() * (state.a_world_body + gravity * Vector3d::UnitZ());
 }
 
-SplineTrajectory::SplineTrajectory(std::vector<Pose> control_poses, double knot_spacing)
-    : control_poses_(std::move(control_poses)), knot_spacing_(knot_spacing) {
+SplineTrajectory::SplineTrajectory(std::vector<Pose> control_poses, double knot_spacing, double rest)
+    : control_poses_(std::move(control_poses)), knot_spacing_(knot_spacing), rest_(rest) {
   if (control_poses_.size() < 4) {
     throw std::invalid_argument("SplineTrajectory: needs at least 4 control poses, got " +
                                 std::to_string(control_poses_.size()));
@@ -43,13 +43,16 @@ SplineTrajectory::SplineTrajectory(std::vector<Pose> control_poses, double knot_
   if (!(knot_spacing_ > 0.0) || !std::isfinite(knot_spacing_)) {
     throw std::invalid_argument("SplineTrajectory: the knot spacing must be positive");
   }
+  if (!(rest_ >= 0.0) || !std::isfinite(rest_)) {
+    throw std::invalid_argument("SplineTrajectory: the rest must not be negative");
+  }
   for (std::size_t i = 0; i + 1 < control_poses_.size(); ++i) {
     rotation_steps_.push_back(so3_log(control_poses_[i].R.transpose() * control_poses_[i + 1].R));
   }
 }
 
 double SplineTrajectory::duration() const {
-  return knot_spacing_ * static_cast<double>(control_poses_.size() - 3);
+  return rest_ + knot_spacing_ * static_cast<double>(control_poses_.size() - 3);
 }
 
 Kinematics SplineTrajectory::at(double t) const {
@@ -58,8 +61,9 @@ Kinematics SplineTrajectory::at(double t) const {
                                 std::to_string(duration()) + "] s");
   }
   const std::size_t last_segment = control_poses_.size() - 4;
-  const std::size_t i = std::min(static_cast<std::size_t>(t / knot_spacing_), last_segment);
-  const Blending b = blending(t / knot_spacing_ - static_cast<double>(i), knot_spacing_);
+  const double knots = std::max(t - rest_, 0.0) / knot_spacing_;
+  const std::size_t i = std::min(static_cast<std::size_t>(knots), last_segment);
+  const Blending b = blending(knots - static_cast<double>(i), knot_spacing_);
 
   Kinematics state;
   state.T_world_body = control_poses_[i];

@@ -225,5 +225,18 @@ TEST(EveryMadeTrajectory, StandsStillForItsRest) {
   }
 }
 
+TEST(EveryMadeTrajectory, SetsOffWhereItsRestIsOver) {
+  Scenario s;
+  for (const double rest : {0.5, 2.0, 7.0}) {
+    for (const TrajectoryScenario& kind : {TrajectoryScenario(RandomSplineTrajectory{.rest = rest}),
+                                           TrajectoryScenario(FigureEightTrajectory{.rest = rest})}) {
+      s.trajectory = kind;
+      const SplineTrajectory trajectory = make_trajectory(s, 1);
+      EXPECT_LT(trajectory.at(rest - 0.1).v_world_body.norm(), 1e-12);
+      EXPECT_GT(trajectory.at(rest + 1.0).v_world_body.norm(), 0.005);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace limber

@@ -91,6 +91,11 @@ struct CalibrationEstimate {
   ParameterSet parameters;                          ///< those it estimates; the others are zero below
   ParameterVector error = ParameterVector::Zero();  ///< true minus given
   ParameterVector sigma = ParameterVector::Zero();  ///< standard deviation of that
+  /// `adaptive` takes the rig for exact so far: its sigma is what it takes for granted, not what it knows
+  bool trusts_rig = false;
 };
+
+/// Those of an estimate that the sensors have told: not a rig that is trusted.
+[[nodiscard]] ParameterSet told_parameters(const CalibrationEstimate& estimate);
 
 }  // namespace limber

@@ -196,6 +196,9 @@ class StereoFilter {
   void use_estimated_calibration();
   [[nodiscard]] ParameterErrorModel error_model() const;
   void walk_parameters(double dt);
+  void notice_motion();
+  /// Whether a length of the baseline can be learned.
+  [[nodiscard]] bool tells_length() const { return has_scale(options_.motion) && scale_told_; }
   void learn_from(const ParameterErrorModel& model, const UpdateReport& update, double dt,
                   FrameReport& report);
   void learn_pixel_noise(const ParameterErrorModel& model, const UpdateReport& update,
@@ -222,6 +225,7 @@ class StereoFilter {
   std::int64_t trusted_again_ns_ = std::numeric_limits<std::int64_t>::min();
   double blind_turn_ = 0.0;  // variance of attitude that predictions added since the last update [rad^2]
   InitialState sound_;       // body after the last sound frame, to begin anew from
+  bool scale_told_;          // the start knew how long a metre is, or a motion has told it since
   Eigen::Vector3d omega_input_ = Eigen::Vector3d::Zero();  // [rad/s], of the last step: gyro or odometry
   std::optional<LearnedPixelNoise> pixel_noise_;           // where nobody stated it
   std::optional<std::int64_t> rig_accused_ns_;             // by a frame, last: it explains what is off

@@ -23,15 +23,19 @@ struct Kinematics {
 /// @brief Trajectory as a continuous function of time: uniform cubic B-spline, twice continuously
 /// differentiable in position and (cumulative form) in attitude, so that sensors can be read off it exactly.
 ///
-/// Control pose i sits at (i - 1) `knot_spacing`. The spline stays in the convex hull of four neighbours:
-/// speed never exceeds the longest step between neighbours divided by the spacing, angular rate likewise.
+/// Control pose i sits at (i - 1) `knot_spacing` after the rest. The spline stays in the convex hull of four
+/// neighbours: speed never exceeds the longest step between neighbours divided by the spacing, angular rate
+/// likewise.
 /// @note [Sommer2020].
 class SplineTrajectory {
  public:
   /// @param control_poses at least four; neighbours less than pi apart
   /// @param knot_spacing  [s], positive
+  /// @param rest          stands still where the spline begins for so long [s], not negative; smooth where
+  /// the
+  ///                      first three control poses are the same
   /// @throws std::invalid_argument otherwise
-  SplineTrajectory(std::vector<Pose> control_poses, double knot_spacing);
+  SplineTrajectory(std::vector<Pose> control_poses, double knot_spacing, double rest = 0.0);
 
   /// The spline is defined on [0, duration()] [s].
   [[nodiscard]] double duration() const;
@@ -46,6 +50,7 @@ class SplineTrajectory {
   std::vector<Pose> control_poses_;
   std::vector<Eigen::Vector3d> rotation_steps_;  // Log(R_i^T R_{i+1})
   double knot_spacing_;
+  double rest_;
 };
 
 }  // namespace limber

@@ -20,6 +20,9 @@ struct InitialState {
   std::vector<Landmark> landmarks = {};
   Eigen::MatrixXd landmarks_covariance = {};  ///< 3n×3n
   Eigen::MatrixXd landmarks_body = {};        ///< with the body, 3n×body_size()
+  /// False where nothing had told the scale, with an IMU: the map has the rig's, and what is known of it is
+  /// what was known without the rig.
+  bool scale_told = true;
   /// Where the above trusts the rig after all: the same start without that trust. The parallel filter of
   /// `adaptive` begins there, and it goes back there once the rig is proven wrong. Else none.
   std::shared_ptr<const InitialState> distrusting = nullptr;
