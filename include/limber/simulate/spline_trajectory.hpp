@@ -31,9 +31,8 @@ class SplineTrajectory {
  public:
   /// @param control_poses at least four; neighbours less than pi apart
   /// @param knot_spacing  [s], positive
-  /// @param rest          stands still where the spline begins for so long [s], not negative; smooth where
-  /// the
-  ///                      first three control poses are the same
+  /// @param rest          [s], not negative: stands where it begins for so long; smooth where the first three
+  ///                      control poses are the same
   /// @throws std::invalid_argument otherwise
   SplineTrajectory(std::vector<Pose> control_poses, double knot_spacing, double rest = 0.0);
 
