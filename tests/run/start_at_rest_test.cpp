@@ -66,8 +66,8 @@ Recording drone_on_the_ground(double half_extent, double duration) {
   return simulate(scenario, 12);
 }
 
-/// The start had taken over a scale that was anyone's, a twentieth of the true one, and the doubt that came
-/// of it had learned a baseline that is shorter than nothing: tx -208 +- 24 mm of 200.
+/// The start had taken over a scale that was anyone's, and the doubt that came of it had learned a baseline
+/// that is shorter than nothing: tx -167 +- 19 mm of 120.
 TEST(StartAtRest, AdaptiveLearnsNoLengthThatNobodyKnows) {
   const Recording recording = drone_on_the_ground(0.0, 8.0);
   RunOptions options;
@@ -80,7 +80,7 @@ TEST(StartAtRest, AdaptiveLearnsNoLengthThatNobodyKnows) {
   EXPECT_EQ(told_parameters(last)[kTx], !last.trusts_rig);
 }
 
-/// Where it creeps, frames that a waiting start drops had a scale that was anyone's: 60 to 140 mm off.
+/// Where it creeps, frames that a waiting start drops had a scale that was anyone's: 61 and 57 mm off.
 TEST(StartAtRest, ScaleThatNobodyKnowsIsTheRigs) {
   const Recording recording = drone_on_the_ground(0.3, 10.0);
   for (const Method method : {Method::kLcekf, Method::kAdaptive}) {

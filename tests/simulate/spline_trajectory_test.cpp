@@ -100,6 +100,8 @@ TEST(SplineTrajectory, RefusesTooFewPosesAndSpacingsThatAreNotPositive) {
   EXPECT_THROW(SplineTrajectory(std::vector<Pose>(3), 1.0), std::invalid_argument);
   EXPECT_THROW(SplineTrajectory(std::vector<Pose>(4), 0.0), std::invalid_argument);
   EXPECT_THROW(SplineTrajectory(std::vector<Pose>(4), std::nan("")), std::invalid_argument);
+  EXPECT_THROW(SplineTrajectory(std::vector<Pose>(4), 1.0, -0.1), std::invalid_argument);
+  EXPECT_THROW(SplineTrajectory(std::vector<Pose>(4), 1.0, std::nan("")), std::invalid_argument);
 }
 
 TEST(SpecificForce, IsGravityUpwardsAtRestInAnyAttitude) {
