@@ -102,8 +102,8 @@ Innovation compressed(FrameInnovation frame, const std::vector<bool>& kept) {
     compress_tail(innovation, frame.seen_by_fourth);
   }
   StatelessRows& stateless = innovation.stateless;
-  Pool pool = compressed_pool(MatrixXd(stateless.residual.size(), 0), stateless.D,
-                              std::move(stateless.residual), innovation.noise);
+  const MatrixXd no_state(stateless.residual.size(), 0);
+  Pool pool = compressed_pool(no_state, stateless.D, std::move(stateless.residual), innovation.noise);
   stateless = {std::move(pool.r), std::move(pool.D)};
   return std::move(innovation);
 }
