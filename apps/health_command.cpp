@@ -45,6 +45,7 @@ RunOptions to_options(const HealthArguments& arguments, const Recording& recordi
   RunOptions options = to_run_options(arguments, recording);
   options.method = Method::kLcekf;
   options.gravity = arguments.gravity;
+  options.doubt_odometry_mount = false;  // short motions tell most of the rig; poses are not asked for
   return options;
 }
 

@@ -2,6 +2,9 @@
 // StereoFilter's calibration: which part of it is in the state, how it walks, and what an update makes of the
 // rest.
 #include "limber/navigate/stereo_filter.hpp"
+
+#include <cmath>
+
 #include "parameter_roles.hpp"
 
 namespace limber {
@@ -17,6 +20,8 @@ namespace {
 constexpr double kWalkPerSecond = 20.0;
 
 constexpr double kEstimatedWalk = 0.01;  // of the standard deviation at the start, per sqrt(s)
+
+constexpr double kMountLasts = 0.3;  // [s] of an odometer's mount that is in doubt
 
 constexpr double kPaperBaseline = 2.0;  // [m]
 constexpr double kPaperWalk = 1e-4;     // per second: 1e-6 [rad^2], [m^2] per 10 ms, Table 1
@@ -81,7 +86,22 @@ CalibrationEstimate StereoFilter::calibration_estimate() const {
   return out;
 }
 
+/// The angles of a mount that is in doubt tend to nothing, and as much of fresh ones comes in: their sigmas
+/// stay (Gauss-Markov of first order).
+void StereoFilter::renew_mount(double dt) {
+  const double kept = std::exp(-dt / kMountLasts);
+  estimate_.shrink_mount_rotation(kept);
+  const Index at = estimate_.layout().more(kMoreBlocks.size() - 1);
+  Eigen::Matrix<double, 6, 6> P = estimate_.P().diagonal_block<6>(at);
+  P.diagonal().head<3>().array() += (1.0 - kept * kept) * kMountSigma * kMountSigma;
+  estimate_.mutable_P().set_diagonal_block(at, P);
+  use_estimated_calibration();
+}
+
 void StereoFilter::walk_parameters(double dt) {
+  if (options_.doubt_odometry_mount) {
+    renew_mount(dt);
+  }
   const ParameterVector estimated_walk = (kEstimatedWalk * options_.estimated).cwiseAbs2();
   const StateLayout& layout = estimate_.layout();
   for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {

@@ -37,6 +37,7 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
   for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
     layout.has_more[k] = (estimated(options) & parameters_of(kMoreBlocks[k])).any();
   }
+  layout.has_more.back() = layout.has_more.back() || options.doubt_odometry_mount;
   layout.has_map_scale =
       leaves_scale_unseen(options, calibration) &&
       (options.carries_scale || options.motion == MotionModel::kOdometry || !initial.landmarks.empty());
@@ -45,8 +46,11 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
   if (initial.landmarks.empty()) {  // a start from the sensors has the world's origin at its own begin
     out.set_centre_of_growth(initial.nav.T_world_body.p);
   }
-  const ParameterVector prior =
+  ParameterVector prior =
       options.estimated.cwiseMax(kNotEstimated * plausible_errors(calibration)).cwiseAbs2();
+  if (options.doubt_odometry_mount) {
+    prior.segment<3>(first_of(ParameterBlock::kMount)).setConstant(kMountSigma * kMountSigma);
+  }
   for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
     if (layout.has_more[k]) {
       out.mutable_P().set_diagonal_block(layout.more(k),

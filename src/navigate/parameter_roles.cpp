@@ -42,6 +42,13 @@ ParameterSet constrained_parameters(const NavigatorOptions& options) {
   return options.constraints.more() | theta_parameters();
 }
 
+/// Of those beyond theta, what the options say something about.
+ParameterSet more_with_a_role(const NavigatorOptions& options) {
+  const ParameterSet constrained =
+      options.method == Method::kLcekf ? options.constraints.more() : ParameterSet{};
+  return (estimated(options) | softened(options) | constrained) & ~theta_parameters();
+}
+
 }  // namespace
 
 ParameterSet theta_parameters() { return parameters_of(ParameterBlock::kTheta); }
@@ -79,10 +86,13 @@ bool softens(const NavigatorOptions& options) {
   return options.method == Method::kSoft || softened(options).any();
 }
 
+bool can_doubt_mount(const NavigatorOptions& options, const StereoCalibration& calibration) {
+  return options.motion == MotionModel::kOdometry && calibration.body == BodyFrame::kImu &&
+         (more_with_a_role(options) & parameters_of(ParameterBlock::kMount)).none();
+}
+
 bool has_more(const NavigatorOptions& options) {
-  const ParameterSet constrained =
-      options.method == Method::kLcekf ? options.constraints.more() : ParameterSet{};
-  return ((estimated(options) | softened(options) | constrained) & ~theta_parameters()).any();
+  return options.doubt_odometry_mount || more_with_a_role(options).any();
 }
 
 bool watches(const NavigatorOptions& options) {

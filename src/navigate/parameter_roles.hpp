@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <numbers>
 
 #include "limber/navigate/stereo_filter.hpp"
 
@@ -17,6 +18,7 @@ inline constexpr double kTrustedSigma =
     1e-3;  ///< plausible errors: theta of adaptive, as long as it trusts the rig
 inline constexpr double kLensSigma = 0.03;  ///< plausible errors: what lenses leave of a rig that ekf trusts,
                                             ///< 0.024 px at a focal length of 460
+inline constexpr double kMountSigma = 0.5 * std::numbers::pi / 180.0;  ///< rad, of an odometer's mount
 inline constexpr double kNotEstimated =
     1e-6;  ///< plausible errors: keeps P positive definite beside what is estimated
 
@@ -35,6 +37,9 @@ inline constexpr double kNotEstimated =
 [[nodiscard]] bool estimates_theta(const NavigatorOptions& options);
 [[nodiscard]] bool constrains(const NavigatorOptions& options);
 [[nodiscard]] bool softens(const NavigatorOptions& options);
+/// The mount's rotation is in the state and tends to what was given: kImu bodies whose mount has no other
+/// role.
+[[nodiscard]] bool can_doubt_mount(const NavigatorOptions& options, const StereoCalibration& calibration);
 /// Parameters beyond theta that the filter treats as anything but known.
 [[nodiscard]] bool has_more(const NavigatorOptions& options);
 [[nodiscard]] bool watches(const NavigatorOptions& options);

@@ -24,7 +24,8 @@ using namespace detail;
 
 namespace {
 
-NavigatorOptions completed(NavigatorOptions options) {
+NavigatorOptions completed(NavigatorOptions options, const StereoCalibration& calibration) {
+  options.doubt_odometry_mount = options.doubt_odometry_mount && can_doubt_mount(options, calibration);
   options.landmark_init.kind = options.landmarks;
   if (options.method == Method::kAdaptive && !options.health) {
     options.health.emplace();  // it lives on what the monitor sees
@@ -74,7 +75,7 @@ StereoFrame visible(const StereoFrame& frame, Method method) {
 
 StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibration& calibration,
                            const InitialState& initial)
-    : options_(completed(options)),
+    : options_(completed(options, calibration)),
       given_(calibration),
       calibration_(calibration),
       scale_(plausible_error(calibration.baseline())),
@@ -293,7 +294,7 @@ void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorMode
       learn_from(model, updated, dt, report);
     }
   }
-  if (estimates_theta(options_) || estimated(options_).any()) {
+  if (estimates_theta(options_) || estimated(options_).any() || options_.doubt_odometry_mount) {
     use_estimated_calibration();
   }
 }

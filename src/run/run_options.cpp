@@ -68,9 +68,11 @@ void choose_noise(const SensorData& sensors, const RunOptions& options, RunSetup
   }
   if (navigator.motion == MotionModel::kOdometry) {
     navigator.learn_odometry_noise = !sensors.odometry_noise;
+    navigator.doubt_odometry_mount = options.doubt_odometry_mount.value_or(!sensors.odometry_noise);
     take(sensors.odometry_noise, navigator.odometry_noise,
-         fmt::format("odometry noise not given: learned, from {} m/s and {} rad/s per sample on",
-                     navigator.odometry_noise.sigma_v.x(), navigator.odometry_noise.sigma_omega.x()),
+         fmt::format("odometry noise not given: learned, from {} m/s and {} rad/s per sample on{}",
+                     navigator.odometry_noise.sigma_v.x(), navigator.odometry_noise.sigma_omega.x(),
+                     navigator.doubt_odometry_mount ? "; its mount may be off by 0.5 deg" : ""),
          setup);
   }
   // A recording that states the noise of its pixels is a simulated one: from the truth on, its filter is the

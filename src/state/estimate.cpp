@@ -125,6 +125,11 @@ void Estimate::retract_triplet(StateBlock block, const Vector3d& dx) {
   }
 }
 
+void Estimate::shrink_mount_rotation(double kept) {
+  more_.segment<3>(kMoreParameters - 6) *= kept;
+  P_.transform_triplet(layout_.more(layout_.has_more.size() - 1), kept * Matrix3d::Identity());
+}
+
 bool Estimate::is_world_vector(StateBlock block) const {
   return block.owner == Owner::kAnchorPosition ||
          (block.owner == Owner::kLandmark && landmarks_[block.index].kind == LandmarkKind::kCartesian);

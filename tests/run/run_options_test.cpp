@@ -84,6 +84,16 @@ TEST(SetUpRun, TakesTheNoiseOfTheRecordingAndSaysWhereItGuesses) {
   EXPECT_THAT(set_up_run(recording, {}).notes, Contains(HasSubstr("odometry noise not given")));
 }
 
+TEST(SetUpRun, DoubtsTheMountOfOdometryOfWhichNobodyStatesHowGoodItIs) {
+  Recording recording = without_imu(short_recording());
+  EXPECT_FALSE(set_up_run(recording, {}).navigator.doubt_odometry_mount);
+  recording.odometry_noise.reset();
+  EXPECT_TRUE(set_up_run(recording, {}).navigator.doubt_odometry_mount);
+  RunOptions options;
+  options.doubt_odometry_mount = false;
+  EXPECT_FALSE(set_up_run(recording, options).navigator.doubt_odometry_mount);
+}
+
 TEST(SetUpRun, AddsTheErrorToTheAssumedRigAndLeavesTheMountingAlone) {
   const Recording recording = short_recording();
   RunOptions options;

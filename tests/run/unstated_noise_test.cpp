@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <utility>
 
+#include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
@@ -115,6 +117,36 @@ TEST(UnstatedOdometryNoise, IsFoundWithinAFifth) {
     EXPECT_LT((found.sigma_omega.array() / rate - 1.0).abs().maxCoeff(), 0.2)
         << found.sigma_omega.transpose();
   }
+}
+
+/// ANEES of a rover of whose odometer nobody stated how good it is.
+double anees(bool doubt_mount, double degrees_off, const RigParameters& rig_off) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 15.0;
+  scenario.use_imu = false;
+  scenario.odometry = OdometryScenario{20.0, 0.05, 0.01};
+  scenario.noise.stated = false;
+  RunOptions options;
+  options.doubt_odometry_mount = doubt_mount;
+  options.assume_error.head<6>() = rig_off;
+  options.assume_error[first_of(ParameterBlock::kMount) + 2] = degrees_off * std::numbers::pi / 180.0;
+  const Recording recording = simulate(scenario, 5);
+  return summarize(recording, options, run_recording(recording, options, matched_frames(recording)))
+      .anees.value();
+}
+
+TEST(UnstatedOdometryMount, MayBeOffByAFewTenthsOfADegree) {
+  const double believed = anees(false, 0.5, RigParameters::Zero());
+  EXPECT_LT(anees(true, 0.5, RigParameters::Zero()), 1.5);
+  EXPECT_GT(believed, 4.0);
+}
+
+/// Softened in the place of it, so that no clean bearing of the body is left, landmarks went with every
+/// frame.
+TEST(UnstatedOdometryMount, LeavesALcekfFreeOfARigThatIsBent) {
+  RigParameters bent;
+  bent << 0.0, 0.0175, 0.0, 0.012, 0.0, 0.0;  // a degree of vergence, a tenth of the baseline
+  EXPECT_LT(anees(true, 0.0, bent), 1.5);
 }
 
 TEST(StatedOdometryNoise, IsTakenForWhatItIs) { (void)learned_odometry(0.03, 0.01, true); }

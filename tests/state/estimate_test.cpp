@@ -239,6 +239,23 @@ TEST(Estimate, RetractionMovesEveryPartByItsOwnTriplets) {
   }
 }
 
+TEST(Estimate, AMountThatShrinksScalesItsMeanItsRowsAndItsColumns) {
+  Generator generator(12);
+  StateLayout layout{MotionModel::kOdometry, true};
+  layout.has_more.back() = true;
+  Estimate estimate = random_map(generator, 7, layout);
+  estimate.retract(0.01 * testing::random_normal(generator, estimate.size()));
+  const MatrixXd before = estimate.P().dense();
+  const auto mean = estimate.more();
+  MatrixXd M = MatrixXd::Identity(estimate.size(), estimate.size());
+  M.diagonal().segment<3>(layout.more(2)).setConstant(0.7);
+  estimate.shrink_mount_rotation(0.7);
+  EXPECT_LE((estimate.P().dense() - M * before * M.transpose()).norm(), 1e-14 * before.norm());
+  EXPECT_LE((estimate.more().segment<3>(12) - 0.7 * mean.segment<3>(12)).norm(), 1e-17);
+  EXPECT_EQ(estimate.more().head<12>(), mean.head<12>());
+  EXPECT_EQ(estimate.more().tail<3>(), mean.tail<3>());
+}
+
 TEST(Estimate, ConversionKeepsPositionCovarianceAndCorrelations) {
   Generator generator(12);
   Estimate estimate = random_map(generator, 10);

@@ -39,6 +39,10 @@ struct NavigatorOptions {
   OdometryNoise odometry_noise;  ///< per sample
   /// odometry_noise is but where to begin: it is learned from the samples (LearnedOdometryNoise).
   bool learn_odometry_noise = false;
+  /// How the odometer's body stands against the camera is in doubt: turned by 0.5 deg about any axis, by
+  /// another angle a third of a second later (docs/derivations/parameters.md). For odometry of which nobody
+  /// stated how good it is. Not where the mount is estimated, softened or constrained, nor without a body.
+  bool doubt_odometry_mount = false;
   /// kConstantVelocity: continuous densities
   ConstantVelocityNoise constant_velocity_noise;
   /// u0, v0, u1, v1: white, per coordinate [px]

@@ -195,6 +195,7 @@ class StereoFilter {
   [[nodiscard]] MountedRig mounted(const StereoCalibration& calibration) const;
   void use_estimated_calibration();
   [[nodiscard]] ParameterErrorModel error_model() const;
+  void renew_mount(double dt);
   void walk_parameters(double dt);
   void notice_motion();
   /// Whether a length of the baseline can be learned.

@@ -33,6 +33,7 @@ struct RunOptions {
   ParameterVector assume_error = ParameterVector::Zero();  ///< added to the assumed calibration
   ParameterVector estimated = ParameterVector::Zero();     ///< see NavigatorOptions
   ParameterVector softened = ParameterVector::Zero();      ///< see NavigatorOptions
+  std::optional<bool> doubt_odometry_mount;                ///< nothing: where nobody stated odometry's noise
   std::optional<double> sigma_px;                          ///< nothing: the recording's, or the default
   /// sensors or truth
   StartMode start = StartMode::kAuto;

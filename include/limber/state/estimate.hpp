@@ -43,6 +43,9 @@ class Estimate {
   /// The same, to correct it; who does keeps it positive semidefinite.
   [[nodiscard]] Covariance& mutable_P() { return P_; }
 
+  /// The mount's rotation times `kept` in 0 to 1, mean and covariance. For layouts that have the mount in the
+  /// state.
+  void shrink_mount_rotation(double kept);
   /// Another mean of the body, with the same covariance.
   void set_nav(const NavigationState& nav) { nav_ = nav; }
   /// Another time of the body; nothing else changes.
