@@ -51,12 +51,16 @@ MountedRig StereoFilter::mounted(const StereoCalibration& calibration) const {
   return out;
 }
 
-void StereoFilter::use_estimated_calibration() {
+/// What was given, with what an estimate has of it.
+StereoCalibration StereoFilter::calibration_of(const Estimate& estimate) const {
   ParameterVector error;
-  error << RigParameters::Zero(), estimate_.more();
-  calibration_ = corrected(given_, error);
-  calibration_.theta = estimate_.theta();
+  error << RigParameters::Zero(), estimate.more();
+  StereoCalibration out = corrected(given_, error);
+  out.theta = estimate.theta();
+  return out;
 }
+
+void StereoFilter::use_estimated_calibration() { calibration_ = calibration_of(estimate_); }
 
 CalibrationEstimate StereoFilter::calibration_estimate() const {
   CalibrationEstimate out;

@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "limber/navigate/stereo_filter.hpp"
+#include "parameter_roles.hpp"
 
 namespace limber {
 
+using detail::has_more;
 using Eigen::Index;
 
 namespace {
@@ -18,8 +20,7 @@ constexpr double kFarOff = 3.0;           // sigmas of a pixel, rms: a correctio
 constexpr double kLargeTurn = 0.1;        // [rad]: is it linear?
 constexpr std::size_t kEnoughToTell = 6;  // points
 
-/// How far points are from where the left camera sees them; the right one's rows may hold
-/// an error of theta.
+/// How far points are from where the left camera sees them; the right one's rows may hold an error of theta.
 struct LeftMisfit {
   double rms = 0.0;  ///< in sigmas of a pixel
   std::size_t points = 0;
@@ -31,7 +32,7 @@ LeftMisfit left_misfit(const StackedFrame& stacked, const std::vector<bool>& cou
   const LinearMeasurement& rows = stacked.measurement;
   for (std::size_t g = 0; g < stacked.track_ids.size(); ++g) {
     const Index row = rows.groups[g].row;
-    if (counted[g] && rows.D.middleRows<2>(row).isZero(0.0)) {
+    if (counted[g] && rows.D.block<2, kBlockSize>(row, 0).isZero(0.0)) {
       out.rms += rows.residual.segment<2>(row).cwiseQuotient(rows.sigma.segment<2>(row)).squaredNorm();
       ++out.points;
     }
@@ -76,9 +77,12 @@ bool StereoFilter::leads_astray(const StereoFrame& frame, const ParameterErrorMo
   Estimate corrected = estimate_;
   corrected.mutable_P() = correction.P;
   corrected.retract(correction.report.dx);
+  MountedRig rig = attempt.at.rig;
+  if (has_more(options_)) {  // of the mount, too
+    rig[0] = mounted(calibration_of(corrected))[0];
+  }
   std::vector<Refusal> behind;
-  const StackedFrame stacked =
-      stack_frame(corrected, frame, attempt.at.rig, sigma_px(), attempt.fresh, behind);
+  const StackedFrame stacked = stack_frame(corrected, frame, rig, sigma_px(), attempt.fresh, behind);
   const LeftMisfit after =
       left_misfit(stacked, flags_of(stacked, attempt.stacked.track_ids, attempt.accepted));
   return after.rms > before.rms || 2 * after.points < before.points;

@@ -193,6 +193,7 @@ class StereoFilter {
   void copy_state(const StereoFilter& constrained);
   [[nodiscard]] Eigen::MatrixXd linearization_prior() const;
   [[nodiscard]] MountedRig mounted(const StereoCalibration& calibration) const;
+  [[nodiscard]] StereoCalibration calibration_of(const Estimate& estimate) const;
   void use_estimated_calibration();
   [[nodiscard]] ParameterErrorModel error_model() const;
   void renew_mount(double dt);
