@@ -89,32 +89,32 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
 void bind_options(py::module_& module) {
   const NavigatorOptions defaults;
   py::class_<NavigatorOptions>(module, "NavigatorOptions", DOC(NavigatorOptions))
-      .def(py::init(&make_options), py::kw_only(), py::arg("method") = "lcekf",
-           py::arg("constraints") = "full", py::arg("motion") = "imu",
-           py::arg("estimated") = std::map<std::string, double>{},
-           py::arg("softened") = std::map<std::string, double>{}, py::arg("sigma_px") = 0.5,
-           py::arg("imu_noise") = ImuNoise{}, py::arg("odometry_noise") = OdometryNoise{},
-           py::arg("gravity") = defaults.gravity, py::arg("theta_sigma") = defaults.theta_sigma,
-           py::arg("gate") = defaults.gate, py::arg("max_landmarks") = defaults.map.max_landmarks,
-           py::arg("points_per_update") = py::none(),
-           py::arg("learn_pixel_noise") = defaults.learn_pixel_noise,
-           py::arg("learn_odometry_noise") = defaults.learn_odometry_noise,
-           py::arg("doubt_odometry_mount") = defaults.doubt_odometry_mount,
-           py::arg("carries_scale") = defaults.carries_scale,
-           py::arg("false_alarms_per_hour") = defaults.health->false_alarms_per_hour,
-           "method: ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left or oracle\n"
-           "constraints: lcekf: full, rotation, rotation+direction, or a list such as 'ax,ay,dt1'\n"
-           "motion: imu, odometry or constant-velocity\n"
-           "estimated, softened: {parameter or group: standard deviation [rad, m, px, s]}\n"
-           "sigma_px: pixel noise, one number or (u0, v0, u1, v1)\n"
-           "learn_pixel_noise: sigma_px is but where to begin, as in limber.run where a recording states "
-           "none\n"
-           "learn_odometry_noise: the same of odometry_noise\n"
-           "doubt_odometry_mount: the odometer may be turned against the camera by 0.5 deg, by another angle "
-           "a "
-           "third of a second later; as in limber.run where a recording states no noise of odometry\n"
-           "carries_scale: False is the paper's filter, too sure of its scale with some hundred points\n"
-           "false_alarms_per_hour: of the calibration monitor; None switches it off")
+      .def(
+          py::init(&make_options), py::kw_only(), py::arg("method") = "lcekf",
+          py::arg("constraints") = "full", py::arg("motion") = "imu",
+          py::arg("estimated") = std::map<std::string, double>{},
+          py::arg("softened") = std::map<std::string, double>{}, py::arg("sigma_px") = 0.5,
+          py::arg("imu_noise") = ImuNoise{}, py::arg("odometry_noise") = OdometryNoise{},
+          py::arg("gravity") = defaults.gravity, py::arg("theta_sigma") = defaults.theta_sigma,
+          py::arg("gate") = defaults.gate, py::arg("max_landmarks") = defaults.map.max_landmarks,
+          py::arg("points_per_update") = py::none(),
+          py::arg("learn_pixel_noise") = defaults.learn_pixel_noise,
+          py::arg("learn_odometry_noise") = defaults.learn_odometry_noise,
+          py::arg("doubt_odometry_mount") = defaults.doubt_odometry_mount,
+          py::arg("carries_scale") = defaults.carries_scale,
+          py::arg("false_alarms_per_hour") = defaults.health->false_alarms_per_hour,
+          "method: ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left or oracle\n"
+          "constraints: lcekf: full, rotation, rotation+direction, or a list such as 'ax,ay,dt1'\n"
+          "motion: imu, odometry or constant-velocity\n"
+          "estimated, softened: {parameter or group: standard deviation [rad, m, px, s]}\n"
+          "sigma_px: pixel noise, one number or (u0, v0, u1, v1)\n"
+          "learn_pixel_noise: sigma_px is but where to begin, as in limber.run where a recording states "
+          "none\n"
+          "learn_odometry_noise: the same of odometry_noise\n"
+          "doubt_odometry_mount: the odometer may be turned against the camera by 0.5 deg, otherwise a third "
+          "of a second later; as in limber.run where a recording states no noise of odometry\n"
+          "carries_scale: False is the paper's filter, too sure of its scale with some hundred points\n"
+          "false_alarms_per_hour: of the calibration monitor; None switches it off")
       .def_property_readonly("method",
                              [](const NavigatorOptions& options) { return to_string(options.method); })
       .def_property_readonly("motion",

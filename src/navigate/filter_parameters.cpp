@@ -97,7 +97,8 @@ void StereoFilter::renew_mount(double dt) {
   estimate_.shrink_mount_rotation(kept);
   const Index at = estimate_.layout().more(kMoreBlocks.size() - 1);
   Eigen::Matrix<double, 6, 6> P = estimate_.P().diagonal_block<6>(at);
-  P.diagonal().head<3>().array() += (1.0 - kept * kept) * kMountSigma * kMountSigma;
+  const Eigen::Vector3d sigma = mount_sigma(given_);
+  P.diagonal().head<3>() += ((1.0 - kept * kept) * sigma).cwiseProduct(sigma);
   estimate_.mutable_P().set_diagonal_block(at, P);
   use_estimated_calibration();
 }

@@ -49,7 +49,7 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
   ParameterVector prior =
       options.estimated.cwiseMax(kNotEstimated * plausible_errors(calibration)).cwiseAbs2();
   if (options.doubt_odometry_mount) {
-    prior.segment<3>(first_of(ParameterBlock::kMount)).setConstant(kMountSigma * kMountSigma);
+    prior.segment<3>(first_of(ParameterBlock::kMount)) = mount_sigma(calibration).cwiseAbs2();
   }
   for (std::size_t k = 0; k < kMoreBlocks.size(); ++k) {
     if (layout.has_more[k]) {

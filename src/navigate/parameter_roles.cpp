@@ -86,6 +86,10 @@ bool softens(const NavigatorOptions& options) {
   return options.method == Method::kSoft || softened(options).any();
 }
 
+Eigen::Vector3d mount_sigma(const StereoCalibration& calibration) {
+  return plausible_errors(calibration).segment<3>(first_of(ParameterBlock::kMount));
+}
+
 bool can_doubt_mount(const NavigatorOptions& options, const StereoCalibration& calibration) {
   return options.motion == MotionModel::kOdometry && calibration.body == BodyFrame::kImu &&
          (more_with_a_role(options) & parameters_of(ParameterBlock::kMount)).none();

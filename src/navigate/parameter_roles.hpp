@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <numbers>
 
 #include "limber/navigate/stereo_filter.hpp"
 
@@ -18,11 +17,12 @@ inline constexpr double kTrustedSigma =
     1e-3;  ///< plausible errors: theta of adaptive, as long as it trusts the rig
 inline constexpr double kLensSigma = 0.03;  ///< plausible errors: what lenses leave of a rig that ekf trusts,
                                             ///< 0.024 px at a focal length of 460
-inline constexpr double kMountSigma = 0.5 * std::numbers::pi / 180.0;  ///< rad, of an odometer's mount
 inline constexpr double kNotEstimated =
     1e-6;  ///< plausible errors: keeps P positive definite beside what is estimated
 
 [[nodiscard]] ParameterSet theta_parameters();
+/// Of the angles of an odometer's mount that is in doubt: one plausible error each [rad].
+[[nodiscard]] Eigen::Vector3d mount_sigma(const StereoCalibration& calibration);
 /// theta is in the state whatever else is estimated.
 [[nodiscard]] bool always_has_theta(Method method);
 [[nodiscard]] ParameterSet estimated(const NavigatorOptions& options);
@@ -37,8 +37,7 @@ inline constexpr double kNotEstimated =
 [[nodiscard]] bool estimates_theta(const NavigatorOptions& options);
 [[nodiscard]] bool constrains(const NavigatorOptions& options);
 [[nodiscard]] bool softens(const NavigatorOptions& options);
-/// The mount's rotation is in the state and tends to what was given: kImu bodies whose mount has no other
-/// role.
+/// Of odometry's bodies, those whose mount has no other role.
 [[nodiscard]] bool can_doubt_mount(const NavigatorOptions& options, const StereoCalibration& calibration);
 /// Parameters beyond theta that the filter treats as anything but known.
 [[nodiscard]] bool has_more(const NavigatorOptions& options);

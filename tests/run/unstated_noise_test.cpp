@@ -97,14 +97,19 @@ const auto kTrustingOrNot = ::testing::Values(Method::kEkf, Method::kLcekf);
 INSTANTIATE_TEST_SUITE_P(Methods, UnstatedPixelNoise, kTrustingOrNot, name_of);
 INSTANTIATE_TEST_SUITE_P(Methods, FullUnstatedPixelNoise, kTrustingOrNot, name_of);
 
-/// What a run has learned of the odometry of a drone that is not alike in all directions.
-OdometryNoise learned_odometry(double velocity, double angular_rate, bool stated = false) {
+/// A drone with odometry in the place of an IMU.
+Scenario with_odometry(double duration, double velocity, double angular_rate, bool stated = false) {
   Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 10.0;
+  scenario.duration = duration;
   scenario.use_imu = false;
   scenario.odometry = OdometryScenario{20.0, velocity, angular_rate};
   scenario.noise.stated = stated;
-  const Recording recording = simulate(scenario, 3);
+  return scenario;
+}
+
+/// What a run has learned of odometry that is not alike in all directions.
+OdometryNoise learned_odometry(double velocity, double angular_rate, bool stated = false) {
+  const Recording recording = simulate(with_odometry(10.0, velocity, angular_rate, stated), 3);
   const RunRecord record = run_recording(recording, {}, matched_frames(recording));
   EXPECT_NE(record.odometry_noise.has_value(), stated);
   return record.odometry_noise.value_or(OdometryNoise{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()});
@@ -119,18 +124,13 @@ TEST(UnstatedOdometryNoise, IsFoundWithinAFifth) {
   }
 }
 
-/// ANEES of a rover of whose odometer nobody stated how good it is.
+/// ANEES where nobody stated how good the odometer is.
 double anees(bool doubt_mount, double degrees_off, const RigParameters& rig_off) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 15.0;
-  scenario.use_imu = false;
-  scenario.odometry = OdometryScenario{20.0, 0.05, 0.01};
-  scenario.noise.stated = false;
   RunOptions options;
   options.doubt_odometry_mount = doubt_mount;
   options.assume_error.head<6>() = rig_off;
   options.assume_error[first_of(ParameterBlock::kMount) + 2] = degrees_off * std::numbers::pi / 180.0;
-  const Recording recording = simulate(scenario, 5);
+  const Recording recording = simulate(with_odometry(15.0, 0.05, 0.01), 5);
   return summarize(recording, options, run_recording(recording, options, matched_frames(recording)))
       .anees.value();
 }
