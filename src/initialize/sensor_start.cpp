@@ -27,7 +27,7 @@ constexpr InitialSigma kNothingKnown{
 
 /// Frames that were left out are predicted from the one before.
 std::vector<SmoothedState> StartWindow::trajectory() const {
-  std::vector<SmoothedState> out = rested;
+  std::vector<SmoothedState> out = rested_by_scale();
   const Index n = model.body_size();
   NavigationState nav;
   MatrixXd P;

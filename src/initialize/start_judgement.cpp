@@ -180,12 +180,12 @@ bool StartWindow::move_to(const StartWindow& other, const std::vector<Index>& op
 }
 
 /// The same window with the rig as it is, for a method that trusts it until it is proven wrong: if the start
-/// is ready, and what this window knows of the rig proves nothing.
+/// is over, and what this window knows of the rig proves nothing.
 std::optional<StartWindow> StartWindow::trusting(StartStatus status) const {
   if (of_rig) {
     return *of_rig;
   }
-  if (!solution || status != StartStatus::kReady) {
+  if (!solution || status == StartStatus::kWaiting || !unused.empty()) {
     return std::nullopt;
   }
   const double noise = std::max(normal.cost / expected_cost(model, *solution), 1.0);

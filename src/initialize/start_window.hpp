@@ -34,6 +34,12 @@ struct Agreed {
   Eigen::MatrixXd covariance;
 };
 
+/// What a window says now of frames about which it said something else when it dropped those before them.
+struct RestSeenSince {
+  double growth = 1.0;  ///< of the way that the body went
+  double apart = 0.0;   ///< mean square of what is left beside that [m^2]
+};
+
 /// What a start has seen, and its solution so far.
 struct StartWindow {
   StartWindow(const NavigatorOptions& options, const StereoCalibration& calibration,
@@ -46,6 +52,7 @@ struct StartWindow {
   std::vector<InputSample> samples;  // all of them, as they came
   std::optional<StampJump> clock_step;
   std::vector<SmoothedState> rested;  // at frames that the window has dropped
+  std::vector<SmoothedState> stayed;  // what was said then of those that stayed
   /// Covariance of the window's origin, seen from the first frame of all: position and yaw.
   Eigen::Matrix4d origin = Eigen::Matrix4d::Zero();
   bool rests = false;  // the last solution awaits a motion
@@ -110,6 +117,8 @@ struct StartWindow {
   [[nodiscard]] bool is_out_of_time() const { return waited_s() >= options.longest_still_s; }
   [[nodiscard]] bool still_rests() const;
   void forget_rest();
+  [[nodiscard]] RestSeenSince rest_seen_since() const;
+  [[nodiscard]] std::vector<SmoothedState> rested_by_scale() const;
   [[nodiscard]] StartWindow with_open(const std::vector<Eigen::Index>& open) const;
   void take_scale_of_rig();
   [[nodiscard]] bool move_to(const StartWindow& other, const std::vector<Eigen::Index>& open);

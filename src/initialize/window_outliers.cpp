@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "limber/core/median.hpp"
@@ -17,6 +18,8 @@ constexpr double kMedianOfNorm = 1.1774;  // of a two-dimensional Gaussian of un
 constexpr double kNotProjected = 1e9;
 // Inverse depths times the baseline: nearer than it, or that far behind the camera, is no point.
 constexpr double kNearestPoint = 1.0, kFarBehind = -0.1;
+/// Baselines to the usual point, at least: a map whose scale nothing tells may have shrunk to any size.
+constexpr double kUsualDepth = 20.0;
 
 /// One pixel that may be dropped.
 struct View {
@@ -55,10 +58,21 @@ bool is_seen(const WindowModel& model, const WindowPoint& point) {
   });
 }
 
+/// What lengths are compared to: the baseline, or less in a map that is small.
+double unit_of_length(const WindowModel& model, const WindowState& state) {
+  std::vector<double> rho = {0.0};
+  for (const WindowPoint& point : state.points) {
+    rho.push_back(point.landmark.value.z());
+  }
+  const double usual = upper_median(std::move(rho));
+  const double baseline = model.calibration.baseline();
+  return usual * baseline * kUsualDepth > 1.0 ? 1.0 / (usual * kUsualDepth) : baseline;
+}
+
 /// Of mismatches alone points can be made that fit, somewhere: they tell nothing, and make the equations
 /// singular.
-bool can_be(const WindowPoint& point, double baseline) {
-  const double disparity = point.landmark.value.z() * baseline;
+bool can_be(const WindowPoint& point, double unit) {
+  const double disparity = point.landmark.value.z() * unit;
   return disparity > kFarBehind && disparity < kNearestPoint;
 }
 
@@ -81,10 +95,9 @@ std::size_t drop_mismatches(const WindowModel& model, WindowState& state) {
       ++dropped;
     }
   }
-  const double baseline = model.calibration.baseline();
-  dropped += std::erase_if(state.points, [&](const WindowPoint& point) {
-    return !is_seen(model, point) || !can_be(point, baseline);
-  });
+  const double unit = unit_of_length(model, state);
+  dropped += std::erase_if(
+      state.points, [&](const WindowPoint& point) { return !is_seen(model, point) || !can_be(point, unit); });
   return dropped;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A start that waits for the body to move keeps the last seconds of its rest.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -25,6 +26,7 @@ constexpr double kLongestRest = 5.0;    // [s] of a window in which nothing move
 constexpr double kKeptRest = 2.5;       // [s]: biases, and where the points are
 constexpr double kStill = 3.0;          // [px], of the usual point: more is a motion or a turn
 constexpr std::size_t kFewPoints = 10;  // say nothing
+constexpr double kSameWay = 0.5;        // of two ways through the same frames, cosine
 
 using L = StateLayout;
 
@@ -68,8 +70,12 @@ Matrix4d of_origin(const Matrix3d& R, const Eigen::Matrix<double, 6, 6>& pose) {
 }  // namespace
 
 MatrixXd StartWindow::seen_from_first(const NavigationState& nav, const MatrixXd& P) const {
-  const MatrixXd J = by_origin(nav, P.rows());
-  return P + J * origin * J.transpose();
+  MatrixXd J = by_origin(nav, P.rows());
+  const RestSeenSince since = rest_seen_since();
+  J.leftCols<3>() *= std::max(since.growth, 1.0);
+  MatrixXd out = P + J * origin * J.transpose();
+  out.topLeftCorner<3, 3>().diagonal().array() += since.apart;
+  return out;
 }
 
 /// A window that is not full yet, and whose solution would be the last one again.
@@ -83,6 +89,51 @@ bool StartWindow::still_rests() const {
 
 bool StartWindow::awaits_motion() const {
   return solution && !moves() && is_over_by_motion() && !(scale_sigma() <= options.open_scale_sigma);
+}
+
+/// Where nothing told the scale when a rest was dropped, its poses have any. Frames that stayed have been
+/// solved again since, which tells a factor, if they go the same way, and how wrong the poses are beside it.
+RestSeenSince StartWindow::rest_seen_since() const {
+  double now_then = 0.0, then_then = 0.0, now_now = 0.0, count = 0.0;
+  auto then = stayed.begin();
+  for (const WindowFrame& frame : solution->frames) {
+    while (then != stayed.end() && then->nav.t_ns < frame.nav.t_ns) {
+      ++then;
+    }
+    if (then == stayed.end()) {
+      break;
+    }
+    if (then->nav.t_ns == frame.nav.t_ns) {
+      const Vector3d &p = frame.nav.T_world_body.p, &p_then = then->nav.T_world_body.p;
+      now_then += p.dot(p_then);
+      then_then += p_then.squaredNorm();
+      now_now += p.squaredNorm();
+      count += 1.0;
+    }
+  }
+  if (then_then == 0.0) {
+    return {};
+  }
+  const bool same_way = now_then > kSameWay * std::sqrt(then_then * now_now);
+  const double growth = same_way ? now_then / then_then : 1.0;
+  return {growth, (now_now - 2.0 * growth * now_then + growth * growth * then_then) / count};
+}
+
+/// The poses of a rest that was dropped, in the scale of the window as it is now.
+std::vector<SmoothedState> StartWindow::rested_by_scale() const {
+  std::vector<SmoothedState> out = rested;
+  const RestSeenSince since = rest_seen_since();
+  const double wider = std::max(since.growth, 1.0);
+  for (SmoothedState& state : out) {
+    state.nav.T_world_body.p *= since.growth;
+    state.nav.v_world_body *= since.growth;
+    state.pose_covariance.topRows<3>() *= wider;
+    state.pose_covariance.leftCols<3>() *= wider;
+    state.pose_covariance.topLeftCorner<3, 3>().diagonal().array() += since.apart;
+    state.motion_covariance.topRows<3>() *= wider;
+    state.motion_covariance.leftCols<3>() *= wider;
+  }
+  return out;
 }
 
 /// A window that is long enough begins later. What it says of the frames before is kept, in the world of
@@ -106,10 +157,11 @@ void StartWindow::forget_rest() {
   const auto kept = std::find_if(states.begin(), states.end(),
                                  [&](const SmoothedState& state) { return !is_dropped(state.nav.t_ns); });
   origin = of_origin(begin.T_world_body.R, kept->pose_covariance);
-  rested.assign(states.begin(), kept);
-  for (SmoothedState& state : rested) {
+  for (SmoothedState& state : states) {
     state.nav.T_world_body.p -= begin.T_world_body.p;
   }
+  rested.assign(states.begin(), kept);
+  stayed.assign(kept, states.end());
   std::erase_if(raw, [&](const StereoFrame& frame) { return is_dropped(frame.t_ns); });
   std::erase_if(frames, [&](const WindowFrame& frame) { return is_dropped(frame.nav.t_ns); });
   frames.front().steps.clear();

@@ -2,6 +2,7 @@
 // What an update tells StereoFilter of the rig and of its pixels.
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "limber/core/chi_square.hpp"
@@ -27,6 +28,9 @@ constexpr double kMisled = 0.5;
 
 /// A speed tells a scale where it is that many of its sigmas: to 5 %, as a start asks for.
 constexpr double kCertainMotion = 20.0;
+
+/// A scale is known no better than to that many times the share that noise has in what tells it.
+constexpr double kNoiseShares = 2.0;
 
 /// Of a filter that trusts theta, NIS also counts what theta would explain: without that.
 struct Innovations {
@@ -86,6 +90,9 @@ void StereoFilter::learn_pixel_noise(const ParameterErrorModel& model, const Upd
 /// A body that certainly moves tells how long a metre is. What was gathered of the length of the baseline
 /// until then was compared to nothing.
 void StereoFilter::notice_motion() {
+  if (excitation_) {
+    excitation_->add(estimate_.nav().t_ns, estimate_.nav().v_world_body);
+  }
   if (scale_told_) {
     return;
   }
@@ -95,6 +102,16 @@ void StereoFilter::notice_motion() {
   if (scale_told_ && detail::has_witness(options_)) {
     estimate_.restart_witness(kWidestErrors);
   }
+}
+
+std::optional<Estimate::MapScale> StereoFilter::scale_to_hold() const {
+  if (!excitation_) {
+    return std::nullopt;
+  }
+  const double variance = estimate_.P().diagonal_block<kTriplet>(estimate_.layout().map_scale())(0, 0);
+  return std::sqrt(variance) < kNoiseShares * excitation_->noise_share()
+             ? std::optional(estimate_.map_scale())
+             : std::nullopt;
 }
 
 void StereoFilter::learn_from(const ParameterErrorModel& model, const UpdateReport& update, double dt,

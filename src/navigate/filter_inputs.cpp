@@ -143,6 +143,9 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
         at, estimate_.P().diagonal_block<3>(at) + sigma * sigma * Eigen::Matrix3d::Identity());
   };
   const bool imu = options_.motion == MotionModel::kImu;
+  if (excitation_) {
+    excitation_->jump();
+  }
   open(StateLayout::kAttitude, found.turn);
   if (imu) {
     open(StateLayout::kVelocity, speed);
@@ -213,6 +216,9 @@ void StereoFilter::begin_anew() {
   sound_ = anew;
   estimate_ = make_estimate(options_, given_, anew);
   calibration_ = given_;
+  if (excitation_) {
+    excitation_->jump();
+  }
   fresh_ = WhiteSize();
   input_alarm_ = InputAlarm();
   if (monitor_) {

@@ -59,6 +59,12 @@ bool shows_mostly_new(const StereoFrame& frame, const Estimate& estimate) {
   return known < kEnoughKnown && fresh >= kEnoughKnown;
 }
 
+/// The scale is told by accelerations, and by nothing of the rig.
+bool told_by_imu_alone(const NavigatorOptions& options) {
+  return options.motion == MotionModel::kImu &&
+         (options.method == Method::kLcekf || options.method == Method::kMonoLeft);
+}
+
 /// The frame as a method sees it: mono-left does not look through the right camera.
 StereoFrame visible(const StereoFrame& frame, Method method) {
   StereoFrame out = frame;
@@ -93,6 +99,9 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
       last_frame_ns_ = initial.nav.t_ns;
       rest_unseen(estimate_, initial.nav.t_ns, options_.map);
     }
+  }
+  if (estimate_.layout().has_map_scale && told_by_imu_alone(options_)) {
+    excitation_.emplace(options_.imu_noise.accel_density);
   }
   if (options_.learn_odometry_noise && options_.motion == MotionModel::kOdometry) {
     odometry_noise_.emplace(options_.odometry_noise);
@@ -267,6 +276,7 @@ void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorMode
         has_theta(options_) ? estimate_.P().diagonal_block<6>(estimate_.layout().theta())
                             : Eigen::Matrix<double, 6, 6>::Zero().eval();
     const PoseCorrection::Matrix6 P_pose = estimate_.P().diagonal_block<6>(0);
+    const std::optional<Estimate::MapScale> scale = scale_to_hold();
     UpdateReport updated = correct_covariance(attempt, model);
     if (considers_theta(options_) && updated.status == UpdateStatus::kUpdated) {
       // Schmidt: the gain's theta rows are zero, so its block stays; the cross-covariances are those of the
@@ -274,6 +284,9 @@ void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorMode
       const Index at = estimate_.layout().theta();
       estimate_.mutable_P().set_diagonal_block(at, P_theta);
       updated.dx.segment<6>(at).setZero();
+    }
+    if (scale && updated.status == UpdateStatus::kUpdated) {
+      estimate_.hold_map_scale(*scale, updated.dx);
     }
     const PoseCorrection::Matrix6 corrected_by = P_pose - estimate_.P().diagonal_block<6>(0);
     estimate_.retract(updated.dx);

@@ -24,6 +24,9 @@ constexpr double kCloneJitterPosition = 1e-6;  // [m]
 constexpr double kRounding = 1e-12;            // of a variance, over many updates
 constexpr double kCloneJitterAttitude = 1e-7;  // [rad]
 
+/// The mount's six parameters in the error state.
+Index mount_in(const StateLayout& layout) { return layout.more(layout.has_more.size() - 1); }
+
 void retract_attitude(Matrix3d& R, const Vector3d& dtheta) { R = so3_normalized(R * so3_exp(dtheta)); }
 
 }  // namespace
@@ -103,7 +106,7 @@ void Estimate::retract_parameters(const Eigen::VectorXd& dx) {
   }
   if (layout_.has_more.back()) {  // the mount's rotation: Exp(more) := Exp(dx) Exp(more)
     const Index k = kMoreParameters - 6;
-    const Vector3d turn = dx.segment<3>(layout_.more(layout_.has_more.size() - 1));
+    const Vector3d turn = dx.segment<3>(mount_in(layout_));
     more_.segment<3>(k) = so3_log(so3_exp(turn) * so3_exp(more_.segment<3>(k) - turn));
   }
 }
@@ -127,7 +130,7 @@ void Estimate::retract_triplet(StateBlock block, const Vector3d& dx) {
 
 void Estimate::shrink_mount_rotation(double kept) {
   more_.segment<3>(kMoreParameters - 6) *= kept;
-  P_.transform_triplet(layout_.more(layout_.has_more.size() - 1), kept * Matrix3d::Identity());
+  P_.transform_triplet(mount_in(layout_), kept * Matrix3d::Identity());
 }
 
 bool Estimate::is_world_vector(StateBlock block) const {

@@ -147,4 +147,21 @@ void Estimate::refresh_map_scale() {
   }
 }
 
+Estimate::MapScale Estimate::map_scale() const {
+  const Index at = layout_.map_scale();
+  const double variance = P_.diagonal_block<kTriplet>(at)(0, 0);
+  return {P_.times(VectorXd::Unit(size(), at)) / variance, variance};
+}
+
+/// The gain K becomes (I - r cᵀ) K, with the scale cᵀx and r = P c / cᵀPc: that of errors beside the scale is
+/// the best one still, since they are not correlated with it.
+void Estimate::hold_map_scale(const MapScale& before, VectorXd& dx) {
+  const Index at = layout_.map_scale();
+  dx -= before.along * dx(at);
+  const double learned = before.variance - P_.diagonal_block<kTriplet>(at)(0, 0);
+  if (learned > 0.0) {
+    P_.add_outer(std::sqrt(learned) * before.along);
+  }
+}
+
 }  // namespace limber

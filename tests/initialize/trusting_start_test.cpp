@@ -71,6 +71,24 @@ TEST(TrustingStart, IsNoneWhereTheWindowContradictsTheRig) {
   }
 }
 
+/// On a train no acceleration tells the scale. Where the time was over, a start that had trusted the rig had
+/// it from nothing: 11 m off in 750 m.
+TEST(TrustingStart, IsThereWhenTheTimeIsOverAndNothingSpeaksAgainstTheRig) {
+  StartOptions how;
+  how.open_scale_sigma = 1e-6;
+  how.longest_s = how.longest_moving_s = 2.0;
+  const Scene sound = make_scene(of_seed(21));
+  const Started found = testing::start(sound, options_of(sound, Method::kAdaptive), how);
+  ASSERT_EQ(found.report.status, StartStatus::kTimedOut);
+  ASSERT_TRUE(found.result.initial.distrusting);
+  EXPECT_LT(velocity_sigma(found.result.initial), 0.5 * velocity_sigma(*found.result.initial.distrusting));
+
+  SceneOptions turned = of_seed(21);
+  turned.theta_error = [](double) { return RigParameters(0.1 / kToDegrees * RigParameters::Unit(0)); };
+  const Scene bent = make_scene(turned);
+  EXPECT_FALSE(testing::start(bent, options_of(bent, Method::kAdaptive), how).result.initial.distrusting);
+}
+
 TEST(TrustingStart, BeginsANavigatorWhoseCheckpointTrustsNothing) {
   const Scene scene = make_scene(of_seed(21));
   const NavigatorOptions options = options_of(scene, Method::kAdaptive);

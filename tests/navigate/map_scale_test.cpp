@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "check_covariance.hpp"
+#include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/measure/triangulate.hpp"
 #include "limber/navigate/stereo_filter.hpp"
@@ -26,10 +27,21 @@ using testing::Generator;
 constexpr std::int64_t kInputNs = 5'000'000, kFrameNs = 50'000'000;
 constexpr double kGravity = 9.81;
 
-/// A way without acceleration: at a constant velocity [m/s] and rate [rad/s].
+constexpr double kSwingRate = 0.6;  // [rad/s]
+
+/// A way at a constant velocity [m/s] and rate [rad/s], without acceleration but for a slow swing [m].
 struct Way {
   Vector3d v;
-  double yaw_rate;
+  double yaw_rate = 0.0;
+  Vector3d swing = Vector3d::Zero();
+
+  [[nodiscard]] Vector3d place(double t) const { return v * t + swing * std::sin(kSwingRate * t); }
+  [[nodiscard]] Vector3d velocity(double t) const {
+    return v + kSwingRate * std::cos(kSwingRate * t) * swing;
+  }
+  [[nodiscard]] Vector3d acceleration(double t) const {
+    return -kSwingRate * kSwingRate * std::sin(kSwingRate * t) * swing;
+  }
 };
 
 struct Pixels {
@@ -75,6 +87,8 @@ class World {
     return frame;
   }
 
+  [[nodiscard]] const Vector3d& place(std::int64_t id) const { return points_[static_cast<std::size_t>(id)]; }
+
   Vector3d noise(double sigma) { return sigma * testing::random_normal(generator_, 3); }
 
  private:
@@ -111,9 +125,10 @@ void give_map(InitialState& initial, const StereoFrame& frame, const StereoCalib
   initial.landmarks_body = of_map * of_body.transpose();
 }
 
-/// What the best known depth says of the scale, at the end [-]; beside it, the velocity's.
+/// What the best known depth says of the scale, at the end [-]; beside it, the velocity's. How much too long
+/// the velocity is, and the usual depth.
 struct Known {
-  double of_map = 1e9, of_velocity = 1e9, off = 0.0;
+  double of_map = 1e9, of_velocity = 1e9, off = 0.0, depths_off = 0.0;
 };
 
 Known fly(std::uint64_t seed, const Way& way, Method method, double duration_s) {
@@ -127,49 +142,56 @@ Known fly(std::uint64_t seed, const Way& way, Method method, double duration_s) 
   sigma.attitude = 1e-3;
   sigma.velocity = 0.01;
   NavigationState truth;
-  truth.v_world_body = way.v;
+  truth.v_world_body = way.velocity(0.0);
   InitialState initial = make_initial_state(truth, options.motion, sigma);
-  const double share = way.v.norm() > 0.0 ? 0.1 : 0.5;
+  const double share = truth.v_world_body.norm() > 0.0 ? 0.1 : 0.5;
   initial.nav.v_world_body *= 1.0 + share;  // one sigma off, and the map with it
   give_map(initial, world.seen(0, {}, rig), rig, share);
   StereoFilter filter(options, rig, initial);
   for (std::int64_t t_ns = 0; 1e-9 * static_cast<double>(t_ns) <= duration_s; t_ns += kInputNs) {
     const double t = 1e-9 * static_cast<double>(t_ns);
-    const Pose T{so3_exp(Vector3d(0.0, 0.0, way.yaw_rate * t)), way.v * t};
+    const Pose T{so3_exp(Vector3d(0.0, 0.0, way.yaw_rate * t)), way.place(t)};
     const double per_sample = 1.0 / std::sqrt(1e-9 * static_cast<double>(kInputNs));
     filter.add_imu({t_ns, Vector3d(0.0, 0.0, way.yaw_rate) + world.noise(1e-3 * per_sample),
-                    T.R.transpose() * Vector3d(0.0, 0.0, kGravity) + world.noise(1e-2 * per_sample)});
+                    T.R.transpose() * (way.acceleration(t) + Vector3d(0.0, 0.0, kGravity)) +
+                        world.noise(1e-2 * per_sample)});
     if (t_ns > 0 && t_ns % kFrameNs == 0) {
       (void)filter.process(world.seen(t_ns, T, rig));
     }
   }
   const Estimate& estimate = filter.estimate();
   Known out;
+  std::vector<double> longer;
   for (const Landmark& landmark : estimate.landmarks()) {
     if (!landmark.passive && landmark.kind == LandmarkKind::kInverseDepth && landmark.value.z() > 0.0) {
       const double of_depth =
           std::sqrt(estimate.P().diagonal_block<3>(landmark.at)(2, 2)) / landmark.value.z();
       out.of_map = std::min(out.of_map, of_depth);
+      longer.push_back((estimate.landmark_position(landmark) - estimate.nav().T_world_body.p).norm() /
+                       (world.place(landmark.track_id) - way.place(duration_s)).norm());
     }
   }
+  out.depths_off = upper_median(std::move(longer)) - 1.0;
   const Vector3d v = estimate.nav().v_world_body;
-  if (way.v.norm() > 0.0) {
+  const double speed = way.velocity(duration_s).norm();
+  if (speed > 0.0) {
     const Vector3d along = v.normalized();
     out.of_velocity =
         std::sqrt(along.dot(estimate.P().diagonal_block<3>(StateLayout::kVelocity) * along)) / v.norm();
-    out.off = v.norm() / way.v.norm() - 1.0;
+    out.off = v.norm() / speed - 1.0;
   }
   return out;
 }
 
-// 9.1 % at the start, 7.0 to 7.2 % after ten seconds: a little is learned by chance still. Where the
-// covariance is not carried along it is 0.9 to 1.1 %.
+// 9.1 % at the start, 7.5 to 7.7 % after ten seconds, and lengths 8 to 17 % too long, which were 10 % at the
+// start. Where the accelerometer's noise is learned from it is 7.0 to 7.2 %, and 20 to 27 %; where the
+// covariance is not carried along 0.9 to 1.1 %.
 void expect_vague_at_constant_velocity(std::initializer_list<std::uint64_t> seeds) {
   for (const Method method : {Method::kLcekf, Method::kMonoLeft}) {
     for (const std::uint64_t seed : seeds) {
-      const Known known = fly(seed, {{3.0, 0.5, 0.0}, 0.0}, method, 10.0);
-      EXPECT_GE(known.of_velocity, 0.06) << to_string(method) << ", seed " << seed;
-      EXPECT_LE(std::abs(known.off), 0.3) << to_string(method) << ", seed " << seed;
+      const Known known = fly(seed, {{3.0, 0.5, 0.0}}, method, 10.0);
+      EXPECT_GE(known.of_velocity, 0.073) << to_string(method) << ", seed " << seed;
+      EXPECT_LE(std::abs(known.off), 0.2) << to_string(method) << ", seed " << seed;
     }
   }
 }
@@ -178,13 +200,24 @@ TEST(MapScale, StaysVagueAtConstantVelocity) { expect_vague_at_constant_velocity
 
 TEST(FullMapScale, StaysVagueAtConstantVelocity) { expect_vague_at_constant_velocity({2, 3}); }
 
-// 35 % at the start, 19 to 24 % at rest and 14 to 15 % in rotation after ten seconds; else 3.2 to 4.8 %.
+// 35 % at the start, 35 % at rest and 22 to 24 % in rotation after ten seconds; where the accelerometer's
+// noise is learned from 19 to 24 % and 14 to 15 %, else 3.2 to 4.8 %.
 void expect_vague_in_place(std::initializer_list<std::uint64_t> seeds) {
   for (const double yaw_rate : {0.0, 0.3}) {
     for (const std::uint64_t seed : seeds) {
       const Known known = fly(seed, {Vector3d::Zero(), yaw_rate}, Method::kLcekf, 10.0);
-      EXPECT_GE(known.of_map, 0.1) << "rate " << yaw_rate << ", seed " << seed;
+      EXPECT_GE(known.of_map, yaw_rate > 0.0 ? 0.2 : 0.3) << "rate " << yaw_rate << ", seed " << seed;
     }
+  }
+}
+
+// Of what it gains over half a second the accelerometer's noise is three times as much as the body. Where
+// that is learned from, depths 10 % too long are 38 to 69 % too long after half a minute, and known to 6 %.
+TEST(MapScale, OfABodyThatCreepsDoesNotDrift) {
+  for (const std::uint64_t seed : {1, 2}) {
+    const Known known = fly(seed, {Vector3d::Zero(), 0.0, {0.07, 0.0, 0.0}}, Method::kLcekf, 30.0);
+    EXPECT_NEAR(known.depths_off, 0.1, 0.03) << "seed " << seed;
+    EXPECT_GE(known.of_map, 0.09) << "seed " << seed;
   }
 }
 

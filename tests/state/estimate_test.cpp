@@ -256,6 +256,33 @@ TEST(Estimate, AMountThatShrinksScalesItsMeanItsRowsAndItsColumns) {
   EXPECT_EQ(estimate.more().tail<3>(), mean.tail<3>());
 }
 
+/// The gain of an update without what it would do to one of the states, and to all that moves with it.
+TEST(Estimate, AScaleThatIsHeldStaysWhatItWasAndAllElseHasTheBestGain) {
+  Generator generator(15);
+  StateLayout layout;
+  layout.has_map_scale = true;
+  Estimate estimate = random_map(generator, 7, layout);
+  const Eigen::Index n = estimate.size(), at = layout.map_scale();
+  const MatrixXd P = estimate.P().dense();
+  const MatrixXd H = testing::random_normal(generator, 5 * n).reshaped(5, n);
+  const Eigen::VectorXd residual = testing::random_normal(generator, 5);
+  const MatrixXd S = H * P * H.transpose() + MatrixXd::Identity(5, 5);
+  const MatrixXd K = P * H.transpose() * S.inverse();
+  const Estimate::MapScale before = estimate.map_scale();
+  estimate.mutable_P().assign(P - K * S * K.transpose());
+  Eigen::VectorXd dx = K * residual;
+  estimate.hold_map_scale(before, dx);
+
+  MatrixXd held = K;
+  held -= P.col(at) / P(at, at) * K.row(at);
+  const MatrixXd left = MatrixXd::Identity(n, n) - held * H;
+  const MatrixXd expected = left * P * left.transpose() + held * held.transpose();
+  EXPECT_LE((estimate.P().dense() - expected).norm(), 1e-10 * P.norm());
+  EXPECT_LE((dx - held * residual).norm(), 1e-10 * dx.norm());
+  EXPECT_NEAR(dx(at), 0.0, 1e-12);
+  EXPECT_NEAR(estimate.P().dense()(at, at), P(at, at), 1e-10 * P(at, at));
+}
+
 TEST(Estimate, ConversionKeepsPositionCovarianceAndCorrelations) {
   Generator generator(12);
   Estimate estimate = random_map(generator, 10);

@@ -19,6 +19,7 @@
 #include "limber/predict/input_checks.hpp"
 #include "limber/predict/input_noise.hpp"
 #include "limber/predict/learned_odometry_noise.hpp"
+#include "limber/predict/scale_excitation.hpp"
 #include "limber/stack/stack_frame.hpp"
 #include "limber/state/estimate.hpp"
 #include "limber/state/initial_state.hpp"
@@ -199,6 +200,8 @@ class StereoFilter {
   void renew_mount(double dt);
   void walk_parameters(double dt);
   void notice_motion();
+  /// Of the map's scale as it is, where what tells it is noise; else nothing.
+  [[nodiscard]] std::optional<Estimate::MapScale> scale_to_hold() const;
   /// Whether a length of the baseline can be learned.
   [[nodiscard]] bool tells_length() const { return has_scale(options_.motion) && scale_told_; }
   void learn_from(const ParameterErrorModel& model, const UpdateReport& update, double dt,
@@ -227,7 +230,8 @@ class StereoFilter {
   std::int64_t trusted_again_ns_ = std::numeric_limits<std::int64_t>::min();
   double blind_turn_ = 0.0;  // variance of attitude that predictions added since the last update [rad^2]
   InitialState sound_;       // body after the last sound frame, to begin anew from
-  bool scale_told_;          // the start knew how long a metre is, or a motion has told it since
+  std::optional<ScaleExcitation> excitation_;  // where nothing but the IMU tells the scale
+  bool scale_told_;  // the start knew how long a metre is, or a motion has told it since
   Eigen::Vector3d omega_input_ = Eigen::Vector3d::Zero();  // [rad/s], of the last step: gyro or odometry
   std::optional<LearnedPixelNoise> pixel_noise_;           // where nobody stated it
   std::optional<std::int64_t> rig_accused_ns_;             // by a frame, last: it explains what is off

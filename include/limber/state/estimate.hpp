@@ -88,6 +88,18 @@ class Estimate {
   /// depths, those that are known best before others; nil without landmarks. Nothing without has_map_scale.
   void refresh_map_scale();
 
+  /// What moves with the map's scale.
+  struct MapScale {
+    Eigen::VectorXd along;  ///< covariances with it over its variance, size()
+    double variance = 0.0;  ///< of the logarithm [-]
+  };
+  /// As it is now. For layouts that have one.
+  [[nodiscard]] MapScale map_scale() const;
+
+  /// @brief After an update of P, before retract(): the scale stays what it was, and as unsure (Schmidt), and
+  /// what is beside it is corrected. @param before  the update  @param dx  what retract() is going to do
+  void hold_map_scale(const MapScale& before, Eigen::VectorXd& dx);
+
   /// The witness forgets what it has learned: mean zero, standard deviation `sigma` [plausible errors] each,
   /// correlated with nothing. For layouts that have one.
   void restart_witness(double sigma);

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include "initialize/window_guess.hpp"
+#include "initialize/window_problem.hpp"
+#include "navigate/scene.hpp"
+
+namespace limber::detail {
+namespace {
+
+using Eigen::VectorXd;
+
+struct Seen {
+  WindowModel model;
+  WindowState state;
+};
+
+/// A window of two frames at the truth, pixels without noise, theta open.
+Seen seen_from_truth() {
+  limber::testing::SceneOptions options;
+  options.points = 40;
+  options.duration_s = 0.1;
+  options.noise = false;
+  const limber::testing::Scene scene = make_scene(options);
+  Seen out;
+  out.model.options = scene.options;
+  out.model.calibration = scene.calibration;
+  out.model.directions = constraint_directions({ConstraintSet::Kind::kFull}, scene.calibration.theta);
+  const std::vector<StereoFrame> raw(scene.frames.begin(), scene.frames.begin() + 2);
+  for (std::size_t k = 0; k < raw.size(); ++k) {
+    WindowFrame frame;
+    frame.nav = scene.truth[k];
+    frame.theta = VectorXd::Zero(6);
+    out.state.frames.push_back(frame);
+  }
+  out.state.points = points_of(out.model, raw);
+  return out;
+}
+
+/// All lengths between cameras and points in proportion: pixels do not change.
+WindowState shrunk(const Seen& seen, double by) {
+  WindowState out = seen.state;
+  const Eigen::Vector3d arm = body_from_cam0(seen.model.calibration).p;
+  for (WindowFrame& frame : out.frames) {
+    Pose& body = frame.nav.T_world_body;
+    body.p = by * (body * arm) - body.R * arm;
+    frame.theta.tail<3>() = (by - 1.0) * seen.model.calibration.theta.tail<3>().cwiseQuotient(
+                                             seen.model.directions.diagonal().tail<3>());
+  }
+  for (WindowPoint& point : out.points) {
+    point.landmark.value.z() /= by;
+  }
+  return out;
+}
+
+TEST(WindowOutliers, AreTheSameInAMapThatHasShrunkWhereNothingTellsTheScale) {
+  const Seen seen = seen_from_truth();
+  WindowState as_it_is = seen.state;
+  const std::size_t dropped = drop_mismatches(seen.model, as_it_is);
+  EXPECT_LE(dropped, 1u);
+  for (const double by : {0.1, 0.01}) {
+    WindowState state = shrunk(seen, by);
+    EXPECT_EQ(drop_mismatches(seen.model, state), dropped) << by;
+    EXPECT_EQ(state.points.size(), as_it_is.points.size()) << by;
+  }
+}
+
+TEST(WindowOutliers, APointThatIsNowhereIsDropped) {
+  const Seen seen = seen_from_truth();
+  for (const double nowhere : {1e3, -1e2}) {
+    WindowState state = seen.state;
+    state.points.front().landmark.value.z() = nowhere;
+    EXPECT_GT(drop_mismatches(seen.model, state), 0u) << nowhere;
+    EXPECT_EQ(state.points.size(), seen.state.points.size() - 1) << nowhere;
+  }
+}
+
+}  // namespace
+}  // namespace limber::detail
