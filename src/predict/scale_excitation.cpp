@@ -11,7 +11,7 @@ namespace {
 /// Over which velocity is gained [s]: about as long as images take to tell the accelerometer's noise apart.
 constexpr double kGain = 0.5;
 constexpr double kMemory = 10.0;       // [s]
-constexpr double kLongestStep = 0.25;  // [s]
+constexpr double kLongestStep = 0.75;  // [s] between frames: longer ones are a gap
 
 }  // namespace
 

@@ -52,6 +52,14 @@ TEST(ScaleExcitation, OfAnAccelerationIsTheRatioOfSquares) {
   }
 }
 
+TEST(ScaleExcitation, IsKnownOfTwoFramesInASecond) {
+  ScaleExcitation excitation(kDensity);
+  for (std::int64_t k = 0; k < 10; ++k) {
+    excitation.add(10 * k * kFrameNs, Vector3d(0.0, 0.0, 0.05 * static_cast<double>(k)));
+  }
+  EXPECT_NEAR(excitation.noise_share(), 3.0 * kDensity * kDensity * 0.5 / std::pow(0.05, 2), 1e-6);
+}
+
 TEST(ScaleExcitation, ForgetsWhatWasTensOfSecondsAgo) {
   const double share = share_after(60.0, [&](double t) { return Vector3d(std::min(t, 5.0), 0.0, 0.0); });
   EXPECT_GT(share, 0.05);
