@@ -27,7 +27,8 @@ constexpr InitialSigma kNothingKnown{
 
 /// Frames that were left out are predicted from the one before.
 std::vector<SmoothedState> StartWindow::trajectory() const {
-  std::vector<SmoothedState> out = rested_by_scale();
+  const RestSeenSince since = rest_seen_since();
+  std::vector<SmoothedState> out = rested_by_scale(since);
   const Index n = model.body_size();
   NavigationState nav;
   MatrixXd P;
@@ -41,7 +42,7 @@ std::vector<SmoothedState> StartWindow::trajectory() const {
       const Transition step = predict_over(model.options, frame, nav);
       P = step.Phi * P * step.Phi.transpose() + step.Q;
     }
-    const MatrixXd from_first = seen_from_first(nav, P);
+    const MatrixXd from_first = seen_from_first(since, nav, P);
     const Eigen::Matrix<double, 6, 6> pose = from_first.topLeftCorner<6, 6>();
     const Index rest = n - StateLayout::kPoseSize;
     out.push_back({nav, 0.5 * (pose + pose.transpose()), from_first.bottomRightCorner(rest, rest)});

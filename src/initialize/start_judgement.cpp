@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "hand_over.hpp"
-#include "limber/core/median.hpp"
 #include "rig_offset.hpp"
 #include "start_window.hpp"
 
@@ -247,7 +246,7 @@ void StartWindow::go_back() {
 InitialState StartWindow::handed_over() const {
   InitialState out = hand_over(model, *solution, normal, covariance);
   out.scale_told = scale_told;
-  out.body_covariance = seen_from_first(out.nav, out.body_covariance);
+  out.body_covariance = seen_from_first(rest_seen_since(), out.nav, out.body_covariance);
   if (leaves_scale_open()) {
     take_noise_from_scale(out);
   }
@@ -259,11 +258,7 @@ double parallax(const WindowState& state) {
   for (const WindowFrame& frame : state.frames) {
     way = std::max(way, frame.nav.T_world_body.p.norm());
   }
-  std::vector<double> rho = {0.0};
-  for (const WindowPoint& point : state.points) {
-    rho.push_back(point.landmark.value.z());
-  }
-  return way * std::max(upper_median(std::move(rho)), 0.0);
+  return way * std::max(median_inverse_depth(state), 0.0);
 }
 
 }  // namespace limber::detail

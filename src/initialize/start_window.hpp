@@ -91,7 +91,8 @@ struct StartWindow {
   [[nodiscard]] Frames kept() const;
   [[nodiscard]] std::optional<WindowState> continued(const Frames& now) const;
   /// A body's covariance, which is one against the window's origin.
-  [[nodiscard]] Eigen::MatrixXd seen_from_first(const NavigationState& nav, const Eigen::MatrixXd& P) const;
+  [[nodiscard]] Eigen::MatrixXd seen_from_first(const RestSeenSince& since, const NavigationState& nav,
+                                                const Eigen::MatrixXd& P) const;
   [[nodiscard]] std::vector<SmoothedState> trajectory() const;
   [[nodiscard]] SensorStartResult unsolved() const;
   void solve();
@@ -118,7 +119,7 @@ struct StartWindow {
   [[nodiscard]] bool still_rests() const;
   void forget_rest();
   [[nodiscard]] RestSeenSince rest_seen_since() const;
-  [[nodiscard]] std::vector<SmoothedState> rested_by_scale() const;
+  [[nodiscard]] std::vector<SmoothedState> rested_by_scale(const RestSeenSince& since) const;
   [[nodiscard]] StartWindow with_open(const std::vector<Eigen::Index>& open) const;
   void take_scale_of_rig();
   [[nodiscard]] bool move_to(const StartWindow& other, const std::vector<Eigen::Index>& open);

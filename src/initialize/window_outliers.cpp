@@ -60,11 +60,7 @@ bool is_seen(const WindowModel& model, const WindowPoint& point) {
 
 /// What lengths are compared to: the baseline, or less in a map that is small.
 double unit_of_length(const WindowModel& model, const WindowState& state) {
-  std::vector<double> rho = {0.0};
-  for (const WindowPoint& point : state.points) {
-    rho.push_back(point.landmark.value.z());
-  }
-  const double usual = upper_median(std::move(rho));
+  const double usual = median_inverse_depth(state);
   const double baseline = model.calibration.baseline();
   return usual * baseline * kUsualDepth > 1.0 ? 1.0 / (usual * kUsualDepth) : baseline;
 }
@@ -77,6 +73,14 @@ bool can_be(const WindowPoint& point, double unit) {
 }
 
 }  // namespace
+
+double median_inverse_depth(const WindowState& state) {
+  std::vector<double> rho = {0.0};
+  for (const WindowPoint& point : state.points) {
+    rho.push_back(point.landmark.value.z());
+  }
+  return upper_median(std::move(rho));
+}
 
 std::size_t drop_mismatches(const WindowModel& model, WindowState& state) {
   const std::vector<View> all = views(model, state);

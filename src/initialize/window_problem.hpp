@@ -106,6 +106,9 @@ struct WindowNormal {
 [[nodiscard]] BodyPoint point_in_body(const WindowState& state, const MountedRig& rig, std::size_t cam,
                                       const WindowPoint& point, std::size_t frame);
 
+/// Of all points [1/m], 0 without any.
+[[nodiscard]] double median_inverse_depth(const WindowState& state);
+
 /// @brief Takes out of a solution the pixels that are mismatched: the robust loss bounds what each pulls, but
 /// they still pull, and count as information. Points of which nothing is left go, and those that can be none.
 /// @return how many pixels and points

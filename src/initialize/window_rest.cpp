@@ -69,9 +69,9 @@ Matrix4d of_origin(const Matrix3d& R, const Eigen::Matrix<double, 6, 6>& pose) {
 
 }  // namespace
 
-MatrixXd StartWindow::seen_from_first(const NavigationState& nav, const MatrixXd& P) const {
+MatrixXd StartWindow::seen_from_first(const RestSeenSince& since, const NavigationState& nav,
+                                      const MatrixXd& P) const {
   MatrixXd J = by_origin(nav, P.rows());
-  const RestSeenSince since = rest_seen_since();
   J.leftCols<3>() *= std::max(since.growth, 1.0);
   MatrixXd out = P + J * origin * J.transpose();
   out.topLeftCorner<3, 3>().diagonal().array() += since.apart;
@@ -120,9 +120,8 @@ RestSeenSince StartWindow::rest_seen_since() const {
 }
 
 /// The poses of a rest that was dropped, in the scale of the window as it is now.
-std::vector<SmoothedState> StartWindow::rested_by_scale() const {
+std::vector<SmoothedState> StartWindow::rested_by_scale(const RestSeenSince& since) const {
   std::vector<SmoothedState> out = rested;
-  const RestSeenSince since = rest_seen_since();
   const double wider = std::max(since.growth, 1.0);
   for (SmoothedState& state : out) {
     state.nav.T_world_body.p *= since.growth;
