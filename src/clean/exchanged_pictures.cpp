@@ -11,20 +11,40 @@ namespace limber::detail {
 namespace {
 
 constexpr double kLongest = 1.0;  // [s] after which the pictures are taken as they are
-constexpr double kClearly = 0.8;  // of what it is as given
+constexpr double kClearly = 0.8;  // of what it is the other way
 constexpr double kLeast = 4.0;    // [px] both ways together; less is no exchange to speak of
+
+/// What the median of all is taken away from, then the median of what is left [px].
+double spread(std::vector<Eigen::Vector2d> offsets) {
+  Eigen::Vector2d middle;
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    std::vector<double> values;
+    for (const Eigen::Vector2d& offset : offsets) {
+      values.push_back(offset(axis));
+    }
+    middle(axis) = upper_median(std::move(values));
+  }
+  std::vector<double> distances;
+  for (const Eigen::Vector2d& offset : offsets) {
+    distances.push_back((offset - middle).norm());
+  }
+  return upper_median(std::move(distances));
+}
 
 }  // namespace
 
 /// How far the left and the right pixel are from where they were to come, together: |a| + |b|. With parallax
 /// d it would be |a - d| + |b + d| if the pictures were exchanged, which is no less where both cameras are
-/// off alike (a = b); whatever the rig is, and however it moves.
+/// off alike (a = b). A rig that bends within a frame puts them off differently (b = a + c), and c may hide
+/// the sign of d; but c is the same for all points and d is not: what tells them apart is how the offsets of
+/// the points, d + c, compare with each other, before and now.
 std::optional<FrameContinuity> ExchangedPictures::continuity(const StereoFrame& frame) const {
   const double dt = t_ns_ ? seconds_between(*t_ns_, frame.t_ns) : 0.0;
   if (before_.size() < kFewestToJudgeOrder || dt > kLongest) {
     return std::nullopt;
   }
   std::vector<double> as_it_is, exchanged;
+  std::vector<Eigen::Vector2d> same, opposite;
   for (const StereoObservation& point : frame.observations) {
     const auto it = before_.find(point.track_id);
     if (!point.in_cam0 || !point.in_cam1 || it == before_.end()) {
@@ -34,18 +54,23 @@ std::optional<FrameContinuity> ExchangedPictures::continuity(const StereoFrame& 
     const Eigen::Vector2d left = was.left + dt * was.left_speed, right = was.right + dt * was.right_speed;
     as_it_is.push_back((point.uv_cam0 - left).norm() + (point.uv_cam1 - right).norm());
     exchanged.push_back((point.uv_cam0 - right).norm() + (point.uv_cam1 - left).norm());
+    const Eigen::Vector2d offset = point.uv_cam1 - point.uv_cam0;
+    same.emplace_back(offset - (was.right - was.left));
+    opposite.emplace_back(offset + (was.right - was.left));
   }
   FrameContinuity out{before_.size(), as_it_is.size()};
   if (out.shared > 0) {
     out.off = upper_median(std::move(as_it_is));
     out.exchanged = upper_median(std::move(exchanged));
+    out.same = spread(std::move(same));
+    out.opposite = spread(std::move(opposite));
   }
   return out;
 }
 
-bool looks_exchanged(const FrameContinuity& continuity) {
-  return continuity.shared >= kFewestToJudgeOrder && continuity.off > kLeast &&
-         continuity.exchanged < kClearly * continuity.off;
+bool looks_exchanged(const FrameContinuity& now) {
+  return now.shared >= kFewestToJudgeOrder && now.off > kLeast && now.exchanged < kClearly * now.off &&
+         now.same >= kClearly * now.opposite;
 }
 
 bool ExchangedPictures::is_exchanged(const StereoFrame& frame) {

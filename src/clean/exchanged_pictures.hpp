@@ -18,6 +18,10 @@ struct FrameContinuity {
   // By how much they miss the places where they were to come, left and right together, half of them [px]:
   double off = 0.0;        ///< as they are
   double exchanged = 0.0;  ///< if the pictures are exchanged
+  // From where the left camera sees a point to where the right one does, its change from point to point, half
+  // of them [px]:
+  double same = 0.0;      ///< against the offsets before
+  double opposite = 0.0;  ///< against those with the other sign
 };
 
 /// Recognises frames whose left and right pictures are exchanged; see FrameCleaner.

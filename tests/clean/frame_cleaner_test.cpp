@@ -163,6 +163,19 @@ TEST(FrameCleaner, TakesNoMotionForAnExchange) {
   }
 }
 
+/// The body turns and the right camera turns the other way, within a frame: all left pixels go to one side,
+/// all right ones to the other, as if they came to where the others had been.
+TEST(FrameCleaner, TakesNoBendingForAnExchange) {
+  for (const double shift : {-12.0, -6.0, 6.0, 12.0}) {
+    Frames bent = with_exchanged({}, 0.05, 8);
+    for (StereoObservation& point : bent[4].observations) {
+      point.uv_cam0.x() -= shift;
+      point.uv_cam1.x() += shift;
+    }
+    EXPECT_EQ(cleaned(bent, rig_of(0.1)).report.exchanged_frames, 0u) << shift;
+  }
+}
+
 TEST(FrameCleaner, TakesPicturesAsTheyAreThatStayExchanged) {
   std::vector<std::size_t> from_three_on;
   for (std::size_t k = 3; k < 40; ++k) {
