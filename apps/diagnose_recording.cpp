@@ -36,7 +36,8 @@ void compare_with_ekf(const Recording& recording, RunOptions options, const Fram
   }
 }
 
-/// What is wrong with the calibration as it was given, else with the clocks beside the rig as it was found.
+/// What is wrong with the calibration as it was given, else with clocks and mount beside the rig as it was
+/// found.
 void add_mistakes(const Recording& recording, const StereoCalibration& assumed,
                   const std::vector<StereoFrame>& seen, double gravity, Diagnosis& out) {
   out.mistakes = calibration_mistakes(assumed, seen);
@@ -48,9 +49,9 @@ void add_mistakes(const Recording& recording, const StereoCalibration& assumed,
     found.theta += out.health->present.estimate.delta;
   }
   if (out.mistakes.empty() && out.readout_contradicted.empty()) {
-    out.clocks = clock_offsets(found, seen, recording.imu);
+    out.offsets = sensor_offsets(found, seen, recording.imu);
   }
-  if (out.health && verdict_beside(out.clocks, *out.health) != out.health->verdict) {
+  if (out.health && verdict_beside(out.offsets, *out.health) != out.health->verdict) {
     out.state.reset();
   }
 }
@@ -60,7 +61,7 @@ void explain(const std::exception_ptr& failure, Diagnosis& out) {
   try {
     std::rethrow_exception(failure);
   } catch (const std::exception& error) {
-    if (out.mistakes.empty() && clock_mistakes(out.clocks).empty()) {
+    if (out.mistakes.empty() && clock_mistakes(out.offsets).empty()) {
       throw;
     }
     out.failure = error.what();

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "commands.hpp"
+#include "limber/core/angle.hpp"
 #include "ordered_json.hpp"
 
 namespace limber::app {
@@ -20,8 +21,11 @@ std::string advice(const Diagnosis& diagnosis) {
   if (!diagnosis.readout_contradicted.empty()) {
     return kReadoutAdvice;
   }
-  if (!clock_mistakes(diagnosis.clocks).empty()) {
+  if (!clock_mistakes(diagnosis.offsets).empty()) {
     return kClockAdvice;
+  }
+  if (mount_mistake(diagnosis.offsets)) {
+    return kMountAdvice;
   }
   return advice_on(verdict_of(diagnosis), diagnosis.health && diagnosis.health->present.moves());
 }
@@ -37,8 +41,11 @@ std::vector<std::string> all_mistakes(const Diagnosis& diagnosis) {
   if (!diagnosis.readout_contradicted.empty()) {
     out.push_back(diagnosis.readout_contradicted);
   }
-  const std::vector<std::string> of_clocks = clock_mistakes(diagnosis.clocks);
+  const std::vector<std::string> of_clocks = clock_mistakes(diagnosis.offsets);
   out.insert(out.end(), of_clocks.begin(), of_clocks.end());
+  if (const auto mount = mount_mistake(diagnosis.offsets)) {
+    out.push_back(*mount);
+  }
   return out;
 }
 
@@ -133,6 +140,15 @@ Json json_of(const std::optional<TimeOffset>& offset) {
   return offset ? Json{{"ms", 1e3 * offset->seconds}, {"sigma_ms", 1e3 * offset->sigma}} : Json(nullptr);
 }
 
+Json json_of(const std::optional<MountTurn>& mount) {
+  const Eigen::Vector3d deg = mount ? Eigen::Vector3d(kToDegrees * mount->turn) : Eigen::Vector3d::Zero();
+  return mount ? Json{{"imu-ax_deg", deg.x()},
+                      {"imu-ay_deg", deg.y()},
+                      {"imu-az_deg", deg.z()},
+                      {"sigma_deg", kToDegrees * mount->sigma}}
+               : Json(nullptr);
+}
+
 }  // namespace
 
 HealthVerdict verdict_of(const Diagnosis& diagnosis) {
@@ -142,7 +158,7 @@ HealthVerdict verdict_of(const Diagnosis& diagnosis) {
   if (!diagnosis.readout_contradicted.empty()) {
     return HealthVerdict::kCannotTell;
   }
-  return diagnosis.health ? verdict_beside(diagnosis.clocks, *diagnosis.health) : HealthVerdict::kCannotTell;
+  return diagnosis.health ? verdict_beside(diagnosis.offsets, *diagnosis.health) : HealthVerdict::kCannotTell;
 }
 
 int exit_code(HealthVerdict verdict) {
@@ -233,8 +249,9 @@ std::string to_json(const Diagnosis& diagnosis) {
       {"ekf_beside_lcekf", json_of(diagnosis.pose)},
       {"ekf_failure", diagnosis.ekf_failure.empty() ? Json(nullptr) : Json(diagnosis.ekf_failure)},
       {"mistakes", all_mistakes(diagnosis)},
-      {"time_offset_cam1_cam0", json_of(diagnosis.clocks.cam1)},
-      {"time_offset_cameras_imu", json_of(diagnosis.clocks.cameras)},
+      {"time_offset_cam1_cam0", json_of(diagnosis.offsets.cam1)},
+      {"time_offset_cameras_imu", json_of(diagnosis.offsets.cameras)},
+      {"mount_turn", json_of(diagnosis.offsets.mount)},
       {"readout_time", diagnosis.readout ? Json{{"ms", 1e3 * diagnosis.readout->seconds},
                                                 {"sigma_ms", 1e3 * diagnosis.readout->sigma}}
                                          : Json(nullptr)},

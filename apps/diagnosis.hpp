@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "limber/diagnose/clock_mistakes.hpp"
 #include "limber/diagnose/depth_effect.hpp"
 #include "limber/diagnose/health_summary.hpp"
+#include "limber/diagnose/offset_mistakes.hpp"
 #include "limber/diagnose/pose_loss.hpp"
 #include "limber/diagnose/readout_watch.hpp"
 #include "limber/run_files/health_state.hpp"
@@ -38,7 +38,7 @@ struct Diagnosis {
   std::optional<PoseLoss> pose;         ///< of ekf beside lcekf
   std::string ekf_failure;              ///< why there is no ekf beside it; empty if it did not fail
   std::vector<std::string> mistakes;    ///< of the calibration, see calibration_mistakes
-  ClockOffsets clocks;                  ///< not asked where there are mistakes
+  SensorOffsets offsets;                ///< not asked where there are mistakes
   std::optional<ReadoutTime> readout;   ///< of cam0, as the frames show it
   std::string
       readout_contradicted;  ///< why the rig cannot be judged: another readout than was assumed; else empty

@@ -62,8 +62,11 @@ void FirstFrames::finish() {
   const std::vector<StereoFrame> frames = at_stamps(std::exchange(seen_, {}), assumed_);
   look(frames);
   if (!over_) {
-    clocks_ = clock_offsets(assumed_, frames, recording_.imu);
-    say(clock_mistakes(clocks_));
+    offsets_ = sensor_offsets(assumed_, frames, recording_.imu);
+    say(clock_mistakes(offsets_));
+    if (const auto mount = mount_mistake(offsets_)) {
+      say({*mount});
+    }
   }
   over_ = true;
 }

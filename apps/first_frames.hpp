@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "limber/diagnose/clock_mistakes.hpp"
+#include "limber/diagnose/offset_mistakes.hpp"
 #include "limber/run/run_recording.hpp"
 
 namespace limber::app {
@@ -18,8 +18,8 @@ inline constexpr std::size_t kLastLook = 600;  ///< frames in which mistakes are
                                                  const StereoCalibration& assumed);
 
 /// @brief Frames on their way into a run, the first of which are looked at for cameras that are not where the
-/// calibration puts them: exchanged, or a transform written the wrong way round; and for clocks that
-/// disagree.
+/// calibration puts them: exchanged, or a transform written the wrong way round; for clocks that
+/// disagree, and for a mount that is turned.
 ///
 /// Looked at are the first 100 as soon as they have come, and once more the first 600, or all at the run's
 /// end: a rig that stands at first does not show how it sits on the IMU. Clocks are asked then. No frame
@@ -39,7 +39,7 @@ class FirstFrames {
   /// After the last frame, or where the run ended early.
   void finish();
   /// As those frames show them; of none before the last look, and where there are other mistakes.
-  [[nodiscard]] const ClockOffsets& clocks() const { return clocks_; }
+  [[nodiscard]] const SensorOffsets& offsets() const { return offsets_; }
   /// All that was said.
   [[nodiscard]] const std::vector<std::string>& mistakes() const { return mistakes_; }
 
@@ -54,7 +54,7 @@ class FirstFrames {
   Say say_;
   std::vector<StereoFrame> seen_;  ///< emptied by the last look
   bool over_ = false;
-  ClockOffsets clocks_;
+  SensorOffsets offsets_;
   std::vector<std::string> mistakes_;
 };
 

@@ -146,7 +146,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
     throw std::runtime_error("stopped before the first frame: nothing is written");
   }
   RunSummary summary = judge_run(recording, options, readout.estimate(), record);
-  add_clocks(first.clocks(), summary);
+  add_offsets(first.offsets(), summary);
   write_run(arguments.out, arguments.force, options, record, summary);
   if (arguments.notes != nullptr) {
     *arguments.notes = record.notes;

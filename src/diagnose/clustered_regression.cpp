@@ -66,24 +66,24 @@ std::optional<VectorXd> step(const MatrixXd& A, const VectorXd& b) {
   return factor.isInvertible() ? std::optional<VectorXd>(factor.solve(b)) : std::nullopt;
 }
 
-/// Standard deviation of the last of x, by leaving out each cluster in turn.
-std::optional<double> jackknife(const WeightedSums& sums) {
-  std::vector<double> last;
-  double mean = 0.0;
+/// Covariance of x, by leaving out each cluster in turn.
+std::optional<MatrixXd> jackknife(const WeightedSums& sums) {
+  std::vector<VectorXd> left;
+  VectorXd mean = VectorXd::Zero(sums.all.b.size());
   for (const auto& [cluster, part] : sums.of_cluster) {
     const auto without = step(sums.all.A - part.A, sums.all.b - part.b);
     if (!without) {
       return std::nullopt;
     }
-    last.push_back((*without)(without->size() - 1));
-    mean += last.back() / static_cast<double>(sums.of_cluster.size());
+    left.push_back(*without);
+    mean += left.back() / static_cast<double>(sums.of_cluster.size());
   }
-  double squares = 0.0;
-  for (const double value : last) {
-    squares += (value - mean) * (value - mean);
+  MatrixXd squares = MatrixXd::Zero(mean.size(), mean.size());
+  for (const VectorXd& value : left) {
+    squares += (value - mean) * (value - mean).transpose();
   }
-  const auto n = static_cast<double>(last.size());
-  return std::sqrt(squares * (n - 1.0) / n);
+  const auto n = static_cast<double>(left.size());
+  return MatrixXd(squares * ((n - 1.0) / n));
 }
 
 /// What equations say of the last unknown beside the others.
@@ -117,8 +117,12 @@ std::optional<ClusteredSolution> solve(const ClusteredRows& rows) {
     x += *change;
   }
   const WeightedSums sums = weighted_sums(rows, x);
-  const auto sigma = jackknife(sums);
-  return sigma ? std::optional(ClusteredSolution{x, *sigma, degrees_of_freedom(sums)}) : std::nullopt;
+  const auto covariance = jackknife(sums);
+  if (!covariance) {
+    return std::nullopt;
+  }
+  return ClusteredSolution{x, *covariance, std::sqrt((*covariance)(x.size() - 1, x.size() - 1)),
+                           degrees_of_freedom(sums)};
 }
 
 bool is_rarer_than(double chance, double sigmas, double dof) {

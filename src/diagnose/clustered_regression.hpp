@@ -19,13 +19,14 @@ struct ClusteredRows {
 
 struct ClusteredSolution {
   Eigen::VectorXd x;
+  Eigen::MatrixXd covariance;  ///< of x
   double sigma_of_last = 0.0;  ///< standard deviation of the last of x
   /// of sigma_of_last, in the sense of Student's law: one less than there would be clusters if all told as
   /// much of the last of x
   double dof = 0.0;
 };
 
-/// @brief Instrumental variables with Huber weights. The standard deviation is the jackknife's: how the
+/// @brief Instrumental variables with Huber weights. The covariance is the jackknife's: how the
 /// solution changes as each cluster in turn is left out. It sees the clusters that alone decide, which a
 /// sandwich covariance does not.
 /// @param rows  not empty

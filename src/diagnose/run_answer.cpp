@@ -122,6 +122,10 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
     out.headline = headline_of(s.health->verdict);
     out.sentences.push_back(in_words(*s.health, watch_options(options).tolerance));
     out.advice = advice_on(s.health->verdict, s.health->present.moves());
+    if (!s.mount_mistake.empty()) {
+      out.sentences.push_back(s.mount_mistake);
+      out.advice = kMountAdvice;
+    }
   } else {
     out.headline = "calibration not judged";
     out.sentences.emplace_back(options.method == Method::kMonoLeft

@@ -224,9 +224,10 @@ void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibrat
   }
 }
 
-void add_clocks(const ClockOffsets& clocks, RunSummary& summary) {
+void add_offsets(const SensorOffsets& offsets, RunSummary& summary) {
+  summary.mount_mistake = mount_mistake(offsets).value_or("");
   if (summary.health) {
-    const HealthVerdict beside = verdict_beside(clocks, *summary.health);
+    const HealthVerdict beside = verdict_beside(offsets, *summary.health);
     summary.clocks_hide_rig =
         beside == HealthVerdict::kCannotTell && summary.health->verdict != HealthVerdict::kCannotTell;
     summary.health->verdict = beside;

@@ -84,15 +84,15 @@ TEST(Diagnosis, CannotTellOfARigWhoseRowsAreNotExposedAsAssumed) {
 
 TEST(Diagnosis, MentionsATimeOffsetThatIsLargeAndCertain) {
   Diagnosis diagnosis = with(kOk);
-  diagnosis.clocks.cam1 = TimeOffset{0.010, 0.001};
+  diagnosis.offsets.cam1 = TimeOffset{0.010, 0.001};
   EXPECT_THAT(to_text(diagnosis), HasSubstr("cam1 is taken 10.0 ± 1.0 ms later than stamped"));
-  diagnosis.clocks.cam1 = TimeOffset{0.010, 0.005};
+  diagnosis.offsets.cam1 = TimeOffset{0.010, 0.005};
   EXPECT_THAT(to_text(diagnosis), Not(HasSubstr("time offset")));
 }
 
 TEST(Diagnosis, CannotTellOfARigThatAClockMayMakeLookWrong) {
   Diagnosis diagnosis = with(kDecalibrated);
-  diagnosis.clocks.cameras = TimeOffset{0.020, 0.001};
+  diagnosis.offsets.cameras = TimeOffset{0.020, 0.001};
   EXPECT_EQ(verdict_of(diagnosis), kCannotTell);
   EXPECT_THAT(to_text(diagnosis),
               ::testing::StartsWith("log: cannot tell\nLooks like a mistake: time offset: "));

@@ -12,6 +12,7 @@
 #include "limber/core/random.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
+#include "limber/diagnose/cameras_beside_imu.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "run/short_recording.hpp"
@@ -116,13 +117,15 @@ TEST(TimeOffset, OfTheCamerasIsFoundAgainstTheGyro) {
   scenario.decalibration.clear();
   Recording recording = simulate(scenario, 1);
   recording.calibration.body = BodyFrame::kImu;  // the simulated body is cam0
-  const TimeOffset none = camera_time_offset(recording.calibration, recording.frames, recording.imu).value();
+  const TimeOffset none =
+      cameras_beside_imu(recording.calibration, recording.frames, recording.imu).value().clock;
   EXPECT_LT(std::abs(none.seconds), 4.0 * none.sigma);
   for (ImuSample& sample : recording.imu) {
     sample.t_ns +=
         20'000'000;  // so the cameras seem early by nothing, the IMU late: motion is at stamp + 20 ms
   }
-  const TimeOffset late = camera_time_offset(recording.calibration, recording.frames, recording.imu).value();
+  const TimeOffset late =
+      cameras_beside_imu(recording.calibration, recording.frames, recording.imu).value().clock;
   EXPECT_NEAR(late.seconds - none.seconds, 0.02, 4.0 * late.sigma);
 }
 
@@ -136,15 +139,16 @@ TEST(TimeOffset, OfASoundClockIsNothingWithRealisticPixels) {
   constexpr int kRuns = 6;
   for (int seed = 41; seed < 41 + kRuns; ++seed) {
     Recording recording = simulate(scenario, static_cast<std::uint64_t>(seed));
-    const auto offset = camera_time_offset(recording.calibration, recording.frames, recording.imu);
-    ASSERT_TRUE(offset);
-    EXPECT_LT(offset->sigma, 0.001);
-    EXPECT_LT(std::abs(offset->seconds), 0.003);
-    normalized_squared += std::pow(offset->seconds / offset->sigma, 2) / kRuns;
+    const auto beside = cameras_beside_imu(recording.calibration, recording.frames, recording.imu);
+    ASSERT_TRUE(beside);
+    const TimeOffset offset = beside->clock;
+    EXPECT_LT(offset.sigma, 0.001);
+    EXPECT_LT(std::abs(offset.seconds), 0.003);
+    normalized_squared += std::pow(offset.seconds / offset.sigma, 2) / kRuns;
     recording.calibration.theta(1) += 0.01;  // a wrong rig is no wrong clock
-    const auto wrong = camera_time_offset(recording.calibration, recording.frames, recording.imu);
+    const auto wrong = cameras_beside_imu(recording.calibration, recording.frames, recording.imu);
     ASSERT_TRUE(wrong);
-    EXPECT_LT(std::abs(wrong->seconds), 5.0 * wrong->sigma);
+    EXPECT_LT(std::abs(wrong->clock.seconds), 5.0 * wrong->clock.sigma);
   }
   EXPECT_LT(normalized_squared, 4.0);  // twenty seconds tell their own spread within a factor of two
 }
@@ -235,7 +239,7 @@ TEST(TimeOffset, IsUnknownWithoutMotionOrPoints) {
   scenario.decalibration.clear();
   const Recording recording = simulate(scenario, 1);
   EXPECT_FALSE(cam1_time_offset(recording.calibration, std::vector<StereoFrame>(2)));
-  EXPECT_FALSE(camera_time_offset(recording.calibration, recording.frames, {}));
+  EXPECT_FALSE(cameras_beside_imu(recording.calibration, recording.frames, {}));
 }
 
 }  // namespace

@@ -10,8 +10,8 @@
 #include "limber/core/pose.hpp"
 #include "limber/datasets/recording.hpp"
 #include "limber/datasets/trajectory_files.hpp"
-#include "limber/diagnose/clock_mistakes.hpp"
 #include "limber/diagnose/health_summary.hpp"
+#include "limber/diagnose/offset_mistakes.hpp"
 #include "limber/diagnose/readout_watch.hpp"
 #include "limber/diagnose/scale_check.hpp"
 #include "limber/evaluate/alignment.hpp"
@@ -79,8 +79,9 @@ struct RunSummary {
   /// The frames show another readout time than was assumed: what the run says of itself is not to be
   /// believed.
   bool readout_contradicted = false;
-  /// A clock that is off may be why the rig looks as it does: it is not judged, see add_clocks.
+  /// A clock that is off may be why the rig looks as it does: it is not judged, see add_offsets.
   bool clocks_hide_rig = false;
+  std::string mount_mistake;  ///< a mount that is turned, in words; empty if it is not
   /// The method takes the length of the baseline for exact, and positions rest on it (but with odometry,
   /// which shows its metre in every sample); see add_scale_check.
   bool rests_on_length = false;
@@ -123,9 +124,10 @@ inline constexpr std::string_view kFirstPoseAlignment = "position and yaw of the
 void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibration& assumed,
                  RunRecord& record, RunSummary& summary);
 
-/// @brief Takes in what the frames of a run show of its clocks. A rig that looks wrong where a clock may be
-/// why is not judged, see verdict_beside.
-void add_clocks(const ClockOffsets& clocks, RunSummary& summary);
+/// @brief Takes in what the frames of a run show of its clocks and of the cameras' mount. A rig that looks
+/// wrong where a clock may be why is not judged, one that is `ok` on a mount that is turned is `degraded`:
+/// see verdict_beside.
+void add_offsets(const SensorOffsets& offsets, RunSummary& summary);
 
 /// @brief Asks what the IMU alone shows of the scale of a run whose method takes the length of the baseline
 /// for exact, and judges the rig anew by that: the filter's own windows agree with whatever length it trusts.

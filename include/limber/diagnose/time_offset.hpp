@@ -9,8 +9,9 @@
 #include "limber/sensors/samples.hpp"
 
 /// @file
-/// Clocks that disagree look like a rig that bends while it moves. Both estimates are least squares with
-/// Huber weights over a whole recording, apart from any filter.
+/// Clocks that disagree look like a rig that bends while it moves. That of cam1 is found by least squares
+/// with Huber weights over a whole recording, apart from any filter; that of both cameras in
+/// cameras_beside_imu.hpp.
 namespace limber {
 
 /// How much later than stamped something was taken, and its standard deviation [s].
@@ -35,15 +36,5 @@ struct TimeOffset {
 /// the degrees of freedom of the tracks that tell.
 [[nodiscard]] std::optional<TimeOffset> cam1_time_offset(const StereoCalibration& calibration,
                                                          std::span<const StereoFrame> frames);
-
-/// @brief Of the cameras against the IMU: how the left camera alone turned in a fifth of a second (two views,
-/// depths eliminated: errors of depth would look like turns), against the gyro over the same time, moved by
-/// tau; with a constant gyro bias. The gyro's slope before and behind is the instrument of its slope between.
-/// sigma is the jackknife's over seconds of the recording, with one d.o.f. less than there are seconds that
-/// tell.
-/// @return nothing unless the body is the IMU and 20 pairs of frames in four seconds tell
-[[nodiscard]] std::optional<TimeOffset> camera_time_offset(const StereoCalibration& calibration,
-                                                           std::span<const StereoFrame> frames,
-                                                           std::span<const ImuSample> imu);
 
 }  // namespace limber

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Clocks that are off: named from a few seconds that turn, no accusation of the rig, and none of a sound
-// clock.
-#include "limber/diagnose/clock_mistakes.hpp"
+// Clocks and mounts that are off: named from a few seconds that turn, no accusation of the rig, and none of
+// sound ones.
+#include "limber/diagnose/offset_mistakes.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <span>
 
+#include "limber/core/angle.hpp"
+#include "limber/core/so3.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
@@ -36,7 +38,7 @@ void move_imu(Recording& recording, double seconds) {
 }
 
 std::vector<std::string> mistakes_in(const Recording& recording) {
-  return clock_mistakes(clock_offsets(recording.calibration, recording.frames, recording.imu));
+  return clock_mistakes(sensor_offsets(recording.calibration, recording.frames, recording.imu));
 }
 
 TEST(ClockMistakes, AreNamedFromEightSecondsThatTurn) {
@@ -59,7 +61,7 @@ TEST(ClockMistakes, AreNoneOfSoundClocksInPiecesOfFewSeconds) {
           static_cast<std::size_t>(length * static_cast<double>(recording.frames.size()) / 30.0);
       for (std::size_t n = 0; n + frames <= recording.frames.size(); n += frames) {
         const std::span piece = std::span(recording.frames).subspan(n, frames);
-        EXPECT_THAT(clock_mistakes(clock_offsets(recording.calibration, piece, recording.imu)), IsEmpty())
+        EXPECT_THAT(clock_mistakes(sensor_offsets(recording.calibration, piece, recording.imu)), IsEmpty())
             << name << ' ' << length << " s from frame " << n;
       }
     }
@@ -101,9 +103,9 @@ HealthSummary wrong_by(HealthVerdict epipolar, HealthVerdict depth) {
 }
 
 TEST(VerdictBesideClocks, DoesNotAccuseTheRigOfWhatAClockDoes) {
-  const ClockOffsets sound{.cam1 = {}, .cameras = TimeOffset{.seconds = 0.001, .sigma = 0.001}};
-  const ClockOffsets imu_off{.cam1 = {}, .cameras = TimeOffset{.seconds = 0.02, .sigma = 0.001}};
-  const ClockOffsets cam1_off{.cam1 = TimeOffset{.seconds = 0.02, .sigma = 0.001}, .cameras = {}};
+  const SensorOffsets sound{.cam1 = {}, .cameras = TimeOffset{.seconds = 0.001, .sigma = 0.001}};
+  const SensorOffsets imu_off{.cam1 = {}, .cameras = TimeOffset{.seconds = 0.02, .sigma = 0.001}};
+  const SensorOffsets cam1_off{.cam1 = TimeOffset{.seconds = 0.02, .sigma = 0.001}, .cameras = {}};
   EXPECT_EQ(verdict_beside(sound, wrong_by(kOk, kDecalibrated)), kDecalibrated);
   EXPECT_EQ(verdict_beside(imu_off, wrong_by(kOk, kDecalibrated)), kCannotTell);
   EXPECT_EQ(verdict_beside(imu_off, wrong_by(kDecalibrated, kDecalibrated)), kDecalibrated);
@@ -114,6 +116,63 @@ TEST(VerdictBesideClocks, DoesNotAccuseTheRigOfWhatAClockDoes) {
   HealthSummary turned = wrong_by(kOk, kDecalibrated);
   turned.present.by_epipolar = kDecalibrated;
   EXPECT_EQ(verdict_beside(imu_off, turned), kCannotTell);
+}
+
+/// The calibration's mount is turned against the true one by so many degrees, about body axes.
+SensorOffsets beside_turned_mount(Recording recording, const Eigen::Vector3d& degrees) {
+  Eigen::Matrix3d& R = recording.calibration.T_body_cam0.R;
+  R = so3_exp(Eigen::Vector3d(degrees / kToDegrees)) * R;
+  return sensor_offsets(recording.calibration, recording.frames, recording.imu);
+}
+
+TEST(MountMistake, IsNamedByItsSize) {
+  for (const std::uint64_t seed : {55u, 56u}) {
+    const Recording recording = flown("drone_none.yaml", 20.0, seed);
+    for (const Eigen::Vector3d& degrees :
+         {Eigen::Vector3d(0.6, 0, 0), Eigen::Vector3d(0, -0.6, 0), Eigen::Vector3d(0.4, 0.4, 0.3)}) {
+      const SensorOffsets offsets = beside_turned_mount(recording, degrees);
+      ASSERT_TRUE(offsets.mount);
+      // True minus assumed, in the direction that is told.
+      const Eigen::Vector3d turn = kToDegrees * offsets.mount->turn;
+      EXPECT_NEAR(turn.norm(), -degrees.dot(turn.normalized()), 0.15) << degrees.transpose();
+      EXPECT_THAT(mount_mistake(offsets).value_or(""), HasSubstr("cam0 is turned by")) << degrees.transpose();
+      EXPECT_THAT(clock_mistakes(offsets), IsEmpty());
+    }
+  }
+}
+
+/// Lens errors of 0.2 px rms look like up to 0.14 deg on these, more where the lens is wide.
+TEST(MountMistake, IsNoneOfSoundMounts) {
+  for (const char* const name : {"drone_none.yaml", "drone_moving.yaml", "paper_i.yaml", "creeping.yaml"}) {
+    for (const std::uint64_t seed : {61u, 62u, 63u}) {
+      const SensorOffsets offsets = beside_turned_mount(flown(name, 15.0, seed), Eigen::Vector3d::Zero());
+      EXPECT_EQ(mount_mistake(offsets), std::nullopt) << name << ' ' << seed;
+    }
+  }
+}
+
+TEST(MountMistake, NeedsMoreOfAWideLensAndOfFewSeconds) {
+  const auto named = [](double degrees, double focal_px, double dof) {
+    SensorOffsets offsets;
+    offsets.mount = MountTurn{Eigen::Vector3d(degrees / kToDegrees, 0, 0), 0.02 / kToDegrees, dof};
+    offsets.focal_px = focal_px;
+    return mount_mistake(offsets).has_value();
+  };
+  EXPECT_FALSE(named(0.29, 700, 20));
+  EXPECT_TRUE(named(0.31, 700, 20));
+  EXPECT_FALSE(named(0.6, 200, 20));
+  EXPECT_TRUE(named(0.7, 200, 20));
+  EXPECT_FALSE(named(0.31, 700, 2));
+}
+
+/// Depths are right, poses are not.
+TEST(VerdictBesideMount, DegradesWhatIsOkAndNothingElse) {
+  SensorOffsets offsets;
+  offsets.mount = MountTurn{Eigen::Vector3d(0.01, 0, 0), 1e-4, 20.0};
+  offsets.focal_px = 450.0;
+  EXPECT_EQ(verdict_beside(offsets, wrong_by(kOk, kOk)), kDegraded);
+  EXPECT_EQ(verdict_beside(offsets, wrong_by(kOk, kDecalibrated)), kDecalibrated);
+  EXPECT_EQ(verdict_beside(offsets, wrong_by(kOk, kCannotTell)), kCannotTell);
 }
 
 }  // namespace

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "limber/diagnose/cameras_beside_imu.hpp"
+#include "limber/diagnose/health_summary.hpp"
+#include "limber/diagnose/time_offset.hpp"
+#include "limber/sensors/calibration.hpp"
+#include "limber/sensors/samples.hpp"
+
+namespace limber {
+
+/// What a recording shows of its clocks and of the mount of its cameras, and what its calibration says of
+/// them.
+struct SensorOffsets {
+  /// of cam1 against cam0, and of the cameras against the IMU; nothing where the recording does not show it
+  std::optional<TimeOffset> cam1, cameras;
+  double assumed_cam1 = 0.0, assumed_cameras = 0.0;  ///< the same by StereoCalibration::time_offset_s [s]
+  std::optional<MountTurn> mount;                    ///< of cam0 on the IMU; nothing as above
+  double focal_px = 0.0;  ///< of cam0: the longer, the less its lens looks like a turn
+};
+
+/// All of them. @param calibration  with the rig as found: a wrong rig is no wrong clock
+[[nodiscard]] SensorOffsets sensor_offsets(const StereoCalibration& calibration,
+                                           std::span<const StereoFrame> frames,
+                                           std::span<const ImuSample> imu);
+
+/// @brief Clocks that are not as assumed, in words: off by more than 1 ms (cam1) or 3 ms (IMU) and by more
+/// than 5 sigma. From few seconds sigma itself is hardly known, so that by Student's law chance must not do
+/// the same once in ten thousand recordings: 17 sigma from five seconds, 8 from eight.
+[[nodiscard]] std::vector<std::string> clock_mistakes(const SensorOffsets& offsets);
+
+/// @brief A mount that is turned against the calibration, in words: by more than 5 sigma as above, and by 0.3
+/// deg at least, or what 2.4 px of cam0 are where that is more. A lens model that leaves 0.2 px rms looks
+/// like half of that; so does a principal point that is off by as many pixels, and is named with it.
+[[nodiscard]] std::optional<std::string> mount_mistake(const SensorOffsets& offsets);
+
+/// @brief The verdict on a rig beside clocks and a mount that are off. A mount leaves it as it is, but for
+/// `ok`, which becomes `degraded`: depths are right, poses are not.
+///
+/// Clocks that are off: `ok` becomes `cannot tell`: an offset is part of
+/// the calibration. `degraded` and `decalibrated` do so if it may be the clock: that of cam1 looks like a rig
+/// that bends while it moves; that of the IMU bends the trajectory, and with it what motion says of depths,
+/// so of vergence and the baseline's length. But it never moves a point off its epipolar line, by which the
+/// other four axes, and a rig that moves, are judged as before.
+[[nodiscard]] HealthVerdict verdict_beside(const SensorOffsets& offsets, const HealthSummary& health);
+
+/// Where verdict_beside is not that of the rig, because of a clock.
+inline constexpr const char* kClocksHideRig =
+    "the rig is not judged: a clock that is off looks like a rig that is wrong, or hides one";
+
+/// What to do about a clock that is off.
+inline constexpr const char* kClockAdvice =
+    "mend the clock (or give its offset: timeshift_cam_imu of a Kalibr file, --calib), and look again; until "
+    "then --estimate dt0,dt1";
+
+/// What to do about a mount that is turned.
+inline constexpr const char* kMountAdvice =
+    "calibrate the cameras against the IMU (T_BS; T_cam_imu of a Kalibr file, --calib); until then "
+    "--estimate "
+    "imu-ax,imu-ay,imu-az, and take sigmas of attitude for too small";
+
+}  // namespace limber
