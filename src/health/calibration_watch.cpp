@@ -55,7 +55,7 @@ void judge_movement(const std::vector<RigEvidence>& windows, const RigParameters
     blocks.insert(blocks.end(), window.blocks.begin(), window.blocks.end());
     depth_blocks.insert(depth_blocks.end(), window.depth_blocks.begin(), window.depth_blocks.end());
   }
-  out.movement = movement_of(blocks, out.whole.epipolar);
+  out.movement = movement_of(blocks, out.whole.epipolar, vergence_axis(theta));
   out.depth_movement = depth_movement_of(depth_blocks, theta, tolerance.baselines);
   out.by_movement = judge(out.movement.px, tolerance.epipolar_px);
   out.by_depth_movement = out.deep_tracks < kFewestTracks ? HealthVerdict::kCannotTell
@@ -71,9 +71,10 @@ double alarms_of_window(const WatchOptions& options) {
 /// Of a drift that is not relevant: anything up to that, uniformly, in depth and on the epipolar lines.
 NormalEquations::Matrix drift_not_looked_for(NormalEquations::Matrix epipolar, const RigParameters& theta,
                                              bool metric, const Tolerance& tolerance) {
-  constexpr auto kVergence = NormalEquations::kVergence, kLens = NormalEquations::kLens;
+  constexpr auto kLens = NormalEquations::kLens;
+  const Eigen::Index vergence = vergence_axis(theta);
   // On the lines vergence is taken for what a lens does: that drifts with it.
-  epipolar(kLens, kLens) = epipolar(kVergence, kVergence);
+  epipolar(kLens, kLens) = epipolar(vergence, vergence);
   NormalEquations::Vector depth = NormalEquations::Vector::Zero();
   depth.head<6>() =
       visible_slope(theta, metric, tolerance).cwiseProduct(plausible_error(theta.tail<3>().norm()));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "limber/health/normal_equations.hpp"
 
+#include <cmath>
+
 namespace limber {
 
 NormalEquations::Vector NormalEquations::score(const Vector& beta) const {
@@ -11,6 +13,10 @@ NormalEquations& NormalEquations::operator+=(const NormalEquations& other) {
   information += other.information;
   vector += other.vector;
   return *this;
+}
+
+Eigen::Index vergence_axis(const RigParameters& theta) {
+  return std::abs(theta(4)) > std::abs(theta(3)) ? 0 : 1;  // the baseline lies along y, or along x
 }
 
 }  // namespace limber

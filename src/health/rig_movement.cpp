@@ -70,7 +70,8 @@ DepthHalves& DepthHalves::operator+=(const DepthHalves& other) {
   return *this;
 }
 
-RigMovement movement_of(const std::vector<FrameHalves>& blocks, const Matrix& epipolar) {
+RigMovement movement_of(const std::vector<FrameHalves>& blocks, const Matrix& epipolar,
+                        Eigen::Index vergence) {
   FrameHalves all;
   double count = 0.0;
   for (const FrameHalves& block : blocks) {
@@ -82,8 +83,8 @@ RigMovement movement_of(const std::vector<FrameHalves>& blocks, const Matrix& ep
   }
   // Of vergence a frame alone says what its epipolar lines say: the place of the lens.
   Matrix px = epipolar;
-  px.row(NormalEquations::kVergence).swap(px.row(NormalEquations::kLens));
-  px.col(NormalEquations::kVergence).swap(px.col(NormalEquations::kLens));
+  px.row(vergence).swap(px.row(NormalEquations::kLens));
+  px.col(vergence).swap(px.col(NormalEquations::kLens));
   const Vector first = all.first / all.frames, second = all.second / all.frames;
   const Matrix covariance = about(all, first, second) / all.frames;
   const double mean = px.cwiseProduct(covariance).sum();
@@ -96,7 +97,7 @@ RigMovement movement_of(const std::vector<FrameHalves>& blocks, const Matrix& ep
   const auto root = [](double square) { return std::sqrt(std::max(square, 0.0)); };
   RigMovement out{{root(mean), root(mean - reach), root(std::max(mean, 0.0) + reach)}};
   px.diagonal().cwiseProduct(covariance.diagonal()).maxCoeff(&out.axis);
-  out.axis = out.axis == NormalEquations::kLens ? NormalEquations::kVergence : out.axis;
+  out.axis = out.axis == NormalEquations::kLens ? vergence : out.axis;
   return out;
 }
 

@@ -26,13 +26,16 @@ constexpr std::size_t kFewestPoints = 100;
 constexpr double kMostDepthNoise = 2;  // px that the depth from motion adds, for 1 px of the left pixels
 constexpr double kHuberLimit = 1.345, kTukeyLimit = 4.685;
 constexpr double kLeastNoise_px = 0.02;
-constexpr Eigen::Index kVergence = NormalEquations::kVergence, kLens = NormalEquations::kLens;
+constexpr Eigen::Index kLens = NormalEquations::kLens;
 constexpr std::size_t kBlocks = 5;                           // of a window
 constexpr int kFewestOfAHalf = 8, kFewestDepthsOfAHalf = 4;  // rows
 constexpr int kHuberSteps = 6, kTukeySteps = 4;
 constexpr int kStepsPerSlice = 4;
 constexpr int kMostLinearisations = 4;
-constexpr double kAsGood = 1.0;  // plausible errors from where the rows were made: linear enough
+constexpr double kMost = 0.95;  // of the rows of a kind: larger derivatives than theirs count as much
+constexpr std::size_t kFewestLevers = 20;
+constexpr double kLeastLever = 0.25;  // of a row that counts whole or not at all
+constexpr double kAsGood = 1.0;       // plausible errors from where the rows were made: linear enough
 
 Vector solve(const NormalEquations& normal) { return Cholesky(normal.information).inverse() * normal.vector; }
 
@@ -73,7 +76,7 @@ struct WindowFit::Linearisation {
   Eigen::Matrix<double, 6, 6> by_beta;  // turn and translation of the rig
 
   Linearisation(const Vector& at, const RigParameters& assumed, const RigParameters& scale) : beta(at) {
-    beta(kLens) = beta(kVergence);
+    beta(kLens) = beta(vergence_axis(assumed));
     const RigParameters theta = assumed + at.head<6>().cwiseProduct(scale);
     rig = pose_from_rig(theta);
     by_beta = detail::pose_by_theta(theta) * scale.asDiagonal();
@@ -90,7 +93,8 @@ struct WindowFit::Linearisation {
 WindowFit::WindowFit(detail::WatchedFrames window)
     : window_(std::move(window)),
       scale_(plausible_error(window_.calibration.baseline())),
-      focal_px_(window_.calibration.cam1.fu) {
+      focal_px_(window_.calibration.cam1.fu),
+      vergence_(vergence_axis(window_.calibration.theta)) {
   if (window_.points < kFewestPoints) {
     stage_ = Stage::kDone;
   }
@@ -104,6 +108,10 @@ void WindowFit::advance() {
       break;
     case Stage::kRows:
       make_rows();
+      stage_ = Stage::kLevers;
+      break;
+    case Stage::kLevers:
+      bound_levers();
       stage_ = Stage::kWeights;
       break;
     case Stage::kWeights:
@@ -144,7 +152,7 @@ void WindowFit::find_depths() {
 void WindowFit::add_across(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame) {
   const StereoBearings pair{seen.d0, seen.d1};
   Vector J = -focal_px_ * at.derivative(detail::epipolar_slope(pair, at.rig));
-  std::swap(J(kVergence), J(kLens));
+  std::swap(J(vergence_), J(kLens));
   const double across = focal_px_ * detail::epipolar_error(pair, at.rig);
   rows_.push_back({J, across + J.dot(at.beta), 1.0, 1.0, seen.track.first, seen.cell, false, frame});
 }
@@ -188,6 +196,33 @@ void WindowFit::make_rows() {
   }
 }
 
+/// What moves a point across its line grows with its disparity, and that of a wrong match is anything: its
+/// derivatives are, and a few such rows fit themselves, whatever their residuals were. So a row has no more
+/// influence than the largest of most (bounded influence, Mallows' weights [Maronna2006]).
+void WindowFit::bound_levers() {
+  for (const bool along : {false, true}) {
+    for (Eigen::Index k = 0; k < NormalEquations::kSize; ++k) {
+      std::vector<double> sizes;
+      for (const Row& row : rows_) {
+        if (row.along == along) {
+          sizes.push_back(std::abs(row.J(k)));
+        }
+      }
+      if (sizes.size() < kFewestLevers) {
+        continue;
+      }
+      const auto most = static_cast<std::size_t>(kMost * static_cast<double>(sizes.size()));
+      const double limit = order_statistic(std::move(sizes), most);
+      for (Row& row : rows_) {
+        const double size = std::abs(row.J(k));
+        if (row.along == along && size > limit) {
+          row.lever = std::min(row.lever, (limit / size) * (limit / size));
+        }
+      }
+    }
+  }
+}
+
 NormalEquations WindowFit::normal_equations() const {
   NormalEquations out;
   out.information.diagonal().setConstant(kPrior);
@@ -218,7 +253,7 @@ void WindowFit::weigh() {
       const double weight = weighted_ < kHuberSteps ? (u > kHuberLimit ? kHuberLimit / u : 1.0)
                             : share < 1.0           ? (1.0 - share * share) * (1.0 - share * share)
                                                     : 0.0;
-      row.weight = weight / (sigma * sigma);
+      row.weight = row.lever * weight / (sigma * sigma);
     }
     beta_ = solve(normal_equations());
   }
@@ -255,9 +290,9 @@ void WindowFit::sum_up() {
       if (row.weight > 0.0) {
         deep.insert(row.track);
       }
-    } else if (row.weight > 0.0) {
+    } else if (row.weight > 0.0 && row.lever > kLeastLever) {
       Vector of_the_rig = row.J;  // what the lens does is not the rig's error
-      std::swap(of_the_rig(kVergence), of_the_rig(kLens));
+      std::swap(of_the_rig(vergence_), of_the_rig(kLens));
       out.epipolar.noalias() += of_the_rig * of_the_rig.transpose();
       ++out.points;
     }
@@ -274,7 +309,7 @@ std::vector<FrameHalves> WindowFit::frame_halves() const {
   // Weights that fall with the distance from the mean would make every movement look smaller: all or nothing.
   std::vector<std::array<Half, 2>> halves(window_.frames.size());
   for (const Row& row : rows_) {
-    if (!row.along && row.weight > 0.0) {
+    if (!row.along && row.weight > 0.0 && row.lever > kLeastLever) {
       Half& half = halves[row.frame][static_cast<std::size_t>(row.track & 1)];
       half.normal += {row.J * row.J.transpose(), row.y * row.J};
       ++half.rows;

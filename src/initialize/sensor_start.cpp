@@ -15,6 +15,7 @@ namespace limber {
 using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 using namespace detail;
 
 namespace {
@@ -38,6 +39,10 @@ std::vector<SmoothedState> StartWindow::trajectory() const {
       const Index at = static_cast<Index>(next) * model.frame_size();
       nav = solution->frames[next++].nav;
       P = covariance.block(at, at, n, n);
+      for (const ShiftedSolution& one : shifted) {
+        const VectorXd error = body_error(model.options.motion, nav, one.state.frames[next - 1].nav);
+        P += error * error.transpose();
+      }
     } else {
       const Transition step = predict_over(model.options, frame, nav);
       P = step.Phi * P * step.Phi.transpose() + step.Q;
@@ -154,8 +159,10 @@ SensorStartResult SensorStart::result_for(Method method) {
     w.scale_told = false;
     w.take_scale_of_rig();
   }
-  if (const std::optional<StartWindow> trusting =
+  if (std::optional<StartWindow> trusting =
           may_trust_rig(asked) ? w.trusting(out.report.status) : std::nullopt) {
+    w.shift_parameters();
+    trusting->shift_parameters();
     out.initial = trusting->handed_over();
     out.initial.distrusting = std::make_shared<const InitialState>(w.handed_over());
     out.trajectory = trusting->trajectory();
@@ -164,6 +171,7 @@ SensorStartResult SensorStart::result_for(Method method) {
     out.report = trusting->judged();
     out.report.inputs = inputs;
   } else if (w.solution) {
+    w.shift_parameters();
     out.initial = w.handed_over();
     out.trajectory = w.trajectory();
   } else {

@@ -250,6 +250,7 @@ InitialState StartWindow::handed_over() const {
   if (leaves_scale_open()) {
     take_noise_from_scale(out);
   }
+  out.by_parameters = by_parameters(shifted, model, out);
   return out;
 }
 

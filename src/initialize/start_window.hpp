@@ -11,6 +11,7 @@
 #include "limber/core/time.hpp"
 #include "limber/initialize/sensor_start.hpp"
 #include "limber/predict/input_checks.hpp"
+#include "window_parameters.hpp"
 #include "window_problem.hpp"
 
 namespace limber::detail {
@@ -62,6 +63,7 @@ struct StartWindow {
   std::optional<Eigen::Matrix3d> R_first;  // of the last solution
   WindowNormal normal;
   Eigen::MatrixXd covariance;
+  std::vector<ShiftedSolution> shifted;  // of `solution`, once the start is over
   double solved_s = 0.0;
   StartReport report{StartStatus::kWaiting, 0.0, kUnknown, kUnknown, "more frames", {}};
   double least_misfit = kUnknown;  // of all solutions, squared residuals over rows
@@ -98,6 +100,7 @@ struct StartWindow {
   void solve();
   [[nodiscard]] WindowNormal settled(WindowState& guess) const;
   void settle_solution();
+  void shift_parameters() { shifted = shifted_solutions(model, *solution); }
   void clean_and_cover();
   /// The rig says nothing about how long a metre is.
   [[nodiscard]] bool leaves_scale_open() const {

@@ -9,6 +9,7 @@
 
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
+#include "limber/sensors/parameters.hpp"
 
 namespace limber::detail {
 namespace {
@@ -108,6 +109,14 @@ void check_initial(const InitialState& initial) {
   }
   require_finite(initial.landmarks_covariance, "the covariance of landmarks");
   require_finite(initial.landmarks_body, "the covariance of landmarks and body");
+  require_finite(initial.by_parameters, "what body and landmarks owe to parameters");
+  const auto errors =
+      initial.body_covariance.rows() + kTriplet * static_cast<Eigen::Index>(initial.landmarks.size());
+  if (initial.by_parameters.size() > 0 &&
+      (initial.by_parameters.rows() != errors || initial.by_parameters.cols() != kMoreParameters)) {
+    throw std::invalid_argument("navigator: expected by_parameters of " + std::to_string(errors) + " x " +
+                                std::to_string(kMoreParameters) + " in the initial state");
+  }
 }
 
 void check_frame(const StereoFrame& frame, std::int64_t state_ns, std::int64_t previous_ns) {

@@ -99,6 +99,10 @@ bool has_more(const NavigatorOptions& options) {
   return options.doubt_odometry_mount || more_with_a_role(options).any();
 }
 
+bool doubts_by_estimating(const NavigatorOptions& options) {
+  return !options.doubt_odometry_mount && (more_with_a_role(options) & ~estimated(options)).none();
+}
+
 bool watches(const NavigatorOptions& options) {
   return options.health.has_value() && options.method != Method::kMonoLeft;
 }

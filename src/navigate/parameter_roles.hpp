@@ -41,6 +41,8 @@ inline constexpr double kNotEstimated =
 [[nodiscard]] bool can_doubt_mount(const NavigatorOptions& options, const StereoCalibration& calibration);
 /// Parameters beyond theta that the filter treats as anything but known.
 [[nodiscard]] bool has_more(const NavigatorOptions& options);
+/// All of these are estimated, from a constant error on.
+[[nodiscard]] bool doubts_by_estimating(const NavigatorOptions& options);
 [[nodiscard]] bool watches(const NavigatorOptions& options);
 /// The witness lives on the rows that a constraint on theta leaves.
 [[nodiscard]] bool has_witness(const NavigatorOptions& options);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "limber/state/initial_state.hpp"
 
+#include "limber/sensors/parameters.hpp"
+
 namespace limber {
 
 using L = StateLayout;
@@ -42,6 +44,38 @@ void place_first_map(Estimate& estimate, const InitialState& initial, const Pose
     Landmark landmark = initial.landmarks[j];
     landmark.anchor = anchor;
     estimate.add_landmark(landmark, initial.landmarks_covariance.block<kTriplet, kTriplet>(at, at), P_xl);
+  }
+  estimate.refresh_map_scale();
+}
+
+/// [s; 1] times the parameter's error, added to what is known without it, is the joint covariance but for the
+/// parameter's own, which is there already.
+void correlate_with_parameters(Estimate& estimate, const InitialState& initial) {
+  using Eigen::Index;
+  using Eigen::MatrixXd;
+  if (initial.by_parameters.size() == 0) {
+    return;
+  }
+  const StateLayout& layout = estimate.layout();
+  const Index body = layout.body_size(), points = initial.by_parameters.rows() - body;
+  const Index clone = estimate.size() - points - L::kPoseSize;
+  for (std::size_t block = 0; block < layout.has_more.size(); ++block) {
+    if (!layout.has_more[block]) {
+      continue;
+    }
+    const Index at = layout.more(block);
+    const MatrixXd prior = estimate.P().diagonal_block<kBlockSize>(at);
+    MatrixXd W = MatrixXd::Zero(estimate.size(), kBlockSize);
+    const auto of_block =
+        initial.by_parameters.middleCols(static_cast<Index>(block) * kBlockSize, kBlockSize);
+    W.topRows(body) = of_block.topRows(body);
+    if (points > 0) {
+      W.middleRows<L::kPoseSize>(clone) = W.topRows<L::kPoseSize>();
+      W.bottomRows(points) = of_block.bottomRows(points);
+    }
+    W.middleRows(at, kBlockSize).setIdentity();
+    estimate.mutable_P().add_outer(W * prior.diagonal().cwiseSqrt().asDiagonal());
+    estimate.mutable_P().set_diagonal_block(at, prior);
   }
   estimate.refresh_map_scale();
 }

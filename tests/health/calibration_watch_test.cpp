@@ -226,8 +226,8 @@ TEST(CalibrationWatch, AFewTracksWithADepthJudgeNoDepths) {
   const World world = fly_past(options);
   const Judged judged = judge_world(options);
   BetaEstimate off = judged.last->state.whole;
-  off.beta(NormalEquations::kVergence) += 20.0;  // of 0.1 deg
-  off.beta(NormalEquations::kLens) -= 20.0;      // and the lines know nothing of it
+  off.beta(1) += 20.0;                       // of 0.1 deg
+  off.beta(NormalEquations::kLens) -= 20.0;  // and the lines know nothing of it
   CalibrationState state;
   state.tracks = 100;
   state.deep_tracks = kFewestTracks;

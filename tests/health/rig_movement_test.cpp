@@ -149,7 +149,7 @@ TEST(RigMovement, OfDepthsIsThatOfTheAxisThatExplainsMoreOfThePixels) {
 }
 
 TEST(RigMovement, IsUnknownOfTooFewFrames) {
-  const RigMovement none = movement_of(std::vector<FrameHalves>(5), NormalEquations::Matrix::Identity());
+  const RigMovement none = movement_of(std::vector<FrameHalves>(5), NormalEquations::Matrix::Identity(), 1);
   EXPECT_EQ(none.px.high, std::numeric_limits<double>::infinity());
 }
 
@@ -161,7 +161,7 @@ TEST(RigMovement, IsTheSpreadOfWhatBothHalvesSay) {
         NormalEquations::Vector::Unit(0) * (n % 2 == 0 ? 3.0 : -1.0);  // 1 ± 2
     blocks[n / 10].add(beta, beta);
   }
-  const RigMovement found = movement_of(blocks, 0.25 * NormalEquations::Matrix::Identity());
+  const RigMovement found = movement_of(blocks, 0.25 * NormalEquations::Matrix::Identity(), 1);
   EXPECT_NEAR(found.px.size, 0.5 * 2.0, 1e-12);
   EXPECT_NEAR(found.px.low, found.px.high, 1e-12);
   EXPECT_EQ(found.axis, 0);

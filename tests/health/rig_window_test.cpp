@@ -90,6 +90,47 @@ TEST(RigWindow, MismatchesDoNotMoveIt) {
   EXPECT_LT((found.delta - some_error()).head<3>().cwiseAbs().maxCoeff(), 0.03 * kOneDegree);
 }
 
+/// What moves a point across its line grows with its disparity: a few wrong ones had fitted themselves, and
+/// the rig had followed.
+TEST(RigWindow, AFewWrongMatchesThatStayDoNotTurnIt) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    WorldOptions options;
+    options.seconds = 5.0;
+    options.seed = seed;
+    World world = fly_past(options);
+    for (StereoFrame& frame : world.frames) {
+      for (StereoObservation& point : frame.observations) {
+        if (point.track_id % 40 == 3) {
+          point.uv_cam1 += Eigen::Vector2d(400.0, 100.0);
+        }
+      }
+    }
+    const RigEstimate found = estimate_of(world);
+    EXPECT_LT(found.delta.cwiseQuotient(found.sigma()).cwiseAbs().maxCoeff(), 4.0)
+        << seed << ": " << found.delta.transpose();
+    EXPECT_LT(found.delta.tail<3>().cwiseAbs().maxCoeff(), 2e-3) << seed;
+  }
+}
+
+/// Of cameras that stand one above the other ax is the vergence, which depths alone tell, and lines tell ay.
+TEST(RigWindow, FindsAConstantErrorOfAPairAboveEachOther) {
+  WorldOptions options;
+  options.seconds = 5.0;
+  options.above = true;
+  options.error = [](double) { return some_error(); };
+  const RigEstimate found = estimate_of(fly_past(options));
+  const RigParameters off = found.delta - some_error();
+  EXPECT_LT(off.cwiseQuotient(found.sigma()).cwiseAbs().maxCoeff(), 4.0) << off.transpose();
+  EXPECT_LT(off.head<3>().cwiseAbs().maxCoeff(), 0.02 * kOneDegree);
+
+  WorldOptions still = options;
+  still.speed = 0.0;
+  still.seconds = 2.5;
+  const RigParameters sigma = estimate_of(fly_past(still)).sigma();
+  EXPECT_LT(sigma(1), 0.1 * kOneDegree);
+  EXPECT_GT(sigma(0), 0.3 * kOneDegree);
+}
+
 TEST(RigWindow, WithoutMotionTheDepthIsNotKnown) {
   WorldOptions options;
   options.seconds = 2.5;

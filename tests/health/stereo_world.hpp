@@ -24,6 +24,7 @@ struct WorldOptions {
   std::size_t points = 60;    ///< of a frame
   double seconds = 10.0;
   unsigned seed = 1;
+  bool above = false;                          ///< cam1 stands below cam0, in place of beside it
   std::function<RigParameters(double)> error;  ///< of theta, true minus assumed, over time [s]
 };
 
@@ -44,6 +45,9 @@ struct World {
 inline World fly_past(const WorldOptions& options) {
   constexpr double kRate = 20.0;
   World out;
+  if (options.above) {
+    out.assumed.theta.tail<3>() << 0.001, -0.11, 0.002;
+  }
   std::mt19937 random(options.seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(0.0, 1.0);

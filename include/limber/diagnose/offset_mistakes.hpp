@@ -62,6 +62,6 @@ inline constexpr const char* kClockAdvice =
 inline constexpr const char* kMountAdvice =
     "calibrate the cameras against the IMU (T_BS; T_cam_imu of a Kalibr file, --calib); until then "
     "--estimate "
-    "imu-ax,imu-ay,imu-az, and take sigmas of attitude for too small";
+    "imu-ax,imu-ay,imu-az";
 
 }  // namespace limber

@@ -74,7 +74,7 @@ class WindowFit {
  private:
   using Matrix = NormalEquations::Matrix;
   using Vector = NormalEquations::Vector;
-  enum class Stage { kTracks, kRows, kWeights, kSums, kMovement, kDone };
+  enum class Stage { kTracks, kRows, kLevers, kWeights, kSums, kMovement, kDone };
   struct Row {
     Vector J;
     double y, noise, weight;  // noise: in units of the common one
@@ -82,11 +82,13 @@ class WindowFit {
     int cell;
     bool along;
     std::size_t frame;
+    double lever = 1.0;  // what is left of its weight because of its derivatives
   };
   struct Linearisation;
 
   void find_depths();
   void make_rows();
+  void bound_levers();
   void add_across(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame);
   void add_along(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame,
                  const detail::LeftPoint& point);
@@ -102,6 +104,7 @@ class WindowFit {
   detail::WatchedFrames window_;
   RigParameters scale_;  // one plausible error
   double focal_px_;
+  Eigen::Index vergence_;  // of beta
   Stage stage_ = Stage::kTracks;
   std::map<detail::TrackStretch, detail::LeftPoint> depths_;
   std::vector<Row> rows_;

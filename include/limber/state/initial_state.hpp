@@ -20,6 +20,10 @@ struct InitialState {
   std::vector<Landmark> landmarks = {};
   Eigen::MatrixXd landmarks_covariance = {};  ///< 3n×3n
   Eigen::MatrixXd landmarks_body = {};        ///< with the body, 3n×body_size()
+  /// By how much body and points are off for each parameter beyond theta (parameters.hpp) that is off by one,
+  /// (body_size + 3n) x kMoreParameters; empty where none is estimated. What the covariances above say is
+  /// beside that.
+  Eigen::MatrixXd by_parameters = {};
   /// False where nothing had told the scale, with an IMU: the map has the rig's, and what is known of it is
   /// what was known without the rig.
   bool scale_told = true;
@@ -36,5 +40,9 @@ struct InitialState {
 /// clone of the body.
 /// @param T_body_cam0  of the left camera
 void place_first_map(Estimate& estimate, const InitialState& initial, const Pose& T_body_cam0);
+
+/// @brief Makes body and first map as unsure as the parameters beyond theta that they rest on, and correlates
+/// them: after place_first_map, before anything else. Nothing where `by_parameters` is empty.
+void correlate_with_parameters(Estimate& estimate, const InitialState& initial);
 
 }  // namespace limber
