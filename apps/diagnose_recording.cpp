@@ -2,6 +2,7 @@
 #include "diagnose_recording.hpp"
 
 #include <exception>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -88,6 +89,7 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     return seen.back();
   };
   std::exception_ptr failure;
+  std::optional<std::pair<RunRecord, RunSummary>> ran;
   try {
     RunRecord record = run_recording(recording, options, remembered, {.progress = progress, .stop = stop});
     if (record.frames.empty()) {
@@ -116,9 +118,7 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
       compare_with_ekf(
           recording, options, [&](std::size_t n) { return seen.at(n - first); }, record, out);
     }
-    if (done) {
-      done(record, summary);
-    }
+    ran.emplace(std::move(record), std::move(summary));
   } catch (const DivergenceError&) {
     failure = std::current_exception();
   } catch (const std::invalid_argument&) {  // no frame to start from
@@ -133,6 +133,12 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
   add_mistakes(recording, assumed, at_stamps(std::move(seen), assumed), options.gravity, out);
   if (failure) {
     explain(failure, out);
+  }
+  if (ran && done) {
+    auto& [record, summary] = *ran;
+    summary.mistakes = out.mistakes;
+    add_offsets(out.offsets, summary);
+    done(record, summary);
   }
   return out;
 }

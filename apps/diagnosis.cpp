@@ -16,7 +16,7 @@ namespace {
 
 std::string advice(const Diagnosis& diagnosis) {
   if (!diagnosis.mistakes.empty()) {
-    return "mend the mistake below, and look again";
+    return kMistakeAdvice;
   }
   if (!diagnosis.readout_contradicted.empty()) {
     return kReadoutAdvice;
@@ -149,6 +149,16 @@ Json json_of(const std::optional<MountTurn>& mount) {
                : Json(nullptr);
 }
 
+/// As in summary.json.
+Json health_json(const Diagnosis& diagnosis) {
+  if (!diagnosis.health) {
+    return nullptr;
+  }
+  HealthSummary health = *diagnosis.health;
+  health.verdict = verdict_beside(diagnosis.offsets, health);
+  return Json::parse(limber::to_json(health, diagnosis.judged_by));
+}
+
 }  // namespace
 
 HealthVerdict verdict_of(const Diagnosis& diagnosis) {
@@ -242,8 +252,7 @@ std::string to_json(const Diagnosis& diagnosis) {
       {"complete", !diagnosis.stopped},
       {"duration_s", diagnosis.duration_s},
       {"nis_per_dof", diagnosis.nis_per_dof ? Json(*diagnosis.nis_per_dof) : Json(nullptr)},
-      {"health", diagnosis.health ? Json::parse(limber::to_json(*diagnosis.health, diagnosis.judged_by))
-                                  : Json(nullptr)},
+      {"health", health_json(diagnosis)},
       {"since", json_of(diagnosis.since, diagnosis.judged_by.tolerance)},
       {"depths", depths},
       {"ekf_beside_lcekf", json_of(diagnosis.pose)},

@@ -54,6 +54,7 @@ void FirstFrames::look(const std::vector<StereoFrame>& frames) {
   if (const auto misplaced = placement_mistake(assumed_, frames)) {
     found.insert(found.begin(), *misplaced);
   }
+  gross_.insert(gross_.end(), found.begin(), found.end());
   say(found);
 }
 

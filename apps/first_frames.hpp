@@ -40,6 +40,8 @@ class FirstFrames {
   void finish();
   /// As those frames show them; of none before the last look, and where there are other mistakes.
   [[nodiscard]] const SensorOffsets& offsets() const { return offsets_; }
+  /// Those of the calibration and of units, as sentences.
+  [[nodiscard]] const std::vector<std::string>& gross() const { return gross_; }
   /// All that was said.
   [[nodiscard]] const std::vector<std::string>& mistakes() const { return mistakes_; }
 
@@ -55,7 +57,7 @@ class FirstFrames {
   std::vector<StereoFrame> seen_;  ///< emptied by the last look
   bool over_ = false;
   SensorOffsets offsets_;
-  std::vector<std::string> mistakes_;
+  std::vector<std::string> gross_, mistakes_;
 };
 
 }  // namespace limber::app

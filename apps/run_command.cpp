@@ -147,6 +147,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
   }
   RunSummary summary = judge_run(recording, options, readout.estimate(), record);
   add_offsets(first.offsets(), summary);
+  summary.mistakes = first.gross();
   write_run(arguments.out, arguments.force, options, record, summary);
   if (arguments.notes != nullptr) {
     *arguments.notes = record.notes;

@@ -109,12 +109,18 @@ constexpr const char* kOdometrySigmas =
 /// The verdict on the calibration, and why.
 void judge_calibration(const RunOptions& options, const RunRecord& record, const RunSummary& s,
                        RunAnswer& out) {
-  if (s.readout_contradicted) {
+  if (!s.mistakes.empty()) {
+    out.light = AnswerLight::kRed;
+    out.headline = "looks like a mistake";
+    out.sentences = s.mistakes;
+    out.advice = kMistakeAdvice;
+  } else if (s.readout_contradicted) {
     out.headline = headline_of(HealthVerdict::kCannotTell);
     out.sentences.push_back(record.notes.front());
     out.advice = kReadoutAdvice;
   } else if (s.clocks_hide_rig) {
     out.headline = headline_of(HealthVerdict::kCannotTell);
+    out.sentences = s.clock_mistakes;
     out.sentences.emplace_back(kClocksHideRig);
     out.advice = kClockAdvice;
   } else if (s.health) {
@@ -122,6 +128,7 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
     out.headline = headline_of(s.health->verdict);
     out.sentences.push_back(in_words(*s.health, watch_options(options).tolerance));
     out.advice = advice_on(s.health->verdict, s.health->present.moves());
+    out.sentences.insert(out.sentences.end(), s.clock_mistakes.begin(), s.clock_mistakes.end());
     if (!s.mount_mistake.empty()) {
       out.sentences.push_back(s.mount_mistake);
       out.advice = kMountAdvice;

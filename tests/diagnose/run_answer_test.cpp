@@ -138,6 +138,35 @@ TEST(RunAnswer, JudgesNoRigThatWasNotWatched) {
   EXPECT_THAT(answer.sentences.front(), HasSubstr("right camera"));
 }
 
+/// As the text and the exit code of limber health do.
+TEST(RunAnswer, NamesAMistakeBeforeItJudgesARig) {
+  Said said(kDecalibrated);
+  said.summary.mistakes = {"gyro in deg/s"};
+  EXPECT_EQ(said.answer().headline, "looks like a mistake");
+  EXPECT_EQ(said.answer().sentences.front(), "gyro in deg/s");
+  EXPECT_EQ(said.answer().light, AnswerLight::kRed);
+  EXPECT_THAT(said.answer().advice, HasSubstr("mend the mistake"));
+}
+
+TEST(RunAnswer, SaysWhichClockIsOff) {
+  Said said(kDecalibrated);
+  said.summary.health->present.axes[1] = kDecalibrated;
+  add_offsets({.cam1 = TimeOffset{.seconds = 0.03, .sigma = 0.001}, .cameras = {}}, said.summary);
+  EXPECT_EQ(said.answer().headline, "cannot tell whether the calibration holds");
+  EXPECT_THAT(said.answer().sentences.front(), HasSubstr("cam1 is taken 30.0"));
+}
+
+TEST(RunAnswer, SaysThatAMountIsTurned) {
+  Said said(kOk);
+  SensorOffsets offsets;
+  offsets.mount = MountTurn{Eigen::Vector3d(0.01, 0.0, 0.0), 1e-4, 20.0};
+  offsets.focal_px = 450.0;
+  add_offsets(offsets, said.summary);
+  EXPECT_EQ(said.answer().headline, "calibration degraded");
+  EXPECT_THAT(said.answer().sentences.at(1), HasSubstr("cam0 is turned by 0.57"));
+  EXPECT_THAT(said.answer().advice, HasSubstr("--estimate imu-ax"));
+}
+
 TEST(RunAnswer, DoesNotJudgeARigWhoseRowsAreExposedOtherwise) {
   Said said(kDecalibrated);
   said.summary.readout_contradicted = true;

@@ -53,6 +53,9 @@ struct SensorOffsets {
 inline constexpr const char* kClocksHideRig =
     "the rig is not judged: a clock that is off looks like a rig that is wrong, or hides one";
 
+/// What to do about a mistake of the calibration or of units.
+inline constexpr const char* kMistakeAdvice = "mend the mistake, and look again";
+
 /// What to do about a clock that is off.
 inline constexpr const char* kClockAdvice =
     "mend the clock (or give its offset: timeshift_cam_imu of a Kalibr file, --calib), and look again; until "

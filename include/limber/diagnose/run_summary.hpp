@@ -81,7 +81,10 @@ struct RunSummary {
   bool readout_contradicted = false;
   /// A clock that is off may be why the rig looks as it does: it is not judged, see add_offsets.
   bool clocks_hide_rig = false;
-  std::string mount_mistake;  ///< a mount that is turned, in words; empty if it is not
+  std::vector<std::string>
+      mistakes;  ///< of the calibration or of units, in words: no verdict on the rig beside them
+  std::vector<std::string> clock_mistakes;  ///< clocks that are off, in words
+  std::string mount_mistake;                ///< a mount that is turned, in words; empty if it is not
   /// The method takes the length of the baseline for exact, and positions rest on it (but with odometry,
   /// which shows its metre in every sample); see add_scale_check.
   bool rests_on_length = false;
