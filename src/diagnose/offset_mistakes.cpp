@@ -16,8 +16,7 @@ namespace {
 constexpr double kSurelyOff = 5.0;  // standard deviations of an offset ...
 constexpr double kChance = 1e-4;    // ... that chance exceeds as rarely, by Student's law ...
 constexpr double kLeastCam1 = 1e-3, kLeastCameras = 3e-3;  // ... and that is at least that large [s]
-constexpr double kLeastTurn = 5.2e-3;                      // [rad]
-constexpr double kLensTurn_px = 2.4;  // twelve times what a lens model leaves, 0.2 px rms
+constexpr double kLeastTurn = 7e-3;  // [rad], of a lens no longer than its image is wide
 
 bool is_off(double size, double sigma, double dof, double least) {
   return size >= least && size > kSurelyOff * sigma && detail::is_rarer_than(kChance, size / sigma, dof);
@@ -29,7 +28,7 @@ bool is_off(const std::optional<TimeOffset>& offset, double assumed, double leas
 
 bool mount_is_off(const SensorOffsets& offsets) {
   return offsets.mount && is_off(offsets.mount->turn.norm(), offsets.mount->sigma, offsets.mount->dof,
-                                 std::max(kLeastTurn, kLensTurn_px / offsets.focal_px));
+                                 kLeastTurn * std::max(1.0, offsets.focal_widths));
 }
 
 bool cam1_is_off(const SensorOffsets& offsets) {
@@ -69,7 +68,7 @@ SensorOffsets sensor_offsets(const StereoCalibration& calibration, std::span<con
                     .assumed_cam1 = assumed[1] - assumed[0],
                     .assumed_cameras = assumed[0],
                     .mount = {},
-                    .focal_px = calibration.cam0.fu};
+                    .focal_widths = calibration.cam0.fu / calibration.cam0.width};
   if (const auto beside = cameras_beside_imu(calibration, frames, imu)) {
     out.cameras = beside->clock;
     out.mount = beside->mount;

@@ -160,7 +160,7 @@ TEST(RunAnswer, SaysThatAMountIsTurned) {
   Said said(kOk);
   SensorOffsets offsets;
   offsets.mount = MountTurn{Eigen::Vector3d(0.01, 0.0, 0.0), 1e-4, 20.0};
-  offsets.focal_px = 450.0;
+  offsets.focal_widths = 0.6;
   add_offsets(offsets, said.summary);
   EXPECT_EQ(said.answer().headline, "calibration degraded");
   EXPECT_THAT(said.answer().sentences.at(1), HasSubstr("cam0 is turned by 0.57"));

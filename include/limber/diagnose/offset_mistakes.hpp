@@ -21,7 +21,7 @@ struct SensorOffsets {
   std::optional<TimeOffset> cam1, cameras;
   double assumed_cam1 = 0.0, assumed_cameras = 0.0;  ///< the same by StereoCalibration::time_offset_s [s]
   std::optional<MountTurn> mount;                    ///< of cam0 on the IMU; nothing as above
-  double focal_px = 0.0;  ///< of cam0: the longer, the less its lens looks like a turn
+  double focal_widths = 0.0;                         ///< focal length of cam0, in widths of its image
 };
 
 /// All of them. @param calibration  with the rig as found: a wrong rig is no wrong clock
@@ -34,9 +34,11 @@ struct SensorOffsets {
 /// the same once in ten thousand recordings: 17 sigma from five seconds, 8 from eight.
 [[nodiscard]] std::vector<std::string> clock_mistakes(const SensorOffsets& offsets);
 
-/// @brief A mount that is turned against the calibration, in words: by more than 5 sigma as above, and by 0.3
-/// deg at least, or what 2.4 px of cam0 are where that is more. A lens model that leaves 0.2 px rms looks
-/// like half of that; so does a principal point that is off by as many pixels, and is named with it.
+/// @brief A mount that is turned against the calibration, in words: by more than 5 sigma as above, and by 0.4
+/// deg, or more where cam0 has a lens that is longer than its image is wide (0.4 deg for each width). What a
+/// lens model leaves (0.2 px rms) looks like up to 0.3 deg, and more with a narrow view: points to the sides
+/// tell of a roll, the less the nearer they are to the middle. A principal point that is off looks like a
+/// mount, too, and is named with it.
 [[nodiscard]] std::optional<std::string> mount_mistake(const SensorOffsets& offsets);
 
 /// @brief The verdict on a rig beside clocks and a mount that are off. A mount leaves it as it is, but for
