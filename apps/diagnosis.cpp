@@ -52,9 +52,9 @@ std::vector<std::string> all_mistakes(const Diagnosis& diagnosis) {
 template <typename Out>
 void add_effect(Out out, const char* name, const SizeInterval& size, const Band& band, double unit,
                 const char* unit_name, HealthVerdict verdict) {
-  fmt::format_to(out, "{:<26}{:>9.3f}{:>9.3f}{:>9.3f}{:>9.3g}{:>9.3g}  {:<4}{}\n", name, unit * size.size,
-                 unit * size.low, unit * size.high, unit * band.ok, unit * band.wrong, unit_name,
-                 to_string(verdict));
+  fmt::format_to(out, "{:<26} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3g} {:>8.3g}  {:<4}{}\n", name,
+                 unit * size.size, unit * size.low, unit * size.high, unit * band.ok, unit * band.wrong,
+                 unit_name, to_string(verdict));
 }
 
 std::string limit_text(double limit) { return std::isfinite(limit) ? fmt::format("{:.3f}", limit) : "–"; }
@@ -68,7 +68,7 @@ void add_axes(Out out, const CalibrationState& state, const char* what) {
                  "wrong");
   for (std::size_t k = 0; k < 6; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    fmt::format_to(out, "{}  {:<18}{:>+15.4f}{:>10.4f}{:>10}{:>9}  {:<4}{}{}\n", kParameterNames[k],
+    fmt::format_to(out, "{}  {:<18}{:>+15.4f} {:>9.4f} {:>9} {:>8}  {:<4}{}{}\n", kParameterNames[k],
                    axis_in_words(k), delta(i), sigma(i), limit_text(unit(i) * state.bands[k].ok),
                    limit_text(unit(i) * state.bands[k].wrong), k < 3 ? "deg" : "mm", to_string(state.axes[k]),
                    state.named == k ? ", explains it best" : "");

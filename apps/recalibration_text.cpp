@@ -25,9 +25,9 @@ std::string verdict_in_words(const Recalibration& found) {
     case RecalibrationVerdict::kCannotTell:
       break;
   }
-  return "cannot tell: the recording says too little to be sure on either side of the tolerance; keep the "
-         "given "
-         "calibration";
+  return "cannot tell: what the recording says, and what accepted calibrations of one rig differ by (0.1 px, "
+         "2 % of "
+         "depth), leave both sides of the tolerance open; keep the given calibration";
 }
 
 /// In degrees or millimetres.

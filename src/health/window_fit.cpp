@@ -34,8 +34,7 @@ constexpr int kStepsPerSlice = 4;
 constexpr int kMostLinearisations = 4;
 constexpr double kMost = 0.95;  // of the rows of a kind: larger derivatives than theirs count as much
 constexpr std::size_t kFewestLevers = 20;
-constexpr double kLeastLever = 0.25;  // of a row that counts whole or not at all
-constexpr double kAsGood = 1.0;       // plausible errors from where the rows were made: linear enough
+constexpr double kAsGood = 1.0;  // plausible errors from where the rows were made: linear enough
 
 Vector solve(const NormalEquations& normal) { return Cholesky(normal.information).inverse() * normal.vector; }
 
@@ -290,7 +289,7 @@ void WindowFit::sum_up() {
       if (row.weight > 0.0) {
         deep.insert(row.track);
       }
-    } else if (row.weight > 0.0 && row.lever > kLeastLever) {
+    } else if (row.weight > 0.0) {
       Vector of_the_rig = row.J;  // what the lens does is not the rig's error
       std::swap(of_the_rig(vergence_), of_the_rig(kLens));
       out.epipolar.noalias() += of_the_rig * of_the_rig.transpose();
@@ -309,7 +308,7 @@ std::vector<FrameHalves> WindowFit::frame_halves() const {
   // Weights that fall with the distance from the mean would make every movement look smaller: all or nothing.
   std::vector<std::array<Half, 2>> halves(window_.frames.size());
   for (const Row& row : rows_) {
-    if (!row.along && row.weight > 0.0 && row.lever > kLeastLever) {
+    if (!row.along && row.weight > 0.0) {
       Half& half = halves[row.frame][static_cast<std::size_t>(row.track & 1)];
       half.normal += {row.J * row.J.transpose(), row.y * row.J};
       ++half.rows;

@@ -47,6 +47,13 @@ class RunReport : public ::testing::Test {
   RunRecord record_;
 };
 
+/// Of case (ii), 5 % of depth: five seconds, after which the verdict is no matter of chance.
+Recording degraded_recording() {
+  Scenario scenario = testing::short_scenario();
+  scenario.duration = 5.0;
+  return simulate(scenario, 1);
+}
+
 const ReportTrace* find_trace(const ReportFigure& figure, const std::string& name, std::size_t panel = 0) {
   for (const ReportTrace& trace : figure.traces) {
     if (trace.name == name && trace.panel == panel) {
@@ -74,7 +81,7 @@ TEST_F(RunReport, HasItsSectionsInOrder) {
 }
 
 TEST_F(RunReport, OpensOnTheAnswer) {
-  navigate(testing::short_recording());
+  navigate(degraded_recording());
   const ReportAnswer answer = run_report(folder_.path()).answer.value();
   EXPECT_EQ(answer.light, ReportAnswer::Light::kYellow);  // case (ii): 5 %
   EXPECT_EQ(answer.headline, "Calibration degraded");
@@ -85,7 +92,7 @@ TEST_F(RunReport, OpensOnTheAnswer) {
 }
 
 TEST_F(RunReport, OfAnOlderRunOpensOnTheVerdict) {
-  navigate(testing::short_recording());
+  navigate(degraded_recording());
   auto summary = nlohmann::ordered_json::parse(testing::read_text(file("summary.json")));
   summary.erase("answer");
   testing::write_text(file("summary.json"), summary.dump());
@@ -301,7 +308,7 @@ TEST_F(RunReport, DrawsInnovationsPerDegreeOfFreedomWithinTheirBand) {
 }
 
 TEST_F(RunReport, DrawsTheCalibrationWhereItWasWatched) {
-  navigate(testing::short_recording());
+  navigate(degraded_recording());
   const ReportDocument document = run_report(folder_.path());
   EXPECT_EQ(std::get<ReportText>(document.sections[4].blocks[0]).text,
             "Verdict: degraded.");  // case (ii): 5 %
