@@ -154,9 +154,9 @@ Json health_json(const Diagnosis& diagnosis) {
   if (!diagnosis.health) {
     return nullptr;
   }
-  HealthSummary health = *diagnosis.health;
-  health.verdict = verdict_beside(diagnosis.offsets, health);
-  return Json::parse(limber::to_json(health, diagnosis.judged_by));
+  Json out = Json::parse(limber::to_json(*diagnosis.health, diagnosis.judged_by));
+  out["verdict"] = to_string(verdict_beside(diagnosis.offsets, *diagnosis.health));
+  return out;
 }
 
 }  // namespace

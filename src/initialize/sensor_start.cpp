@@ -83,9 +83,9 @@ bool same_start(const NavigatorOptions& a, const StereoCalibration& rig_of_a, co
   const WindowModel of_a = window_model(a, rig_of_a), of_b = window_model(b, rig_of_b);
   return rig_of_a == rig_of_b && of_a.right == of_b.right &&
          of_a.directions.cols() == of_b.directions.cols() && of_a.directions == of_b.directions &&
-         a.motion == b.motion && a.imu_noise == b.imu_noise &&
-         a.constant_velocity_noise == b.constant_velocity_noise && a.sigma_px == b.sigma_px &&
-         a.gravity == b.gravity;
+         a.estimated.tail<kMoreParameters>() == b.estimated.tail<kMoreParameters>() && a.motion == b.motion &&
+         a.imu_noise == b.imu_noise && a.constant_velocity_noise == b.constant_velocity_noise &&
+         a.sigma_px == b.sigma_px && a.gravity == b.gravity;
 }
 
 SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,

@@ -90,6 +90,13 @@ TEST(ParametersOfStart, AreInTheJointCovariance) {
   EXPECT_LT((after - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.cwiseAbs().maxCoeff());
 }
 
+TEST(ParametersOfStart, MakeAStartAnotherThanOneWithoutThem) {
+  const Scene scene = make_scene(of_seed(35));
+  const NavigatorOptions with = estimating(scene, 0.3), without = options_of(scene, Method::kEkf);
+  EXPECT_TRUE(same_start(with, scene.calibration, with, scene.calibration));
+  EXPECT_FALSE(same_start(with, scene.calibration, without, scene.calibration));
+}
+
 TEST(ParametersOfStart, OfAnotherSizeAreRefused) {
   const Scene scene = make_scene(of_seed(34));
   const NavigatorOptions options = estimating(scene, 0.3);
