@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <regex>
 #include <sstream>
 
@@ -314,6 +315,9 @@ class LongRun : public ::testing::Test {
     write_track_log(simulate(scenario, 1), folder_.path() / "log");
   }
   [[nodiscard]] fs::path out() const { return folder_.path() / "new" / "out"; }
+  [[nodiscard]] static bool claimed(const testing::ProgramResult& result) {
+    return result.err.find("claimed by a limber that runs") != std::string::npos;
+  }
   [[nodiscard]] std::vector<std::string> arguments() const {
     return {"run", (folder_.path() / "log").string(), "--out", out().string(), "--init", "groundtruth"};
   }
@@ -329,10 +333,12 @@ TEST_F(LongRun, LeavesNothingBehindWhenItIsKilled) {
 
 TEST_F(LongRun, HasItsFolderForItselfAndHandsItOverHoweverItEnds) {
   for (const int end : {SIGKILL, SIGINT}) {
-    testing::ChildProcess first(arguments());
+    std::optional<testing::ChildProcess> first;
     testing::ProgramResult second;
-    for (int k = 0; k < 200 && second.err.find("claimed") == std::string::npos; ++k) {
-      usleep(20'000);  // until the first one has begun
+    // Asked before the first one has begun, the second claims the place, and the first may be refused.
+    for (useconds_t delay = 200'000; !claimed(second) && delay < 10'000'000; delay *= 2) {
+      first.emplace(arguments());
+      usleep(delay);
       second = testing::run_limber({"run", "no-recording", "--out", (out() / "").string(), "--force"});
     }
     testing::expect_refused(second, 1,
@@ -342,8 +348,8 @@ TEST_F(LongRun, HasItsFolderForItselfAndHandsItOverHoweverItEnds) {
         HasSubstr("claimed by a limber that runs"));
     EXPECT_THAT(testing::run_limber({"convert", "no-recording", "--out", out().string()}).err,
                 HasSubstr("claimed by a limber that runs"));
-    first.signal(end);
-    (void)first.wait();
+    first->signal(end);
+    (void)first->wait();
     EXPECT_THAT(testing::run_limber({"run", "no-recording", "--out", out().string(), "--force"}).err,
                 HasSubstr("no-recording: expected the folder of a recording"));
   }
