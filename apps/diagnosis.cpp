@@ -41,11 +41,8 @@ std::vector<std::string> all_mistakes(const Diagnosis& diagnosis) {
   if (!diagnosis.readout_contradicted.empty()) {
     out.push_back(diagnosis.readout_contradicted);
   }
-  const std::vector<std::string> of_clocks = clock_mistakes(diagnosis.offsets);
-  out.insert(out.end(), of_clocks.begin(), of_clocks.end());
-  if (const auto mount = mount_mistake(diagnosis.offsets)) {
-    out.push_back(*mount);
-  }
+  const std::vector<std::string> of_offsets = offset_mistakes(diagnosis.offsets);
+  out.insert(out.end(), of_offsets.begin(), of_offsets.end());
   return out;
 }
 

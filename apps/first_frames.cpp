@@ -64,10 +64,7 @@ void FirstFrames::finish() {
   look(frames);
   if (!over_) {
     offsets_ = sensor_offsets(assumed_, frames, recording_.imu);
-    say(clock_mistakes(offsets_));
-    if (const auto mount = mount_mistake(offsets_)) {
-      say({*mount});
-    }
+    say(offset_mistakes(offsets_));
   }
   over_ = true;
 }

@@ -171,8 +171,9 @@ std::optional<TimeOffset> offset_of_piece(StereoCalibration calibration, std::sp
     const double step = solution->x(5);
     const VectorXd rig = solution->x.head<5>();
     if (first_order ||
-        (std::abs(step) < kSettledTime * solution->sigma_of_last && rig.norm() < kSettledRig)) {
-      return TimeOffset{.seconds = tau + step, .sigma = solution->sigma_of_last, .dof = solution->dof};
+        (std::abs(step) < kSettledTime * solution->sigma_of_last() && rig.norm() < kSettledRig)) {
+      return TimeOffset{
+          .seconds = tau + step, .sigma = solution->sigma_of_last(), .dof = solution->dof_of_last()};
     }
     tau += step;
     calibration.theta -=

@@ -111,7 +111,7 @@ std::optional<MountTurn> mount_turn(const std::vector<Compared>& compared) {
   if (!along_it || !direction.allFinite()) {
     return std::nullopt;
   }
-  return MountTurn{along_it->x(6) * direction, along_it->sigma_of_last, along_it->dof};
+  return MountTurn{along_it->x(6) * direction, along_it->sigma_of_last(), along_it->dof_of_last()};
 }
 
 }  // namespace
@@ -140,8 +140,8 @@ std::optional<CamerasBesideImu> cameras_beside_imu(const StereoCalibration& cali
       return std::nullopt;
     }
     out.clock.seconds += solution->x(3);
-    out.clock.sigma = solution->sigma_of_last;
-    out.clock.dof = solution->dof;
+    out.clock.sigma = solution->sigma_of_last();
+    out.clock.dof = solution->dof_of_last();
     if (std::abs(out.clock.seconds) > kLargestOffset) {
       return std::nullopt;
     }

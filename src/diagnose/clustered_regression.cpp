@@ -86,22 +86,19 @@ std::optional<MatrixXd> jackknife(const WeightedSums& sums) {
   return MatrixXd(squares * ((n - 1.0) / n));
 }
 
-/// What equations say of the last unknown beside the others.
-double information_of_last(const MatrixXd& A) {
-  const Eigen::Index last = A.rows() - 1;
-  return 1.0 / A.inverse()(last, last);
-}
+/// What equations say of each unknown beside the others.
+VectorXd informations(const MatrixXd& A) { return A.inverse().diagonal().cwiseInverse(); }
 
 /// One second of turning among ten at rest decides alone, and then nothing tells its error.
-double degrees_of_freedom(const WeightedSums& sums) {
-  const double all = information_of_last(sums.all.A);
-  double sum = 0.0, squares = 0.0;
+VectorXd degrees_of_freedom(const WeightedSums& sums) {
+  const VectorXd all = informations(sums.all.A);
+  VectorXd sum = VectorXd::Zero(all.size()), squares = sum;
   for (const auto& [cluster, part] : sums.of_cluster) {
-    const double told = std::max(0.0, all - information_of_last(sums.all.A - part.A));
+    const VectorXd told = (all - informations(sums.all.A - part.A)).cwiseMax(0.0);
     sum += told;
-    squares += told * told;
+    squares += told.cwiseAbs2();
   }
-  return sum * sum / squares - 1.0;
+  return (sum.cwiseAbs2().array() / squares.array() - 1.0).matrix();
 }
 
 }  // namespace
@@ -121,8 +118,7 @@ std::optional<ClusteredSolution> solve(const ClusteredRows& rows) {
   if (!covariance) {
     return std::nullopt;
   }
-  return ClusteredSolution{x, *covariance, std::sqrt((*covariance)(x.size() - 1, x.size() - 1)),
-                           degrees_of_freedom(sums)};
+  return ClusteredSolution{x, *covariance, degrees_of_freedom(sums)};
 }
 
 bool is_rarer_than(double chance, double sigmas, double dof) {

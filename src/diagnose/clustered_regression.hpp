@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -20,10 +21,13 @@ struct ClusteredRows {
 struct ClusteredSolution {
   Eigen::VectorXd x;
   Eigen::MatrixXd covariance;  ///< of x
-  double sigma_of_last = 0.0;  ///< standard deviation of the last of x
-  /// of sigma_of_last, in the sense of Student's law: one less than there would be clusters if all told as
-  /// much of the last of x
-  double dof = 0.0;
+  /// Of the sigma of each of x, in the sense of Student's law: one less than there would be clusters if all
+  /// told as much of it.
+  Eigen::VectorXd dof;
+
+  [[nodiscard]] double sigma(Eigen::Index k) const { return std::sqrt(covariance(k, k)); }
+  [[nodiscard]] double sigma_of_last() const { return sigma(x.size() - 1); }
+  [[nodiscard]] double dof_of_last() const { return dof(x.size() - 1); }
 };
 
 /// @brief Instrumental variables with Huber weights. The covariance is the jackknife's: how the

@@ -19,6 +19,9 @@ class GyroAttitude {
   /// @brief Rate of the body at a time [s] since the first sample [rad/s]; nothing outside of the samples.
   [[nodiscard]] std::optional<Eigen::Vector3d> rate(double t_s) const;
 
+  /// @brief R_first_body at a time [s] since the first sample; nothing outside of the samples.
+  [[nodiscard]] std::optional<Eigen::Matrix3d> at(double t_s) const;
+
   /// @brief Mean rate between two times [s]: the rotation vector of R_begin_end over its time [rad/s].
   [[nodiscard]] std::optional<Eigen::Vector3d> mean_rate(double begin_s, double end_s) const;
 
@@ -31,7 +34,6 @@ class GyroAttitude {
  private:
   /// Index of the sample at or before a time, if there is one behind it, too.
   [[nodiscard]] std::optional<std::size_t> before(double t_s) const;
-  [[nodiscard]] std::optional<Eigen::Matrix3d> at(double t_s) const;
 
   std::span<const ImuSample> imu_;
   std::vector<double> times_;               // since the first sample [s]

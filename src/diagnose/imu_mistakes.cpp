@@ -8,7 +8,9 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "diagnose/accelerometer_mistake.hpp"
 #include "diagnose/directions.hpp"
 #include "diagnose/gyro_attitude.hpp"
 #include "diagnose/left_turn.hpp"
@@ -22,7 +24,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kUnitRange = 0.3;  // of an accelerometer's length about what is expected
+constexpr double kUnitRange = 0.3;       // of an accelerometer's length about what is expected
+constexpr double kWithoutGravity = 0.4;  // of its length
 constexpr std::size_t kFewestTurns = 50;
 constexpr double kLeastTurning = 0.01;  // median of the camera's rate, less its mean [rad/s]
 constexpr double kLittle = 0.5, kMost = 0.8, kAsGood = 0.03;  // shares of the camera's turning
@@ -117,15 +120,17 @@ std::vector<Candidate> candidates(const Matrix3d& R_cam0_imu, const BestMount& b
       {best.improper, "an axis of the gyro has the wrong sign, or two of them are swapped"}};
 }
 
-std::optional<std::string> turning_mistake(const StereoCalibration& calibration, const Rates& rates) {
+/// Share that the gyro explains as it is; nothing where the body hardly turns.
+std::optional<double> explained_as_given(const StereoCalibration& calibration, const Rates& rates) {
   if (rates.camera.size() < kFewestTurns || usual_rate(rates.camera) < kLeastTurning) {
     return std::nullopt;
   }
+  return explained(rates, calibration.T_body_cam0.R.transpose());
+}
+
+std::optional<std::string> turning_mistake(const StereoCalibration& calibration, const Rates& rates,
+                                           double given) {
   const Matrix3d R_cam0_imu = calibration.T_body_cam0.R.transpose();
-  const double given = explained(rates, R_cam0_imu);
-  if (given >= kLittle) {
-    return std::nullopt;
-  }
   const std::vector<Candidate> all = candidates(R_cam0_imu, best_mount(rates));
   std::vector<double> of_each;
   for (const Candidate& candidate : all) {
@@ -147,12 +152,22 @@ std::optional<std::string> unit_mistake(std::span<const ImuSample> imu, double g
     lengths.push_back(sample.accel_imu.norm());
   }
   const double usual = upper_median(std::move(lengths));
-  if (std::abs(usual - 1.0) > kUnitRange || std::abs(gravity - 1.0) < 2.0 * kUnitRange) {
+  const auto is_near = [](double length, double expected) {
+    return std::abs(length - expected) <= kUnitRange * expected;
+  };
+  if (is_near(usual, gravity)) {
     return std::nullopt;
   }
-  return fmt::format(
-      "the accelerometer is in g instead of m/s^2: its length is {:.2f}, expected about {:.2f}", usual,
-      gravity);
+  const std::string length = fmt::format(": its length is {:.2f}, expected about {:.2f}", usual, gravity);
+  if (is_near(usual, 1.0)) {
+    return "the accelerometer is in g instead of m/s^2" + length;
+  }
+  if (usual < kWithoutGravity * gravity) {
+    return "the accelerometer's samples are without gravity (\"linear acceleration\"), which belongs to "
+           "them" +
+           length;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -164,11 +179,18 @@ std::vector<std::string> imu_mistakes(const StereoCalibration& calibration,
   if (calibration.body != BodyFrame::kImu || imu.size() < 2) {
     return out;
   }
-  for (const auto& words :
-       {unit_mistake(imu, gravity), turning_mistake(calibration, rates_of(calibration, frames, imu))}) {
+  const auto add = [&out](std::optional<std::string> words) {
     if (words) {
-      out.push_back(*words);
+      out.push_back(*std::move(words));
     }
+  };
+  add(unit_mistake(imu, gravity));
+  const Rates rates = rates_of(calibration, frames, imu);
+  const auto given = explained_as_given(calibration, rates);
+  if (given && *given < kLittle) {
+    add(turning_mistake(calibration, rates, *given));
+  } else if (out.empty()) {  // what turns by a wrong gyro says nothing
+    add(detail::accelerometer_mistake(calibration, frames, imu));
   }
   return out;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "diagnose/clustered_regression.hpp"
 #include "limber/core/angle.hpp"
@@ -101,6 +102,14 @@ std::optional<std::string> mount_mistake(const SensorOffsets& offsets) {
       "positions with it",
       kToDegrees * mount.turn.norm(), kToDegrees * mount.sigma, kToDegrees * mount.turn.x(),
       kToDegrees * mount.turn.y(), kToDegrees * mount.turn.z());
+}
+
+std::vector<std::string> offset_mistakes(const SensorOffsets& offsets) {
+  std::vector<std::string> out = clock_mistakes(offsets);
+  if (auto mount = mount_mistake(offsets)) {
+    out.push_back(*std::move(mount));
+  }
+  return out;
 }
 
 HealthVerdict verdict_beside(const SensorOffsets& offsets, const HealthSummary& health) {

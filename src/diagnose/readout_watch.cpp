@@ -144,7 +144,7 @@ std::optional<ReadoutTime> ReadoutWatch::estimate() const {
     const double left = rows.y[k] - rows.A[k](0) * solution->x(0);
     explained += std::pow(rows.y[k] - rows.A[k](0) * state_->calibration.readout_time_s[0], 2) - left * left;
   }
-  return ReadoutTime{solution->x(0), solution->sigma_of_last, explained / (explained + state_->squares)};
+  return ReadoutTime{solution->x(0), solution->sigma_of_last(), explained / (explained + state_->squares)};
 }
 
 bool contradicts(const ReadoutTime& found, const StereoCalibration& assumed) {

@@ -177,8 +177,8 @@ std::optional<RadialLens> lens_from(double begin, const StereoCalibration& calib
     if (!step) {
       return std::nullopt;
     }
-    out.sigma = step->sigma_of_last;
-    out.dof = step->dof;
+    out.sigma = step->sigma_of_last();
+    out.dof = step->dof_of_last();
     out.squares = at.squares;
     if (std::abs(step->x(0)) < kShortestStep) {
       return out;

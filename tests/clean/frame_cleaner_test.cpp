@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "clean/cleaned_frames.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "real_data.hpp"
@@ -20,50 +21,14 @@ using Eigen::Vector3d;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-using Frames = std::vector<StereoFrame>;
-using Tracks = std::vector<std::int64_t>;
-
-constexpr std::int64_t kStepNs = 50'000'000;
-
-StereoCalibration rig_of(double baseline) {
-  StereoCalibration rig;
-  rig.cam0 = rig.cam1 = {500.0, 500.0, 320.0, 240.0, 640, 480, NoDistortion{}};
-  rig.theta(3) = -baseline;
-  return rig;
-}
-
-Tracks tracks_of(const StereoFrame& frame) {
-  Tracks out;
-  for (const StereoObservation& point : frame.observations) {
-    out.push_back(point.track_id);
-  }
-  return out;
-}
-
-Tracks matched_in(const StereoFrame& frame) {
-  Tracks out;
-  for (const StereoObservation& point : frame.observations) {
-    if (point.in_cam1) {
-      out.push_back(point.track_id);
-    }
-  }
-  return out;
-}
-
-struct Cleaned {
-  Frames frames;
-  CleaningReport report;
-};
-
-Cleaned cleaned(const Frames& frames, const StereoCalibration& rig, const CleaningOptions& options = {}) {
-  FrameCleaner cleaner(rig, options);
-  Cleaned out;
-  for (const StereoFrame& frame : frames) {
-    out.frames.push_back(cleaner.clean(frame));
-  }
-  out.report = cleaner.report();
-  return out;
-}
+using testing::cleaned;
+using testing::Cleaned;
+using testing::Frames;
+using testing::kStepNs;
+using testing::matched_in;
+using testing::rig_of;
+using testing::Tracks;
+using testing::tracks_of;
 
 /// Six tracks over a few frames; those of a frame in `stale` stand where they stood before, and a new one
 /// comes.
@@ -109,81 +74,6 @@ TEST(FrameCleaner, LeavesARigAloneThatStandsStillWithoutNoise) {
   for (std::size_t k = 0; k < still.size(); ++k) {
     EXPECT_EQ(tracks_of(out.frames[k]), tracks_of(still[k])) << k;
   }
-}
-
-/// Points at 2 to 30 m before a camera that moves sideways by so much of the baseline a frame; in the frames
-/// `exchanged` the pictures are.
-Frames with_exchanged(const std::vector<std::size_t>& exchanged, double baselines, std::size_t count) {
-  const StereoCalibration rig = rig_of(0.1);
-  const Pose T_cam1_cam0 = pose_from_rig(rig.theta);
-  Frames frames;
-  for (std::size_t k = 0; k < count; ++k) {
-    StereoFrame frame{static_cast<std::int64_t>(k) * kStepNs, {}};
-    for (std::int64_t id = 0; id < 20; ++id) {
-      const Vector3d place(static_cast<double>(id % 5) - 2.0, 0.2 * static_cast<double>(id / 5),
-                           2.0 + 28.0 * static_cast<double>(id * 7 % 20) / 20.0);
-      const Vector3d p = place - 0.1 * baselines * static_cast<double>(k) * Vector3d::UnitX();
-      Vector2d left = project(rig.cam0, p).value().uv, right = project(rig.cam1, T_cam1_cam0 * p).value().uv;
-      if (std::count(exchanged.begin(), exchanged.end(), k) > 0) {
-        std::swap(left, right);
-      }
-      frame.observations.push_back({id, left, right, true, true});
-    }
-    frames.push_back(frame);
-  }
-  return frames;
-}
-
-TEST(FrameCleaner, UsesNoExchangedPictures) {
-  for (const double baselines : {-3.0, -0.3, 0.0, 0.3, 3.0}) {
-    const auto [frames, report] = cleaned(with_exchanged({2, 3, 6}, baselines, 8), rig_of(0.1));
-    for (std::size_t k = 0; k < frames.size(); ++k) {
-      EXPECT_EQ(frames[k].observations.empty(), k == 2 || k == 3 || k == 6) << k;
-      EXPECT_EQ(frames[k].t_ns, static_cast<std::int64_t>(k) * kStepNs);
-    }
-    EXPECT_EQ(report.exchanged_frames, 3u);
-    EXPECT_EQ(report.leapt_matches, 0u);
-    EXPECT_THAT(in_words(report), ElementsAre(HasSubstr("in 3 of 8 frames the left and the right image")));
-  }
-}
-
-TEST(FrameCleaner, CountsPicturesThatTheFrontEndPutBack) {
-  Frames put_back = with_exchanged({}, 0.3, 8);
-  put_back[5].put_back = true;
-  const auto [frames, report] = cleaned(put_back, rig_of(0.1));
-  EXPECT_EQ(frames[5].observations.size(), put_back[5].observations.size());
-  EXPECT_EQ(report.put_back_frames, 1u);
-  EXPECT_THAT(in_words(report), ElementsAre(HasSubstr("in 1 of 8 frames the left and the right image were")));
-}
-
-TEST(FrameCleaner, TakesNoMotionForAnExchange) {
-  for (const double baselines : {-2.0, -1.0, 1.0, 2.0}) {  // with 1, left pixels stand where right ones did
-    EXPECT_EQ(cleaned(with_exchanged({}, baselines, 8), rig_of(0.1)).report.exchanged_frames, 0u)
-        << baselines;
-  }
-}
-
-/// The body turns and the right camera turns the other way, within a frame: all left pixels go to one side,
-/// all right ones to the other, as if they came to where the others had been.
-TEST(FrameCleaner, TakesNoBendingForAnExchange) {
-  for (const double shift : {-12.0, -6.0, 6.0, 12.0}) {
-    Frames bent = with_exchanged({}, 0.05, 8);
-    for (StereoObservation& point : bent[4].observations) {
-      point.uv_cam0.x() -= shift;
-      point.uv_cam1.x() += shift;
-    }
-    EXPECT_EQ(cleaned(bent, rig_of(0.1)).report.exchanged_frames, 0u) << shift;
-  }
-}
-
-TEST(FrameCleaner, TakesPicturesAsTheyAreThatStayExchanged) {
-  std::vector<std::size_t> from_three_on;
-  for (std::size_t k = 3; k < 40; ++k) {
-    from_three_on.push_back(k);
-  }
-  const auto [frames, report] = cleaned(with_exchanged(from_three_on, 0.02, 40), rig_of(0.1));
-  EXPECT_EQ(report.exchanged_frames, 20u);  // a second
-  EXPECT_FALSE(frames.back().observations.empty());
 }
 
 /// Points at 2 to 30 m that come nearer; from frame 2 on the true rig is another one, or the right pixels of

@@ -17,6 +17,7 @@
 namespace limber {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -80,6 +81,56 @@ TEST(ImuMistakes, NameTheMount) {
                 each_sample(recording, [](ImuSample& s) { std::swap(s.omega_imu.x(), s.omega_imu.z()); });
               }),
               ElementsAre(HasSubstr("an axis of the gyro has the wrong sign, or two of them are swapped")));
+}
+
+/// Of a walk with a rig that is bent by a degree, whose lengths are wrong: signs are not.
+class AccelerometerMistakes : public ::testing::Test {
+ protected:
+  static std::vector<std::string> after(const std::function<void(Eigen::Vector3d&)>& change) {
+    static const Recording sound = [] {
+      Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "walk.yaml");
+      Recording out = simulate(scenario, 11);
+      out.calibration.theta(1) += std::numbers::pi / 180.0;
+      return out;
+    }();
+    Recording recording = sound;
+    each_sample(recording, [&](ImuSample& s) { change(s.accel_imu); });
+    return imu_mistakes(recording.calibration, recording.frames, recording.imu, 9.81);
+  }
+};
+
+TEST_F(AccelerometerMistakes, AreNoneOfASoundOne) {
+  EXPECT_THAT(after([](Eigen::Vector3d&) {}), IsEmpty());
+}
+
+TEST_F(AccelerometerMistakes, NameTheSign) {
+  EXPECT_THAT(after([](Eigen::Vector3d& f) { f = -f; }),
+              ElementsAre(HasSubstr("the accelerometer has the wrong sign: at rest it has to point up")));
+}
+
+TEST_F(AccelerometerMistakes, NameTheAxes) {
+  EXPECT_THAT(
+      after([](Eigen::Vector3d& f) { f.y() = -f.y(); }),
+      ElementsAre(HasSubstr("the accelerometer's axes are not those of the gyro and of T_BS: y has the "
+                            "wrong sign (")));
+  EXPECT_THAT(after([](Eigen::Vector3d& f) { std::swap(f.x(), f.z()); }),
+              ElementsAre(HasSubstr("T_BS: x is given as z, z is given as x (")));
+  EXPECT_THAT(after([](Eigen::Vector3d& f) { f = Eigen::Vector3d(-f.y(), f.x(), f.z()); }),
+              ElementsAre(HasSubstr("T_BS: x is given as y, y is given as -x (")));
+}
+
+TEST_F(AccelerometerMistakes, NameGravityThatIsMissing) {
+  EXPECT_THAT(after([](Eigen::Vector3d& f) { f *= 0.05; }),
+              ElementsAre(AllOf(HasSubstr("without gravity"), HasSubstr("expected about 9.81"))));
+}
+
+/// A body that hardly accelerates could have any.
+TEST_F(AccelerometerMistakes, AreNotInventedWhereNothingAccelerates) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "creeping.yaml");
+  for (const std::uint64_t seed : {1U, 2U}) {
+    const Recording recording = simulate(scenario, seed);
+    EXPECT_THAT(imu_mistakes(recording.calibration, recording.frames, recording.imu, 9.81), IsEmpty());
+  }
 }
 
 TEST(ImuMistakes, AreNotInventedWhereNothingTurns) {

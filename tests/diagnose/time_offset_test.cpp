@@ -195,7 +195,7 @@ TEST(ClusteredRegression, StatesWhatItIsWrongBy) {
     const auto solution = detail::solve(rows);
     ASSERT_TRUE(solution);
     mean += (solution->x(1) - 3.0) / kRuns;
-    normalized_squared += std::pow((solution->x(1) - 3.0) / solution->sigma_of_last, 2) / kRuns;
+    normalized_squared += std::pow((solution->x(1) - 3.0) / solution->sigma_of_last(), 2) / kRuns;
   }
   EXPECT_LT(std::abs(mean), 0.05);  // without instruments 0.9 less
   EXPECT_GT(normalized_squared, 0.75);
@@ -217,7 +217,7 @@ TEST(ClusteredRegression, HasTheFreedomOfTheClustersThatTell) {
       }
     }
     rows.Z = rows.A;
-    return detail::solve(rows).value().dof;
+    return detail::solve(rows).value().dof_of_last();
   };
   EXPECT_GT(freedom(1.0), 6.0);
   EXPECT_LT(freedom(0.1), 1.0);

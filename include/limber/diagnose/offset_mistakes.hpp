@@ -41,6 +41,9 @@ struct SensorOffsets {
 /// mount, too, and is named with it.
 [[nodiscard]] std::optional<std::string> mount_mistake(const SensorOffsets& offsets);
 
+/// All of them: clocks, then the mount.
+[[nodiscard]] std::vector<std::string> offset_mistakes(const SensorOffsets& offsets);
+
 /// @brief The verdict on a rig beside clocks and a mount that are off. A mount leaves it as it is, but for
 /// `ok`, which becomes `degraded`: depths are right, poses are not.
 ///
@@ -66,7 +69,6 @@ inline constexpr const char* kClockAdvice =
 /// What to do about a mount that is turned.
 inline constexpr const char* kMountAdvice =
     "calibrate the cameras against the IMU (T_BS; T_cam_imu of a Kalibr file, --calib); until then "
-    "--estimate "
-    "imu-ax,imu-ay,imu-az";
+    "--estimate imu-ax,imu-ay,imu-az";
 
 }  // namespace limber
