@@ -66,8 +66,9 @@ void add_axes(Out out, const CalibrationState& state, const char* what) {
   for (std::size_t k = 0; k < 6; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     fmt::format_to(out, "{}  {:<18}{:>+15.4f} {:>9.4f} {:>9} {:>8}  {:<4}{}{}\n", kParameterNames[k],
-                   axis_in_words(k), delta(i), sigma(i), limit_text(unit(i) * state.bands[k].ok),
-                   limit_text(unit(i) * state.bands[k].wrong), k < 3 ? "deg" : "mm", to_string(state.axes[k]),
+                   axis_in_words(k, state.vergence), delta(i), sigma(i),
+                   limit_text(unit(i) * state.bands[k].ok), limit_text(unit(i) * state.bands[k].wrong),
+                   k < 3 ? "deg" : "mm", to_string(state.axes[k]),
                    state.named == k ? ", explains it best" : "");
   }
 }

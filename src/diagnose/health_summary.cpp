@@ -17,9 +17,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 6> kAxisWords = {"nod, about x",  "vergence, about y",
-                                                        "roll, about z", "right, along x",
-                                                        "down, along y", "forward, along z"};
+using AxisWords = std::array<std::string_view, 6>;
+constexpr AxisWords kSideBySide = {"nod, about x",   "vergence, about y", "roll, about z",
+                                   "right, along x", "down, along y",     "forward, along z"};
+constexpr AxisWords kOneAbove = {"vergence, about x", "pan, about y",  "roll, about z",
+                                 "right, along x",    "down, along y", "forward, along z"};
 
 Json json_of(const SizeInterval& size, const Band& band, HealthVerdict verdict, double unit) {
   return {{"size", unit * size.size}, {"low", unit * size.low},     {"high", unit * size.high},
@@ -33,7 +35,8 @@ Json sizes_of(const CalibrationState& state, const Tolerance& tolerance) {
   Json axes;
   for (std::size_t k = 0; k < 6; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    axes[std::string(kParameterNames[k])] = {{"error", delta(i)},
+    axes[std::string(kParameterNames[k])] = {{"words", axis_in_words(k, state.vergence)},
+                                             {"error", delta(i)},
                                              {"sigma", sigma(i)},
                                              {"ok", unit(i) * state.bands[k].ok},
                                              {"wrong", unit(i) * state.bands[k].wrong},
@@ -79,7 +82,7 @@ std::string drift_in_words(const CalibrationState& state) {
   const auto k = static_cast<Eigen::Index>(state.drift->named);
   const double unit = in_degrees_and_mm(RigParameters::Ones())(k) * 60.0 / state.drift->seconds;
   return fmt::format("; it drifts, mostly in {}: by {:+.3g} ± {:.2g} {} a minute",
-                     axis_in_words(state.drift->named), unit * state.drift->change.delta(k),
+                     axis_in_words(state.drift->named, state.vergence), unit * state.drift->change.delta(k),
                      unit * state.drift->change.sigma()(k), k < 3 ? "deg" : "mm");
 }
 
@@ -166,7 +169,9 @@ RigParameters in_degrees_and_mm(const RigParameters& theta) {
   return out;
 }
 
-std::string_view axis_in_words(std::size_t axis) { return kAxisWords.at(axis); }
+std::string_view axis_in_words(std::size_t axis, Eigen::Index vergence) {
+  return (vergence == 0 ? kOneAbove : kSideBySide).at(axis);
+}
 
 std::optional<HealthSummary> summarize_health(std::span<const FrameReport> frames) {
   HealthSummary out;
@@ -193,7 +198,7 @@ std::string in_words(const HealthSummary& summary, const Tolerance& tolerance) {
   if (only_moves(state)) {
     return fmt::format(
         "the cameras move against each other, mostly in {}: {} from frame to frame; on average {}",
-        axis_in_words(state.moving_axis()), movement_in_words(state, tolerance), sizes);
+        axis_in_words(state.moving_axis(), state.vergence), movement_in_words(state, tolerance), sizes);
   }
   if (summary.comes_and_goes()) {
     return "it is within the tolerance now, but was not all the time: it comes and goes; now " + sizes;

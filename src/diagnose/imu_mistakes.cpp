@@ -151,7 +151,7 @@ std::optional<std::string> unit_mistake(std::span<const ImuSample> imu, double g
   for (const ImuSample& sample : imu) {
     lengths.push_back(sample.accel_imu.norm());
   }
-  const double usual = upper_median(std::move(lengths));
+  const double usual = upper_median(lengths);
   const auto is_near = [](double length, double expected) {
     return std::abs(length - expected) <= kUnitRange * expected;
   };
@@ -159,7 +159,11 @@ std::optional<std::string> unit_mistake(std::span<const ImuSample> imu, double g
     return std::nullopt;
   }
   const std::string length = fmt::format(": its length is {:.2f}, expected about {:.2f}", usual, gravity);
-  if (is_near(usual, 1.0)) {
+  for (double& one : lengths) {
+    one = std::abs(one - usual);
+  }
+  const bool holds_gravity = upper_median(std::move(lengths)) < kUnitRange * usual;
+  if (is_near(usual, 1.0) && holds_gravity) {
     return "the accelerometer is in g instead of m/s^2" + length;
   }
   if (usual < kWithoutGravity * gravity) {

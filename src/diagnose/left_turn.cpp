@@ -218,7 +218,7 @@ std::optional<ParameterFit> parameter_between(const MovingPoints& from, const Mo
   const Eigen::Matrix<double, 6, 1> with = last->A.topRightCorner<6, 1>();
   const double information = last->A(6, 6) - with.dot(solve_symmetric(others, with));
   const double gradient = motion.parameter * (information + 1.0 / (kParameterPrior * kParameterPrior));
-  return ParameterFit{information, gradient, last->squares};
+  return ParameterFit{information, gradient, last->squares, pairs.size()};
 }
 
 std::optional<std::size_t> frame_after(std::span<const StereoFrame> frames, std::size_t n, double seconds) {

@@ -36,10 +36,11 @@ struct MovingPoint {
 };
 using MovingPoints = std::unordered_map<std::int64_t, MovingPoint>;  ///< by track_id
 
-/// What two frames of the left camera say of the parameter: least squares in `information` and `gradient`;
-/// `squares` are left of the residuals, in standard deviations.
+/// What two frames of the left camera say of the parameter: least squares in `information` and `gradient`,
+/// in standard deviations of kPixel; `squares` are left of the residuals of so many points.
 struct ParameterFit {
   double information = 0.0, gradient = 0.0, squares = 0.0;
+  std::size_t points = 0;
 };
 
 /// @brief As left_motion, with a parameter of the camera as a seventh unknown, known to 0.05 beforehand: a

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -43,10 +42,13 @@ bool cameras_are_off(const SensorOffsets& offsets) {
 /// What epipolar lines say of a rig, whatever trajectory there is: but for vergence and the baseline's
 /// length, which depths tell, and with them the trajectory.
 HealthVerdict by_lines(const CalibrationState& state) {
-  constexpr std::array<std::size_t, 4> kSeenByLines = {0, 2, 4, 5};
+  const auto vergence = static_cast<std::size_t>(state.vergence);
+  const std::size_t length = vergence == 0 ? 4 : 3;
   HealthVerdict out = state.by_movement;
-  for (const std::size_t axis : kSeenByLines) {
-    out = worst(out, state.axes[axis]);
+  for (std::size_t axis = 0; axis < state.axes.size(); ++axis) {
+    if (axis != vergence && axis != length) {
+      out = worst(out, state.axes[axis]);
+    }
   }
   return out;
 }

@@ -108,7 +108,9 @@ void ReadoutWatch::State::compare() {
       detail::parameter_between(from.moving, now.moving, calibration.cam0.fu, calibration.baseline());
   if (pair && pair->information > 0.0) {
     const double root = std::sqrt(pair->information);
-    rows.A.push_back(Eigen::VectorXd::Constant(1, root));
+    // What a lens leaves stays in its place: of a pixel's motion it makes the same part, however fast that
+    // is.
+    rows.A.emplace_back(Eigen::Vector2d(std::sqrt(static_cast<double>(pair->points)), root));
     rows.Z.push_back(rows.A.back());
     rows.y.push_back(pair->gradient / root);
     rows.cluster.push_back(static_cast<std::int64_t>(now.t_s / kClusterSeconds));
@@ -136,15 +138,16 @@ std::optional<ReadoutTime> ReadoutWatch::estimate() const {
     return std::nullopt;
   }
   const auto solution = detail::solve(rows);
-  if (!solution || std::abs(solution->x(0)) > kLongestReadout) {
+  if (!solution || std::abs(solution->x(1)) > kLongestReadout) {
     return std::nullopt;
   }
   double explained = 0.0;
   for (std::size_t k = 0; k < rows.y.size(); ++k) {
-    const double left = rows.y[k] - rows.A[k](0) * solution->x(0);
-    explained += std::pow(rows.y[k] - rows.A[k](0) * state_->calibration.readout_time_s[0], 2) - left * left;
+    const double left = rows.y[k] - rows.A[k].dot(solution->x);
+    const double wrong_by = state_->calibration.readout_time_s[0] - solution->x(1);
+    explained += std::pow(left - rows.A[k](1) * wrong_by, 2) - left * left;
   }
-  return ReadoutTime{solution->x(0), solution->sigma_of_last(), explained / (explained + state_->squares)};
+  return ReadoutTime{solution->x(1), solution->sigma_of_last(), explained / (explained + state_->squares)};
 }
 
 bool contradicts(const ReadoutTime& found, const StereoCalibration& assumed) {

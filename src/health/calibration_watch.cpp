@@ -155,6 +155,7 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
   out.from_ns = windows.front().from_ns;
   out.to_ns = windows.back().to_ns;
   out.windows = windows.size();
+  out.vergence = vergence_axis(theta);
   for (const RigEvidence& window : windows) {
     out.points += window.points;
     out.tracks += window.track_count;

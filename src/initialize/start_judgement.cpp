@@ -19,7 +19,8 @@ using L = StateLayout;
 namespace {
 
 /// Misfit over the least of all solutions: of one that can be gone back to, of one that contradicts it.
-constexpr double kAgrees = 1.4, kDisagrees = 3.0;
+constexpr double kDisagrees = 3.0;
+constexpr double kLeastAtRest = 0.1;   // of the misfits that later ones are compared to
 constexpr double kFitsAsWell = 1.1;    // of a rig that is trusted, which has fewer unknowns
 constexpr double kFitsTheSame = 1.05;  // where it gives the scale; 0.1 deg of vergence pass, 0.3 do not
 constexpr double kRefines = 0.9;       // of the scale's sigma, from one solution to the next
@@ -218,12 +219,14 @@ bool StartWindow::explain_by_step() {
 }
 
 /// Whatever pixels are worth, they are worth the same later on: a fault of the inputs makes the misfit grow.
+/// At rest points take on what lasts of a pixel's error, of which a motion shows more. No solution at all is
+/// none that agrees.
 bool StartWindow::disagrees() {
   if (!solution) {
-    return false;
+    return agreed.has_value();
   }
   const double misfit = normal.cost / expected_cost(model, *solution);
-  least_misfit = std::min(least_misfit, misfit);
+  least_misfit = std::min(least_misfit, moves() ? misfit : std::max(misfit, kLeastAtRest));
   if (misfit <= kAgrees * least_misfit) {
     agreed = Agreed{frames.size(), *solution, normal, covariance};
   }

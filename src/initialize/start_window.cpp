@@ -26,6 +26,7 @@ constexpr int kCleanings = 10;
 constexpr int kMoreIterations = 75;      // of a solution that fits and has not settled
 constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
 constexpr double kFits = 1.0;            // cost over the expected one
+constexpr double kFitsUnstated = 0.15;   // of pixels whose noise nobody stated: less than 0.4 px rms
 
 /// What of theta a method leaves free: nothing if it trusts the rig and the lenses.
 MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibration& calibration) {
@@ -49,9 +50,10 @@ MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibratio
   return constraint_directions(default_constraints(options.motion), calibration.theta);
 }
 
-/// The residuals are no larger than the noise; no other guess is tried then.
-bool fits(const WindowModel& model, const WindowState& state, const WindowNormal& normal) {
-  return normal.cost < kFits * expected_cost(model, state) + 10.0;
+/// The residuals are no larger than that share of the noise.
+bool fits(const WindowModel& model, const WindowState& state, const WindowNormal& normal,
+          double share = kFits) {
+  return normal.cost < share * expected_cost(model, state) + 10.0;
 }
 
 /// Which way is ahead is a convention, and has to be the same in each solution: all is turned about the
@@ -201,6 +203,14 @@ WindowNormal StartWindow::settled(WindowState& guess) const {
              : std::move(out);
 }
 
+/// Noise that is not stated may be much less than it is taken for, and then a solution far off fits, too.
+/// What the best one so far left is known.
+double StartWindow::good_fit() const {
+  return model.options.learn_pixel_noise
+             ? std::clamp(least_misfit == kUnknown ? 0.0 : kAgrees * least_misfit, kFitsUnstated, kFits)
+             : kFits;
+}
+
 void StartWindow::solve() {
   if (clock_step) {
     read_inputs_anew();  // samples that are stamped late came after their frames
@@ -225,8 +235,8 @@ void StartWindow::solve() {
       normal = std::move(there);
       solution = std::move(start);
     }
-    if (fits(model, *solution, normal)) {
-      break;
+    if (fits(model, *solution, normal, good_fit())) {
+      break;  // no other guess is tried
     }
   }
   if (R_first) {

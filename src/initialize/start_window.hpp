@@ -17,6 +17,8 @@
 namespace limber::detail {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::infinity();
+/// Misfit over the least of all solutions: of one that is no worse than any.
+inline constexpr double kAgrees = 1.4;
 inline constexpr double kSeenParallax = 0.02;  // [rad], of the usual point
 /// Of the cost, still to come: no unknown is off by more than 0.2 sigma.
 inline constexpr double kSettled = 0.02;
@@ -99,6 +101,7 @@ struct StartWindow {
   [[nodiscard]] SensorStartResult unsolved() const;
   void solve();
   [[nodiscard]] WindowNormal settled(WindowState& guess) const;
+  [[nodiscard]] double good_fit() const;
   void settle_solution();
   void shift_parameters() { shifted = shifted_solutions(model, *solution); }
   void clean_and_cover();

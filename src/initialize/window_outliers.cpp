@@ -52,10 +52,9 @@ std::vector<View> views(const WindowModel& model, WindowState& state) {
   return out;
 }
 
-bool is_seen(const WindowModel& model, const WindowPoint& point) {
-  return std::any_of(point.seen.begin(), point.seen.end(), [&](const WindowSighting& s) {
-    return s.observation.in_cam0 || (s.observation.in_cam1 && model.right);
-  });
+/// By the left camera: the right one alone says nothing of a point where the rig is open in every frame.
+bool is_seen(const WindowPoint& point) {
+  return std::ranges::any_of(point.seen, [](const WindowSighting& s) { return s.observation.in_cam0; });
 }
 
 /// What lengths are compared to: the baseline, or less in a map that is small.
@@ -100,8 +99,8 @@ std::size_t drop_mismatches(const WindowModel& model, WindowState& state) {
     }
   }
   const double unit = unit_of_length(model, state);
-  dropped += std::erase_if(
-      state.points, [&](const WindowPoint& point) { return !is_seen(model, point) || !can_be(point, unit); });
+  dropped += std::erase_if(state.points,
+                           [&](const WindowPoint& point) { return !is_seen(point) || !can_be(point, unit); });
   return dropped;
 }
 

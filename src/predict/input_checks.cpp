@@ -61,18 +61,20 @@ bool InputChecks::jumps(const InputSample& from, const InputSample& to) const {
   return false;
 }
 
-/// The largest value ever seen, several times in a row to the last digit: the end of the sensor's range.
+/// The largest value that an axis ever had in that direction, several times in a row to the last digit: the
+/// end of the sensor's range. An offset that was taken off afterwards makes the ends of a range differ.
 void InputChecks::doubt_saturated(InputSample& sample, double dt) {
   bool saturated = false;
   for (std::size_t k = 0; k < 2; ++k) {
-    const Eigen::Array3d size = part(sample, k).cwiseAbs();
-    const double peak = std::max(peak_[k], size.maxCoeff());
-    const bool flat = last_ &&
-                      (part(sample, k).array() == part(*last_, k).array() && size >= kEndOfRange * peak &&
-                       size > limits_.saturation[k])
-                          .any() &&
-                      usual_change_[k] > 0.0;
-    peak_[k] = peak;
+    const Eigen::Array3d value = part(sample, k);
+    Ends size;
+    size << value, -value;
+    peaks_[k] = peaks_[k].max(size);
+    const Eigen::Array3d at_end =
+        (size >= kEndOfRange * peaks_[k] && size > limits_.saturation[k]).cast<double>().rowwise().maxCoeff();
+    const bool flat =
+        last_ && (value == part(*last_, k).array() && at_end > 0.0).any() && usual_change_[k] > 0.0;
+    const double peak = peaks_[k].maxCoeff();
     plateau_[k] = flat ? plateau_[k] + 1 : 0;
     if (plateau_[k] >= kPlateau) {
       saturated = true;

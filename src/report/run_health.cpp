@@ -73,7 +73,7 @@ ReportTable axis_table(const Json& state) {
   for (std::size_t k = 0; k < 6; ++k) {
     const Json& axis = state.at("axes").at(std::string(kParameterNames[k]));
     table.rows.push_back({{std::string(kParameterNames[k])},
-                          {std::string(axis_in_words(k))},
+                          {axis.value("words", "")},
                           {number(axis, "error", "{:+.4f}")},
                           {number(axis, "sigma", "{:.4f}")},
                           {number(axis, "ok", "{:.3f}")},

@@ -207,6 +207,12 @@ void keep_window(const SensorWindow& window, Navigator& navigator, RunRecord& re
     record.frames[record.frames.size() - known.size() + k].calibration = known[k];
   }
   const StartReport& report = window.report;
+  if (!window.result.solved) {
+    record.notes.push_back(
+        fmt::format("no start was found in the first {:.2g} s, of which no pose is known: {}",
+                    report.waited_s, report.missing));
+    return;
+  }
   record.notes.push_back(fmt::format(
       "{}{:.2g} s, which are smoothed: tilt known to {:.2g} deg, {}{}",
       report.status == StartStatus::kWaiting ? "nothing but a start, all " : "started from the first ",

@@ -11,6 +11,7 @@
 #include "limber/core/angle.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/diagnose/health_summary.hpp"
+#include "limber/health/normal_equations.hpp"
 
 namespace limber::detail {
 namespace {
@@ -95,7 +96,8 @@ std::string to_json(const ViewRun& run) {
   const StereoCalibration& calibration = run.calibration;
   Json axes = Json::array();
   for (std::size_t k = 0; k < 6; ++k) {
-    axes.push_back({{"name", kParameterNames[k]}, {"words", axis_in_words(k)}});
+    axes.push_back(
+        {{"name", kParameterNames[k]}, {"words", axis_in_words(k, vergence_axis(calibration.theta))}});
   }
   return detail::json_text(Json{{"title", run.title},
                                 {"method", run.method},

@@ -122,6 +122,15 @@ TEST_F(AccelerometerMistakes, NameTheAxes) {
 TEST_F(AccelerometerMistakes, NameGravityThatIsMissing) {
   EXPECT_THAT(after([](Eigen::Vector3d& f) { f *= 0.05; }),
               ElementsAre(AllOf(HasSubstr("without gravity"), HasSubstr("expected about 9.81"))));
+  // Of a length about 1, as in g, which does not stay there.
+  Recording recording = drone();
+  std::size_t k = 0;
+  each_sample(recording, [&k](ImuSample& s) {
+    s.accel_imu = 1.4 * std::sin(0.02 * static_cast<double>(k)) * Eigen::Vector3d::UnitX();
+    ++k;
+  });
+  EXPECT_THAT(imu_mistakes(recording.calibration, recording.frames, recording.imu, 9.81),
+              ElementsAre(HasSubstr("without gravity")));
 }
 
 /// A body that hardly accelerates could have any.

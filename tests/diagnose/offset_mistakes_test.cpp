@@ -118,6 +118,17 @@ TEST(VerdictBesideClocks, DoesNotAccuseTheRigOfWhatAClockDoes) {
   EXPECT_EQ(verdict_beside(imu_off, turned), kCannotTell);
 }
 
+/// Of a pair one above the other the vergence is ax, which depths tell, and lines tell ay.
+TEST(VerdictBesideClocks, KnowsWhatLinesTellOfAPairOneAboveTheOther) {
+  const SensorOffsets imu_off{.cam1 = {}, .cameras = TimeOffset{.seconds = 0.02, .sigma = 0.001}};
+  HealthSummary summary = wrong_by(kDecalibrated, kOk);
+  summary.present.vergence = 0;
+  EXPECT_EQ(verdict_beside(imu_off, summary), kCannotTell);
+  summary = wrong_by(kOk, kDecalibrated);
+  summary.present.vergence = 0;
+  EXPECT_EQ(verdict_beside(imu_off, summary), kDecalibrated);
+}
+
 /// The calibration's mount is turned against the true one by so many degrees, about body axes.
 SensorOffsets beside_turned_mount(Recording recording, const Eigen::Vector3d& degrees) {
   Eigen::Matrix3d& R = recording.calibration.T_body_cam0.R;

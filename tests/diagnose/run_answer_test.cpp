@@ -105,6 +105,12 @@ TEST(RunAnswer, SaysThatThePosesWereAlignedWithATruthThatIsNotLevel) {
               AllOf(HasSubstr("not level"), HasSubstr("77.0 deg"), HasSubstr("of the aligned poses")));
 }
 
+TEST(RunAnswer, AdvisesToMendAClockThatIsOffWhateverTheRigIs) {
+  Said said(kOk);
+  said.summary.clock_mistakes = {"time offset: beside the IMU, the cameras are taken late"};
+  EXPECT_EQ(said.answer().advice, kClockAdvice);
+}
+
 TEST(RunAnswer, OfALostRunIsThatItIsLost) {
   Said said(kOk);
   said.summary.inputs.lost_since_ns = 7'500'000'000;

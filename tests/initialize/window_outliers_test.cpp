@@ -75,5 +75,16 @@ TEST(WindowOutliers, APointThatIsNowhereIsDropped) {
   }
 }
 
+/// A rig that is open in every frame takes all that it says.
+TEST(WindowOutliers, APointThatOnlyTheRightCameraSeesIsDropped) {
+  const Seen seen = seen_from_truth();
+  WindowState state = seen.state;
+  for (WindowSighting& sighting : state.points.front().seen) {
+    sighting.observation.in_cam0 = false;
+  }
+  (void)drop_mismatches(seen.model, state);
+  EXPECT_NE(state.points.front().landmark.track_id, seen.state.points.front().landmark.track_id);
+}
+
 }  // namespace
 }  // namespace limber::detail

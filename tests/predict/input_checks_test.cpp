@@ -120,6 +120,15 @@ TEST(InputChecks, TakeSamplesThatADriverHandsOutTwice) {
   EXPECT_FALSE(check(samples).faults.any());
 }
 
+/// What a driver takes off as a bias comes off the ends of the range, too: they differ by axis and direction.
+TEST(InputChecks, KnowTheEndsOfARangeThatAnOffsetHasMoved) {
+  std::vector<InputSample> samples = flight(20.0);
+  for (InputSample& sample : samples) {
+    sample.angular = sample.angular.cwiseMax(-0.7).cwiseMin(0.7) - Eigen::Vector3d(0.01, -0.02, 0.005);
+  }
+  EXPECT_GE(check(samples).faults[InputFault::kSaturated], samples.size() / 10);
+}
+
 TEST(InputChecks, GiveASaturatedGyroscopeMoreNoise) {
   std::vector<InputSample> samples = flight(20.0);
   for (InputSample& sample : samples) {

@@ -38,7 +38,8 @@ struct HealthSummary {
 [[nodiscard]] std::string to_json(const HealthSummary& summary, const WatchOptions& options);
 
 /// "vergence, about y" for ay.
-[[nodiscard]] std::string_view axis_in_words(std::size_t axis);
+/// @param vergence  vergence_axis() of the rig
+[[nodiscard]] std::string_view axis_in_words(std::size_t axis, Eigen::Index vergence);
 
 /// The verdict in one sentence, with the sizes that it rests on.
 [[nodiscard]] std::string in_words(const HealthSummary& summary, const Tolerance& tolerance);

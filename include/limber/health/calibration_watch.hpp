@@ -41,6 +41,7 @@ struct CalibrationState {
   HealthVerdict by_epipolar = HealthVerdict::kCannotTell, by_depth = HealthVerdict::kCannotTell;
   std::array<HealthVerdict, 6> axes{};  ///< ax, ay, az, tx, ty, tz
   std::array<Band, 6> bands{};          ///< of the axes [rad, m]
+  Eigen::Index vergence = 1;            ///< vergence_axis() of the rig
   std::optional<std::size_t> named;     ///< the axis that explains best what is degraded or decalibrated
   /// Of vision alone: the windows find a baseline that is half as long as assumed, or less, or half as long
   /// again. The scale of the trajectory is gone, and nothing can be told.

@@ -71,6 +71,8 @@ class InputChecks {
 
  private:
   using Six = Eigen::Matrix<double, 6, 1>;
+  using Ends = Eigen::Array<double, 3, 2>;  // of the axes, upwards and downwards
+  static inline const Ends kNoPeaks = Ends::Zero();
 
   [[nodiscard]] bool is_stuck(const Six& value);
   [[nodiscard]] bool jumps(const InputSample& from, const InputSample& to) const;
@@ -82,9 +84,10 @@ class InputChecks {
   std::optional<InputSample> last_, held_;  // accepted; held back
   Six value_ = Six::Constant(-1e300);       // of the newest sample of all
   std::int64_t newest_ns_ = 0;
-  std::size_t repeats_ = 0, varied_ = 0;           // in a row; samples that differed from the one before
-  std::array<double, 2> usual_change_{}, peak_{};  // between samples (mean of the norm); per axis
-  std::array<std::size_t, 2> plateau_{};           // samples in a row
+  std::size_t repeats_ = 0, varied_ = 0;  // in a row; samples that differed from the one before
+  std::array<double, 2> usual_change_{};  // between samples (mean of the norm)
+  std::array<Ends, 2> peaks_{kNoPeaks, kNoPeaks};
+  std::array<std::size_t, 2> plateau_{};  // samples in a row
 };
 
 }  // namespace limber
