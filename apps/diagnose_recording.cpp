@@ -10,6 +10,7 @@
 
 #include "first_frames.hpp"
 #include "limber/core/divergence_error.hpp"
+#include "limber/core/time.hpp"
 #include "limber/diagnose/calibration_mistakes.hpp"
 #include "limber/diagnose/imu_mistakes.hpp"
 
@@ -107,14 +108,20 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
     out.stopped = record.stopped;
     out.duration_s = summary.duration_s;
     out.nis_per_dof = summary.nis_per_dof;
+    if (const auto lost_ns = summary.inputs.lost_since_ns) {
+      out.lost_since_s = seconds_between(record.frames.front().t_ns, *lost_ns);
+      if (summary.health) {
+        summary.health->verdict = verdict_by_lines(*summary.health);
+      }
+    }
     out.health = summary.health;
     out.metric = has_scale(record.motion);
-    if (summary.health && !summary.readout_contradicted && !out.stopped) {
+    if (summary.health && !summary.readout_contradicted && !out.stopped && !out.lost_since_s) {
       out.state = HealthState{recording.name,
                               {camera_in_words(assumed.cam0), camera_in_words(assumed.cam1)},
                               rig_record(summary.health->present, assumed.theta, out.metric)};
     }
-    if (!out.stopped) {
+    if (!out.stopped && !out.lost_since_s) {
       compare_with_ekf(
           recording, options, [&](std::size_t n) { return seen.at(n - first); }, record, out);
     }

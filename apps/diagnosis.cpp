@@ -14,6 +14,11 @@
 namespace limber::app {
 namespace {
 
+constexpr const char* kLostAdvice =
+    "find out what failed first: limber run says since when, and what images and inputs contradict";
+
+bool is_lost(const Diagnosis& diagnosis) { return diagnosis.mistakes.empty() && diagnosis.lost_since_s; }
+
 std::string advice(const Diagnosis& diagnosis) {
   if (!diagnosis.mistakes.empty()) {
     return kMistakeAdvice;
@@ -26,6 +31,9 @@ std::string advice(const Diagnosis& diagnosis) {
   }
   if (mount_mistake(diagnosis.offsets)) {
     return kMountAdvice;
+  }
+  if (is_lost(diagnosis) && !is_wrong(verdict_of(diagnosis))) {
+    return kLostAdvice;
   }
   return advice_on(verdict_of(diagnosis), diagnosis.health && diagnosis.health->present.moves());
 }
@@ -198,6 +206,12 @@ std::string to_text(const Diagnosis& diagnosis) {
     fmt::format_to(out,
                    "the rig is not judged: rows with times of their own look like a rig that bends while it "
                    "moves; what follows has them in it\n");
+  } else if (is_lost(diagnosis)) {
+    fmt::format_to(
+        out,
+        "the run is lost since {:.1f} s: the rig is judged by its epipolar lines alone; what follows "
+        "of depths, and of the pose, says nothing\n",
+        *diagnosis.lost_since_s);
   } else if (diagnosis.health && clocks_hide_rig(diagnosis)) {
     fmt::format_to(out, "{}; what follows has it in it\n", kClocksHideRig);
   } else if (diagnosis.health) {
@@ -249,6 +263,7 @@ std::string to_json(const Diagnosis& diagnosis) {
       {"frames", diagnosis.frames},
       {"complete", !diagnosis.stopped},
       {"duration_s", diagnosis.duration_s},
+      {"lost_since_s", diagnosis.lost_since_s ? Json(*diagnosis.lost_since_s) : Json(nullptr)},
       {"nis_per_dof", diagnosis.nis_per_dof ? Json(*diagnosis.nis_per_dof) : Json(nullptr)},
       {"health", health_json(diagnosis)},
       {"since", json_of(diagnosis.since, diagnosis.judged_by.tolerance)},

@@ -28,6 +28,7 @@ struct Diagnosis {
   std::size_t frames = 0, frames_of_recording = 0;
   bool stopped = false;  ///< before the last frame: all of this is of those before
   double duration_s = 0.0;
+  std::optional<double> lost_since_s;  ///< since the first frame; the verdict is that of lines alone then
   WatchOptions judged_by;
   std::optional<double> nis_per_dof;
   std::optional<HealthSummary> health;  ///< nothing if the run failed, or no frame could be judged

@@ -114,14 +114,18 @@ std::vector<std::string> offset_mistakes(const SensorOffsets& offsets) {
   return out;
 }
 
+HealthVerdict verdict_by_lines(const HealthSummary& health) {
+  const HealthVerdict lines = by_lines(health.present);
+  return is_wrong(health.verdict) && is_wrong(lines) ? lines : HealthVerdict::kCannotTell;
+}
+
 HealthVerdict verdict_beside(const SensorOffsets& offsets, const HealthSummary& health) {
   const bool cam1 = cam1_is_off(offsets), cameras = cameras_are_off(offsets);
   if (!cam1 && !cameras) {
     const bool degraded = mount_is_off(offsets) && health.verdict == HealthVerdict::kOk;
     return degraded ? HealthVerdict::kDegraded : health.verdict;
   }
-  const HealthVerdict lines = by_lines(health.present);
-  return !cam1 && is_wrong(health.verdict) && is_wrong(lines) ? lines : HealthVerdict::kCannotTell;
+  return cam1 ? HealthVerdict::kCannotTell : verdict_by_lines(health);
 }
 
 }  // namespace limber

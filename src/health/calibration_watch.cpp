@@ -55,7 +55,7 @@ void judge_movement(const std::vector<RigEvidence>& windows, const RigParameters
     blocks.insert(blocks.end(), window.blocks.begin(), window.blocks.end());
     depth_blocks.insert(depth_blocks.end(), window.depth_blocks.begin(), window.depth_blocks.end());
   }
-  out.movement = movement_of(blocks, out.whole.epipolar, vergence_axis(theta));
+  out.movement = movement_of(blocks, out.vergence);
   out.depth_movement = depth_movement_of(depth_blocks, theta, tolerance.baselines);
   out.by_movement = judge(out.movement.px, tolerance.epipolar_px);
   out.by_depth_movement = out.deep_tracks < kFewestTracks ? HealthVerdict::kCannotTell

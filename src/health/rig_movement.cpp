@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/health/rig_movement.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,6 +27,12 @@ Matrix about(const FrameHalves& halves, const Vector& first, const Vector& secon
          halves.frames * first * second.transpose();
 }
 
+/// The same in pixels, of each frame's points: sum of (first − their mean)ᵀ px (second − theirs).
+double px_about(const FrameHalves& halves, const Vector& first, const Vector& second) {
+  return halves.px_products - first.dot(halves.px_second) - halves.px_first.dot(second) +
+         first.dot(halves.px * second);
+}
+
 /// What one plausible error of each parameter changes a depth straight ahead by, as a share of it.
 RigParameters slope_per_error(const RigParameters& theta, double baselines) {
   return depth_slope(theta, baselines).cwiseProduct(plausible_error(theta.tail<3>().norm()));
@@ -33,11 +40,15 @@ RigParameters slope_per_error(const RigParameters& theta, double baselines) {
 
 }  // namespace
 
-void FrameHalves::add(const Vector& of_first, const Vector& of_second) {
+void FrameHalves::add(const Matrix& of_points, const Vector& of_first, const Vector& of_second) {
   frames += 1.0;
   first += of_first;
   second += of_second;
   products.noalias() += of_first * of_second.transpose();
+  px += of_points;
+  px_first.noalias() += of_points * of_first;
+  px_second.noalias() += of_points * of_second;
+  px_products += of_first.dot(of_points * of_second);
 }
 
 FrameHalves& FrameHalves::operator+=(const FrameHalves& other) {
@@ -45,6 +56,10 @@ FrameHalves& FrameHalves::operator+=(const FrameHalves& other) {
   first += other.first;
   second += other.second;
   products += other.products;
+  px += other.px;
+  px_first += other.px_first;
+  px_second += other.px_second;
+  px_products += other.px_products;
   return *this;
 }
 
@@ -70,8 +85,7 @@ DepthHalves& DepthHalves::operator+=(const DepthHalves& other) {
   return *this;
 }
 
-RigMovement movement_of(const std::vector<FrameHalves>& blocks, const Matrix& epipolar,
-                        Eigen::Index vergence) {
+RigMovement movement_of(const std::vector<FrameHalves>& blocks, Eigen::Index vergence) {
   FrameHalves all;
   double count = 0.0;
   for (const FrameHalves& block : blocks) {
@@ -81,22 +95,20 @@ RigMovement movement_of(const std::vector<FrameHalves>& blocks, const Matrix& ep
   if (count < kFewestBlocks) {
     return {{0.0, 0.0, std::numeric_limits<double>::infinity()}};
   }
-  // Of vergence a frame alone says what its epipolar lines say: the place of the lens.
-  Matrix px = epipolar;
-  px.row(vergence).swap(px.row(NormalEquations::kLens));
-  px.col(vergence).swap(px.col(NormalEquations::kLens));
-  const Vector first = all.first / all.frames, second = all.second / all.frames;
-  const Matrix covariance = about(all, first, second) / all.frames;
-  const double mean = px.cwiseProduct(covariance).sum();
+  // The mean counts frames by what they know, too.
+  const Eigen::CompleteOrthogonalDecomposition<Matrix> weights(all.px);
+  const Vector first = weights.solve(all.px_first), second = weights.solve(all.px_second);
+  const double mean = px_about(all, first, second) / all.frames;
   double squares = 0.0;
   for (const FrameHalves& block : blocks) {
-    const double off = px.cwiseProduct(about(block, first, second)).sum() - block.frames * mean;
+    const double off = px_about(block, first, second) - block.frames * mean;
     squares += off * off;
   }
   const double reach = t_95(count - 1.0) * std::sqrt(squares * count / (count - 1.0)) / all.frames;
   const auto root = [](double square) { return std::sqrt(std::max(square, 0.0)); };
   RigMovement out{{root(mean), root(mean - reach), root(std::max(mean, 0.0) + reach)}};
-  px.diagonal().cwiseProduct(covariance.diagonal()).maxCoeff(&out.axis);
+  all.px.diagonal().cwiseProduct(about(all, first, second).diagonal()).maxCoeff(&out.axis);
+  // Of vergence a frame alone says what its epipolar lines say: the place of the lens.
   out.axis = out.axis == NormalEquations::kLens ? vergence : out.axis;
   return out;
 }

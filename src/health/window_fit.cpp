@@ -318,7 +318,10 @@ std::vector<FrameHalves> WindowFit::frame_halves() const {
   for (std::size_t n = 0; n < halves.size(); ++n) {
     const auto& [a, b] = halves[n];
     if (std::min(a.rows, b.rows) >= kFewestOfAHalf) {
-      out[n * kBlocks / halves.size()].add(solve(a.normal), solve(b.normal));
+      const Matrix of_points =
+          (a.normal.information + b.normal.information - 2.0 * kPrior * Matrix::Identity()) /
+          (a.rows + b.rows);
+      out[n * kBlocks / halves.size()].add(of_points, solve(a.normal), solve(b.normal));
     }
   }
   return out;

@@ -118,6 +118,12 @@ TEST(VerdictBesideClocks, DoesNotAccuseTheRigOfWhatAClockDoes) {
   EXPECT_EQ(verdict_beside(imu_off, turned), kCannotTell);
 }
 
+TEST(VerdictByLines, IsThatOfALostRun) {
+  EXPECT_EQ(verdict_by_lines(wrong_by(kOk, kDecalibrated)), kCannotTell);
+  EXPECT_EQ(verdict_by_lines(wrong_by(kDecalibrated, kDecalibrated)), kDecalibrated);
+  EXPECT_EQ(verdict_by_lines(wrong_by(kOk, kOk)), kCannotTell);
+}
+
 /// Of a pair one above the other the vergence is ax, which depths tell, and lines tell ay.
 TEST(VerdictBesideClocks, KnowsWhatLinesTellOfAPairOneAboveTheOther) {
   const SensorOffsets imu_off{.cam1 = {}, .cameras = TimeOffset{.seconds = 0.02, .sigma = 0.001}};

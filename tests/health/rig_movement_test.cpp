@@ -149,7 +149,7 @@ TEST(RigMovement, OfDepthsIsThatOfTheAxisThatExplainsMoreOfThePixels) {
 }
 
 TEST(RigMovement, IsUnknownOfTooFewFrames) {
-  const RigMovement none = movement_of(std::vector<FrameHalves>(5), NormalEquations::Matrix::Identity(), 1);
+  const RigMovement none = movement_of(std::vector<FrameHalves>(5), 1);
   EXPECT_EQ(none.px.high, std::numeric_limits<double>::infinity());
 }
 
@@ -159,12 +159,26 @@ TEST(RigMovement, IsTheSpreadOfWhatBothHalvesSay) {
   for (std::size_t n = 0; n < 40; ++n) {
     const NormalEquations::Vector beta =
         NormalEquations::Vector::Unit(0) * (n % 2 == 0 ? 3.0 : -1.0);  // 1 ± 2
-    blocks[n / 10].add(beta, beta);
+    blocks[n / 10].add(0.25 * NormalEquations::Matrix::Identity(), beta, beta);
   }
-  const RigMovement found = movement_of(blocks, 0.25 * NormalEquations::Matrix::Identity(), 1);
+  const RigMovement found = movement_of(blocks, 1);
   EXPECT_NEAR(found.px.size, 0.5 * 2.0, 1e-12);
   EXPECT_NEAR(found.px.low, found.px.high, 1e-12);
   EXPECT_EQ(found.axis, 0);
+}
+
+/// Far points say little of a baseline's direction, near ones much, and are worth as much more.
+TEST(RigMovement, IsInThePixelsOfTheFrameThatSaysIt) {
+  std::vector<FrameHalves> blocks(4);
+  for (std::size_t n = 0; n < 40; ++n) {
+    const bool far = n % 4 < 2;
+    const NormalEquations::Vector beta =
+        NormalEquations::Vector::Unit(4) * (far ? 3.0 : 0.003) * (n % 2 == 0 ? 1.0 : -1.0);
+    blocks[n / 10].add((far ? 0.01 : 10.0) * NormalEquations::Matrix::Identity(), beta, beta);
+  }
+  const RigMovement found = movement_of(blocks, 1);
+  EXPECT_NEAR(found.px.size, std::sqrt(0.5 * 0.01) * 3.0, 1e-2);  // not sqrt(5) * 3 / sqrt(2)
+  EXPECT_EQ(found.axis, 4);
 }
 
 }  // namespace

@@ -44,6 +44,10 @@ struct SensorOffsets {
 /// All of them: clocks, then the mount.
 [[nodiscard]] std::vector<std::string> offset_mistakes(const SensorOffsets& offsets);
 
+/// @brief The verdict where the trajectory is wrong, and with it what motion says of depths: what epipolar
+/// lines alone say where the rig is wrong by them, too; else `cannot tell`.
+[[nodiscard]] HealthVerdict verdict_by_lines(const HealthSummary& health);
+
 /// @brief The verdict on a rig beside clocks and a mount that are off. A mount leaves it as it is, but for
 /// `ok`, which becomes `degraded`: depths are right, poses are not.
 ///

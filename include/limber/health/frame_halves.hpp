@@ -13,15 +13,24 @@ namespace limber {
 ///
 /// The halves share no track, and the errors of tracks are independent: so the mean of the products of both
 /// is how much the rig itself varies, without a word about the noise of pixels.
+///
+/// What an error is worth in pixels is asked of each frame's own points: what is not known of ty at 8 m is no
+/// movement of the pixels at 0.3 m.
 struct FrameHalves {
   /// how many were added
   double frames = 0.0;
   NormalEquations::Vector first = NormalEquations::Vector::Zero();     ///< sum of beta of the first halves
   NormalEquations::Vector second = NormalEquations::Vector::Zero();    ///< of the second ones
   NormalEquations::Matrix products = NormalEquations::Matrix::Zero();  ///< sum of first secondᵀ
+  NormalEquations::Matrix px = NormalEquations::Matrix::Zero();        ///< sum of what betas are worth [px^2]
+  NormalEquations::Vector px_first = NormalEquations::Vector::Zero();  ///< sum of px times the first beta
+  NormalEquations::Vector px_second = NormalEquations::Vector::Zero();  ///< and times the second one
+  double px_products = 0.0;                                             ///< sum of firstᵀ px second
 
   /// One frame more: beta by the first and by the second half of its tracks.
-  void add(const NormalEquations::Vector& of_first, const NormalEquations::Vector& of_second);
+  /// @param of_points  mean of J Jᵀ over its points, J the px that one leaves its epipolar line by
+  void add(const NormalEquations::Matrix& of_points, const NormalEquations::Vector& of_first,
+           const NormalEquations::Vector& of_second);
   /// The frames of both.
   FrameHalves& operator+=(const FrameHalves& other);
 };

@@ -18,11 +18,9 @@ struct RigMovement {
 };
 
 /// @param blocks    half a second each; they count as independent
-/// @param epipolar  as in BetaEstimate [px^2]
 /// @param vergence  vergence_axis() of the rig
 /// @return a size of zero with an infinite upper end where there are less than three blocks
-[[nodiscard]] RigMovement movement_of(const std::vector<FrameHalves>& blocks,
-                                      const NormalEquations::Matrix& epipolar, Eigen::Index vergence);
+[[nodiscard]] RigMovement movement_of(const std::vector<FrameHalves>& blocks, Eigen::Index vergence);
 
 /// How far that changes depths.
 struct DepthMovement {
