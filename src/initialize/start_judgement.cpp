@@ -18,7 +18,7 @@ using L = StateLayout;
 
 namespace {
 
-/// Misfit over the least of all solutions: of one that can be gone back to, of one that contradicts it.
+/// Misfit over the least of all solutions, of one that contradicts it.
 constexpr double kDisagrees = 3.0;
 constexpr double kLeastAtRest = 0.1;   // of the misfits that later ones are compared to
 constexpr double kFitsAsWell = 1.1;    // of a rig that is trusted, which has fewer unknowns
