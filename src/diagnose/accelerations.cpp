@@ -29,25 +29,20 @@ struct Instant {
   ByMount by_mount;
 };
 
-/// Weights of an acceleration that is constant between samples in the difference of two mean velocities: a
-/// triangle over the three times, of area 1.
+/// Up to a factor, what counts of an acceleration in the difference of two mean velocities: a triangle over
+/// the three times.
 double weight(const std::array<double, 3>& t, double at) {
-  const double top = 2.0 / (t[2] - t[0]);
-  const double share = at < t[1] ? (at - t[0]) / (t[1] - t[0]) : (t[2] - at) / (t[2] - t[1]);
-  return top * std::max(0.0, share);
+  return std::max(0.0, at < t[1] ? (at - t[0]) / (t[1] - t[0]) : (t[2] - at) / (t[2] - t[1]));
 }
 
 std::optional<ByMount> by_mount(std::span<const ImuSample> imu, const GyroAttitude& gyro,
                                 const std::array<double, 3>& t) {
-  const auto behind = [&](const ImuSample& sample, double t_s) {
-    return seconds_between(imu.front().t_ns, sample.t_ns) < t_s;
-  };
+  const auto time_of = [&](const ImuSample& s) { return seconds_between(imu.front().t_ns, s.t_ns); };
   ByMount sum = ByMount::Zero();
   double weights = 0.0;
-  for (auto sample = std::ranges::lower_bound(
-           imu, t[0], {}, [&](const ImuSample& s) { return seconds_between(imu.front().t_ns, s.t_ns); });
-       sample != imu.end() && behind(*sample, t[2]); ++sample) {
-    const double at = seconds_between(imu.front().t_ns, sample->t_ns), w = weight(t, at);
+  const auto end = std::ranges::lower_bound(imu, t[2], {}, time_of);
+  for (auto sample = std::ranges::lower_bound(imu, t[0], {}, time_of); sample != end; ++sample) {
+    const double at = time_of(*sample), w = weight(t, at);
     const auto R = gyro.at(at);
     if (!R) {
       return std::nullopt;

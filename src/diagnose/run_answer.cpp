@@ -129,12 +129,12 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
     out.sentences.push_back(in_words(*s.health, watch_options(options).tolerance));
     out.advice = advice_on(s.health->verdict, s.health->present.moves());
     out.sentences.insert(out.sentences.end(), s.clock_mistakes.begin(), s.clock_mistakes.end());
-    if (!s.clock_mistakes.empty()) {
-      out.advice = kClockAdvice;
-    }
     if (!s.mount_mistake.empty()) {
       out.sentences.push_back(s.mount_mistake);
       out.advice = kMountAdvice;
+    }
+    if (!s.clock_mistakes.empty()) {
+      out.advice = kClockAdvice;
     }
   } else {
     out.headline = "calibration not judged";
