@@ -29,8 +29,8 @@ std::string advice(const Diagnosis& diagnosis) {
   if (!clock_mistakes(diagnosis.offsets).empty()) {
     return kClockAdvice;
   }
-  if (mount_mistake(diagnosis.offsets)) {
-    return kMountAdvice;
+  if (const auto mistakes = camera_imu_mistakes(diagnosis.offsets); !mistakes.empty()) {
+    return mistakes.front().advice;
   }
   if (is_lost(diagnosis) && !is_wrong(verdict_of(diagnosis))) {
     return kLostAdvice;
@@ -155,6 +155,13 @@ Json json_of(const std::optional<MountTurn>& mount) {
                : Json(nullptr);
 }
 
+Json json_of(const std::optional<TurnScale>& scale) {
+  return scale ? Json{{"of", to_string(scale->of)},
+                      {"excess_percent", 100.0 * scale->excess},
+                      {"sigma_percent", 100.0 * scale->sigma}}
+               : Json(nullptr);
+}
+
 /// As in summary.json.
 Json health_json(const Diagnosis& diagnosis) {
   if (!diagnosis.health) {
@@ -274,6 +281,7 @@ std::string to_json(const Diagnosis& diagnosis) {
       {"time_offset_cam1_cam0", json_of(diagnosis.offsets.cam1)},
       {"time_offset_cameras_imu", json_of(diagnosis.offsets.cameras)},
       {"mount_turn", json_of(diagnosis.offsets.mount)},
+      {"turn_scale", json_of(surest_scale(diagnosis.offsets))},
       {"readout_time", diagnosis.readout ? Json{{"ms", 1e3 * diagnosis.readout->seconds},
                                                 {"sigma_ms", 1e3 * diagnosis.readout->sigma}}
                                          : Json(nullptr)},

@@ -17,10 +17,13 @@ constexpr std::size_t kFirstLook = 100;  // frames
 
 std::vector<StereoFrame> at_stamps(std::vector<StereoFrame> frames, const StereoCalibration& assumed) {
   FrameCleaner rows(assumed, {.clean = false, .max_points = std::numeric_limits<std::size_t>::max()});
+  std::vector<StereoFrame> out;
   for (StereoFrame& frame : frames) {
-    frame = rows.clean(std::move(frame));
+    StereoFrame next = rows.clean(std::move(frame));
+    withdraw_from(out, next);
+    out.push_back(std::move(next));
   }
-  return frames;
+  return out;
 }
 
 FirstFrames::FirstFrames(const Recording& recording, StereoCalibration assumed, double gravity,

@@ -13,7 +13,8 @@ namespace limber::app {
 
 inline constexpr std::size_t kLastLook = 600;  ///< frames in which mistakes are looked for
 
-/// Frames at their stamps' rows, for all that knows no rows; nothing else is cleaned.
+/// Frames at their stamps' rows, for all that knows no rows, without points that go with the camera; nothing
+/// else is cleaned.
 [[nodiscard]] std::vector<StereoFrame> at_stamps(std::vector<StereoFrame> frames,
                                                  const StereoCalibration& assumed);
 

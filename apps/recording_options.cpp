@@ -105,7 +105,7 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
   command
       .add_option("--clean", arguments.clean,
                   "End tracks and right matches that the front end has lost, as far as no jump of the rig "
-                  "explains them")
+                  "explains them, and points that go with the camera")
       ->transform(one_of({"on", "off"}))
       ->capture_default_str();
   command
@@ -151,7 +151,7 @@ RunOptions to_run_options(const RecordingArguments& arguments, const Recording& 
     options.softened = parse_parameter_sigmas(arguments.soften, recording.calibration);
   }
   options.sigma_px = arguments.sigma_px;
-  options.cleaning.clean = arguments.clean == "on";
+  options.cleaning.clean = options.cleaning.still_points = arguments.clean == "on";
   options.threads = arguments.frontend.threads;
   options.cleaning.max_points = arguments.max_points;
   options.start = start_mode_from_string(arguments.start);

@@ -241,7 +241,9 @@ void bind_tracking(py::module_& module) {
 
   py::class_<FrameCleaner>(module, "FrameCleaner", DOC(FrameCleaner))
       .def(py::init([](const StereoCalibration& calibration, bool clean, std::size_t max_points) {
-             return std::make_unique<FrameCleaner>(calibration, CleaningOptions{clean, max_points});
+             return std::make_unique<FrameCleaner>(
+                 calibration,
+                 CleaningOptions{.clean = clean, .still_points = clean, .max_points = max_points});
            }),
            py::arg("calibration"), py::arg("clean") = CleaningOptions{}.clean,
            py::arg("max_points") = CleaningOptions{}.max_points)

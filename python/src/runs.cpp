@@ -77,7 +77,7 @@ RunOptions make_options(const Recording& recording, const std::string& method,
   options.gate = gate;
   options.max_landmarks = max_landmarks;
   options.points_per_update = points_per_update;
-  options.cleaning = {clean, max_points};
+  options.cleaning = {.clean = clean, .still_points = clean, .max_points = max_points};
   options.gravity = gravity;
   options.false_alarms_per_hour = false_alarms;
   options.seed = seed;

@@ -8,6 +8,7 @@
 #include "clean/leaping_matches.hpp"
 #include "clean/row_times.hpp"
 #include "clean/stale_tracks.hpp"
+#include "clean/still_points.hpp"
 #include "clean/thin_points.hpp"
 
 namespace limber {
@@ -16,6 +17,7 @@ struct FrameCleaner::Steps {
   detail::ExchangedPictures exchanged;
   detail::StaleTracks stale;
   detail::LeapingMatches leaping;
+  detail::StillPoints still;
   detail::PointThinner thinner;
   detail::RowTimes rows;
 };
@@ -25,6 +27,7 @@ FrameCleaner::FrameCleaner(const StereoCalibration& assumed, const CleaningOptio
       steps_(new Steps{{},
                        {},
                        detail::LeapingMatches(assumed),
+                       detail::StillPoints(assumed),
                        detail::PointThinner(assumed, options.max_points),
                        detail::RowTimes(assumed)}) {
   if (options.max_points == 0) {
@@ -48,6 +51,10 @@ StereoFrame FrameCleaner::clean(StereoFrame frame) {
     const auto leaps = steps_->leaping.end(frame);
     report_.leapt_matches += leaps.lost;
     report_.rig_jumps += leaps.rig_jumped ? 1 : 0;
+  }
+  if (options_.still_points) {
+    frame.withdrawn = steps_->still.end(frame);
+    report_.still_tracks += frame.withdrawn.size();
   }
   const std::size_t thinned = steps_->thinner.thin(frame);
   report_.thinned_frames += thinned > 0 ? 1 : 0;
@@ -73,6 +80,11 @@ std::vector<std::string> in_words(const CleaningReport& report) {
     out.push_back("in " + std::to_string(report.stale_frames) + of_frames +
                   " the old points stand on the pixels of the frame before, to the last digit: " +
                   std::to_string(report.stale_points) + " points are taken for new ones from there on");
+  }
+  if (report.still_tracks > 0) {
+    out.push_back(std::to_string(report.still_tracks) +
+                  " points stand still in the left image while the view turns (dirt on the lens, the vehicle "
+                  "itself): they are not used");
   }
   if (report.leapt_matches > 0) {
     out.push_back(

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -16,6 +17,9 @@ namespace {
 constexpr double kSurelyOff = 5.0;  // standard deviations of an offset ...
 constexpr double kChance = 1e-4;    // ... that chance exceeds as rarely, by Student's law ...
 constexpr double kLeastCam1 = 1e-3, kLeastCameras = 3e-3;  // ... and that is at least that large [s]
+constexpr double kLeastExcess = 5e-3;                      // of turns
+constexpr double kScaleOfLens = 2e-3;                      // times the confusion: what a lens model leaves
+constexpr double kAsSure = 0.8;                            // of the surest factor: explains it as well
 constexpr double kLeastTurn = 7e-3;  // [rad], of a lens no longer than its image is wide
 
 bool is_off(double size, double sigma, double dof, double least) {
@@ -61,6 +65,25 @@ std::string in_words(const TimeOffset& offset, double assumed) {
                      offset.seconds > 0.0 ? "later" : "earlier", than);
 }
 
+double sureness(const TurnScale& scale) { return std::abs(scale.excess) / scale.sigma; }
+
+/// "a focal length that is too long"
+std::string in_words(TurnFactor factor, double excess) {
+  const char* const size = excess < 0.0 ? "large" : "small";
+  switch (factor) {
+    case TurnFactor::kFocalLength:
+      return fmt::format("a focal length that is too {}", excess < 0.0 ? "long" : "short");
+    case TurnFactor::kGyro:
+      return fmt::format("a scale of the gyro that is too {}", size);
+    case TurnFactor::kGyroX:
+    case TurnFactor::kGyroY:
+    case TurnFactor::kGyroZ:
+      break;
+  }
+  return fmt::format("a scale of the gyro's {} axis that is too {}",
+                     "xyz"[static_cast<int>(factor) - static_cast<int>(TurnFactor::kGyroX)], size);
+}
+
 }  // namespace
 
 SensorOffsets sensor_offsets(const StereoCalibration& calibration, std::span<const StereoFrame> frames,
@@ -71,10 +94,13 @@ SensorOffsets sensor_offsets(const StereoCalibration& calibration, std::span<con
                     .assumed_cam1 = assumed[1] - assumed[0],
                     .assumed_cameras = assumed[0],
                     .mount = {},
-                    .focal_widths = calibration.cam0.fu / calibration.cam0.width};
+                    .focal_widths = calibration.cam0.fu / calibration.cam0.width,
+                    .scales = {}};
   if (const auto beside = cameras_beside_imu(calibration, frames, imu)) {
     out.cameras = beside->clock;
     out.mount = beside->mount;
+    out.scales = beside->scales;
+    out.confusion = beside->confusion;
   }
   return out;
 }
@@ -91,25 +117,68 @@ std::vector<std::string> clock_mistakes(const SensorOffsets& offsets) {
   return out;
 }
 
-std::optional<std::string> mount_mistake(const SensorOffsets& offsets) {
+std::optional<OffsetMistake> mount_mistake(const SensorOffsets& offsets) {
   if (!mount_is_off(offsets)) {
     return std::nullopt;
   }
   const MountTurn& mount = *offsets.mount;
-  return fmt::format(
-      "mount: beside the IMU, cam0 is turned by {:.2f} ± {:.2f} deg against T_BS (imu-ax {:+.2f}, imu-ay "
-      "{:+.2f}, imu-az "
-      "{:+.2f} deg; a principal point that is off looks alike): attitude is wrong by more than its sigmas "
-      "say, and "
-      "positions with it",
-      kToDegrees * mount.turn.norm(), kToDegrees * mount.sigma, kToDegrees * mount.turn.x(),
-      kToDegrees * mount.turn.y(), kToDegrees * mount.turn.z());
+  return OffsetMistake{
+      fmt::format(
+          "mount: beside the IMU, cam0 is turned by {:.2f} ± {:.2f} deg against T_BS (imu-ax {:+.2f}, imu-ay "
+          "{:+.2f}, imu-az {:+.2f} deg; a principal point that is off looks alike): attitude is wrong by "
+          "more "
+          "than its sigmas say, and positions with it",
+          kToDegrees * mount.turn.norm(), kToDegrees * mount.sigma, kToDegrees * mount.turn.x(),
+          kToDegrees * mount.turn.y(), kToDegrees * mount.turn.z()),
+      kMountAdvice};
+}
+
+std::string_view to_string(TurnFactor factor) {
+  constexpr std::array<std::string_view, 5> kNames = {"focal length", "gyro", "gyro x", "gyro y", "gyro z"};
+  return kNames[static_cast<std::size_t>(factor)];
+}
+
+std::optional<TurnScale> surest_scale(const SensorOffsets& offsets) {
+  const auto surest = std::ranges::max_element(offsets.scales, {}, sureness);
+  return surest == offsets.scales.end() ? std::nullopt : std::optional(*surest);
+}
+
+std::optional<OffsetMistake> turn_scale_mistake(const SensorOffsets& offsets) {
+  const auto scale = surest_scale(offsets);
+  const double least = std::max(kLeastExcess, kScaleOfLens * offsets.confusion);
+  if (!scale || !is_off(std::abs(scale->excess), scale->sigma, scale->dof, least)) {
+    return std::nullopt;
+  }
+  std::string explained;
+  bool by_focal_length = false;
+  for (const TurnScale& one : offsets.scales) {
+    if (sureness(one) >= kAsSure * sureness(*scale)) {
+      explained += (explained.empty() ? "" : ", or ") + in_words(one.of, one.excess);
+      by_focal_length = by_focal_length || one.of == TurnFactor::kFocalLength;
+    }
+  }
+  return OffsetMistake{
+      fmt::format("turns: the cameras turn by {:.2f} ± {:.2f} % {} than the gyro says, as {} would have it: "
+                  "attitude is wrong by more than its sigmas say, and positions with it",
+                  100.0 * std::abs(scale->excess), 100.0 * scale->sigma,
+                  scale->excess > 0.0 ? "more" : "less", explained),
+      by_focal_length ? kFocalAdvice : kGyroScaleAdvice};
+}
+
+std::vector<OffsetMistake> camera_imu_mistakes(const SensorOffsets& offsets) {
+  std::vector<OffsetMistake> out;
+  for (auto mistake : {turn_scale_mistake(offsets), mount_mistake(offsets)}) {
+    if (mistake) {
+      out.push_back(*std::move(mistake));
+    }
+  }
+  return out;
 }
 
 std::vector<std::string> offset_mistakes(const SensorOffsets& offsets) {
   std::vector<std::string> out = clock_mistakes(offsets);
-  if (auto mount = mount_mistake(offsets)) {
-    out.push_back(*std::move(mount));
+  for (OffsetMistake& mistake : camera_imu_mistakes(offsets)) {
+    out.push_back(std::move(mistake.words));
   }
   return out;
 }
@@ -122,7 +191,7 @@ HealthVerdict verdict_by_lines(const HealthSummary& health) {
 HealthVerdict verdict_beside(const SensorOffsets& offsets, const HealthSummary& health) {
   const bool cam1 = cam1_is_off(offsets), cameras = cameras_are_off(offsets);
   if (!cam1 && !cameras) {
-    const bool degraded = mount_is_off(offsets) && health.verdict == HealthVerdict::kOk;
+    const bool degraded = !camera_imu_mistakes(offsets).empty() && health.verdict == HealthVerdict::kOk;
     return degraded ? HealthVerdict::kDegraded : health.verdict;
   }
   return cam1 ? HealthVerdict::kCannotTell : verdict_by_lines(health);

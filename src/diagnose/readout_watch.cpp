@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "diagnose/clustered_regression.hpp"
-#include "diagnose/left_turn.hpp"
 #include "limber/core/time.hpp"
 #include "limber/measure/epipolar.hpp"
 #include "limber/measure/triangulate.hpp"
+#include "measure/two_views.hpp"
 
 namespace limber {
 namespace {

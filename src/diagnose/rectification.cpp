@@ -18,6 +18,7 @@
 #include "limber/core/time.hpp"
 #include "limber/measure/epipolar.hpp"
 #include "limber/measure/triangulate.hpp"
+#include "measure/two_views.hpp"
 
 namespace limber::detail {
 namespace {

@@ -129,9 +129,11 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
     out.sentences.push_back(in_words(*s.health, watch_options(options).tolerance));
     out.advice = advice_on(s.health->verdict, s.health->present.moves());
     out.sentences.insert(out.sentences.end(), s.clock_mistakes.begin(), s.clock_mistakes.end());
-    if (!s.mount_mistake.empty()) {
-      out.sentences.push_back(s.mount_mistake);
-      out.advice = kMountAdvice;
+    for (const OffsetMistake& mistake : s.camera_imu_mistakes) {
+      out.sentences.push_back(mistake.words);
+    }
+    if (!s.camera_imu_mistakes.empty()) {
+      out.advice = s.camera_imu_mistakes.front().advice;
     }
     if (!s.clock_mistakes.empty()) {
       out.advice = kClockAdvice;

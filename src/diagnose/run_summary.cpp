@@ -226,7 +226,7 @@ void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibrat
 
 void add_offsets(const SensorOffsets& offsets, RunSummary& summary) {
   summary.clock_mistakes = clock_mistakes(offsets);
-  summary.mount_mistake = mount_mistake(offsets).value_or("");
+  summary.camera_imu_mistakes = camera_imu_mistakes(offsets);
   if (summary.health) {
     const HealthVerdict beside = verdict_beside(offsets, *summary.health);
     summary.clocks_hide_rig =

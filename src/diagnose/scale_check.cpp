@@ -42,7 +42,7 @@ RunOptions without_trust(RunOptions options) {
   options.method = Method::kLcekf;
   options.constraints.reset();
   options.start = StartMode::kAuto;
-  options.cleaning.clean = options.cleaning.refer_to_stamp = false;
+  options.cleaning.clean = options.cleaning.still_points = options.cleaning.refer_to_stamp = false;
   options.cleaning.max_points = std::min(options.cleaning.max_points, kMostPoints);
   options.watch = false;
   options.stop_when_lost = true;

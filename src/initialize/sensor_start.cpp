@@ -109,6 +109,8 @@ void SensorStart::add_odometry(const OdometrySample& sample) {
 StartReport SensorStart::add_frame(const StereoFrame& frame) {
   StartWindow& w = *window_;
   if (!w.unused.empty()) {
+    withdraw_from(w.raw, frame);
+    withdraw_from(w.unused, frame);
     w.unused.push_back(frame);
     return w.report;
   }

@@ -101,6 +101,7 @@ InputReport StartWindow::push(const StereoFrame& frame) {
     throw std::invalid_argument("start: frame at " + std::to_string(frame.t_ns) +
                                 " ns is not later than the one before");
   }
+  withdraw_from(raw, frame);
   InputReport inputs_told = report_inputs(frame.t_ns);
   WindowFrame next;
   next.theta = VectorXd::Zero(model.directions.cols());

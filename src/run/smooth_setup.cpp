@@ -54,7 +54,9 @@ OdometryNoise odometry_noise(const NavigatorOptions& navigator, const SensorData
 
 StereoFrame KeptFrames::operator()(std::size_t n) {
   while (frames_.size() <= n) {
-    frames_.push_back(source_(frames_.size()));
+    StereoFrame next = source_(frames_.size());
+    withdraw_from(frames_, next);
+    frames_.push_back(std::move(next));
   }
   return frames_[n];
 }
@@ -73,8 +75,8 @@ Guess guess_by(Method method, const Recording& recording, RunOptions options, Ke
   options.estimated.setZero();
   options.softened.setZero();
   options.watch = false;
-  options.cleaning.clean = false;           // its frames are clean already,
-  options.cleaning.refer_to_stamp = false;  // and where they were at their stamps
+  options.cleaning.clean = options.cleaning.still_points = false;  // its frames are clean already,
+  options.cleaning.refer_to_stamp = false;                         // and where they were at their stamps
   Guess out;
   out.record = run_recording(recording, options, [&frames](std::size_t n) { return frames(n); },
                              {.progress = progress, .observe = [&out](const ObservedFrame& frame) {

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <span>
 
 #include "limber/core/angle.hpp"
@@ -152,7 +153,8 @@ TEST(MountMistake, IsNamedByItsSize) {
       // True minus assumed, in the direction that is told.
       const Eigen::Vector3d turn = kToDegrees * offsets.mount->turn;
       EXPECT_NEAR(turn.norm(), -degrees.dot(turn.normalized()), 0.15) << degrees.transpose();
-      EXPECT_THAT(mount_mistake(offsets).value_or(""), HasSubstr("cam0 is turned by")) << degrees.transpose();
+      EXPECT_THAT(offset_mistakes(offsets), ElementsAre(HasSubstr("cam0 is turned by")))
+          << degrees.transpose();
       EXPECT_THAT(clock_mistakes(offsets), IsEmpty());
     }
   }
@@ -163,7 +165,7 @@ TEST(MountMistake, IsNoneOfSoundMounts) {
   for (const char* const name : {"drone_none.yaml", "drone_moving.yaml", "paper_i.yaml", "creeping.yaml"}) {
     for (const std::uint64_t seed : {61u, 62u, 63u}) {
       const SensorOffsets offsets = beside_turned_mount(flown(name, 15.0, seed), Eigen::Vector3d::Zero());
-      EXPECT_EQ(mount_mistake(offsets), std::nullopt) << name << ' ' << seed;
+      EXPECT_THAT(offset_mistakes(offsets), IsEmpty()) << name << ' ' << seed;
     }
   }
 }
@@ -180,6 +182,63 @@ TEST(MountMistake, NeedsMoreOfALongLensAndOfFewSeconds) {
   EXPECT_FALSE(named(0.6, 2.0, 20));
   EXPECT_TRUE(named(0.9, 2.0, 20));
   EXPECT_FALSE(named(0.41, 0.6, 1));
+}
+
+/// Lenses that turn the view with their length, by a factor too long: of both cameras.
+SensorOffsets beside_focal_lengths(Recording recording, double factor) {
+  for (Camera* camera : {&recording.calibration.cam0, &recording.calibration.cam1}) {
+    camera->fu *= factor;
+    camera->fv *= factor;
+  }
+  return sensor_offsets(recording.calibration, recording.frames, recording.imu);
+}
+
+SensorOffsets beside_scaled_gyro(Recording recording, const Eigen::Vector3d& factors) {
+  for (ImuSample& sample : recording.imu) {
+    sample.omega_imu = factors.cwiseProduct(sample.omega_imu);
+  }
+  return sensor_offsets(recording.calibration, recording.frames, recording.imu);
+}
+
+TEST(TurnScaleMistake, NamesAFocalLength) {
+  for (const std::uint64_t seed : {57u, 58u}) {
+    const Recording recording = flown("walk.yaml", 20.0, seed);
+    for (const double factor : {1.02, 0.98}) {
+      const SensorOffsets offsets = beside_focal_lengths(recording, factor);
+      const auto scale = surest_scale(offsets);
+      ASSERT_TRUE(scale);
+      EXPECT_NEAR(scale->excess, 1.0 / factor - 1.0, 0.004) << seed << ' ' << factor;
+      EXPECT_THAT(offset_mistakes(offsets),
+                  ElementsAre(HasSubstr(factor > 1.0 ? "a focal length that is too long"
+                                                     : "a focal length that is too short")))
+          << seed << ' ' << factor << ' ' << offsets.confusion;
+    }
+  }
+}
+
+TEST(TurnScaleMistake, NamesAGyroAndItsAxis) {
+  const Recording recording = flown("drone_none.yaml", 20.0, 59);
+  const auto all = turn_scale_mistake(beside_scaled_gyro(recording, {1.03, 1.03, 1.03}));
+  ASSERT_TRUE(all);
+  EXPECT_THAT(all->words, HasSubstr("a scale of the gyro that is too large"));
+  const auto one = turn_scale_mistake(beside_scaled_gyro(recording, {1.0, 1.0, 0.96}));
+  ASSERT_TRUE(one);
+  EXPECT_THAT(one->words, HasSubstr("a scale of the gyro's z axis that is too small"));
+}
+
+TEST(TurnScaleMistake, NeedsMoreWhereATurnLooksLikeAShift) {
+  const auto named = [](double excess, double confusion, double dof) {
+    SensorOffsets offsets;
+    offsets.scales = {{TurnFactor::kGyro, excess, 1e-4, dof}};
+    offsets.confusion = confusion;
+    return turn_scale_mistake(offsets).has_value();
+  };
+  EXPECT_FALSE(named(0.004, 1.0, 20));
+  EXPECT_TRUE(named(0.006, 1.0, 20));
+  EXPECT_FALSE(named(0.011, 6.0, 20));
+  EXPECT_TRUE(named(-0.013, 6.0, 20));
+  EXPECT_FALSE(named(0.006, 1.0, 1));
+  EXPECT_FALSE(named(0.5, std::numeric_limits<double>::infinity(), 20));
 }
 
 /// Depths are right, poses are not.

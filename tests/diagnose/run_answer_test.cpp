@@ -109,7 +109,7 @@ TEST(RunAnswer, AdvisesToMendAClockThatIsOffWhateverTheRigIs) {
   Said said(kOk);
   said.summary.clock_mistakes = {"time offset: beside the IMU, the cameras are taken late"};
   EXPECT_EQ(said.answer().advice, kClockAdvice);
-  said.summary.mount_mistake = "mount: cam0 is turned";
+  said.summary.camera_imu_mistakes = {{"mount: cam0 is turned", kMountAdvice}};
   EXPECT_EQ(said.answer().advice, kClockAdvice) << "as limber health prints";
 }
 

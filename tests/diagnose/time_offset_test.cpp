@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "diagnose/clustered_regression.hpp"
-#include "diagnose/left_turn.hpp"
 #include "limber/core/angle.hpp"
 #include "limber/core/random.hpp"
 #include "limber/core/so3.hpp"
@@ -15,6 +14,7 @@
 #include "limber/diagnose/cameras_beside_imu.hpp"
 #include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
+#include "measure/two_views.hpp"
 #include "run/short_recording.hpp"
 #include "source_folder.hpp"
 

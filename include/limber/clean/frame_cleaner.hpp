@@ -19,6 +19,9 @@ struct CleaningOptions {
   /// Exchanged images are not used; tracks that were not tracked and matches that leapt are ended. What a
   /// jump of the rig explains never is.
   bool clean = true;
+  /// Points that go with the camera are ended. Apart, as mistakes are looked for in frames that are else as
+  /// they came.
+  bool still_points = true;
   /// Points of a frame beyond that many are left out, evenly over the image: the cost of a frame grows with
   /// the cube of their number. >= 1
   std::size_t max_points = 500;
@@ -34,6 +37,7 @@ struct CleaningReport {
   std::size_t exchanged_frames = 0;                ///< whose points are not used
   std::size_t put_back_frames = 0;                 ///< whose images the front end has put back
   std::size_t stale_frames = 0, stale_points = 0;  ///< see FrameCleaner
+  std::size_t still_tracks = 0;                    ///< that go with the camera
   std::size_t leapt_matches = 0;                   ///< tracks whose right pixels are not used any more
   std::size_t rig_jumps = 0;  ///< frames that leap as one change of the rig has them leap: left as they are
   /// crowded frames, and what was left out of them
@@ -53,6 +57,11 @@ struct CleaningReport {
 ///   noise and all, the front end has handed out the old positions once more; what it follows from there on
 ///   is other texture. Such points are taken out of that frame and get new ids afterwards. Not while at least
 ///   half of the frames so far are so: a rig that stands still in a world without noise.
+/// - Still points: dirt on the lens, the vehicle itself. A track that stays within 2.5 px in the left image,
+///   while the turn of the view, as the other points have it, would have taken its bearing by 25 px or more,
+///   and still does when that has grown by half, ends, and is withdrawn from the frames before
+///   (StereoFrame::withdrawn). Of the world such are points on the axis of a circle about them alone, and
+///   things that go with the rig, which help no more.
 /// - Leaping matches: from one frame to the next the parallax between the cameras changes as the depth does,
 ///   by a fraction. Where that of more than half of the points grows or shrinks by more than a factor of 1.5
 ///   within half a second, the front end has lost the right image, and the points that leapt go on in the

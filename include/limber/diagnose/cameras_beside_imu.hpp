@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "limber/diagnose/time_offset.hpp"
 #include "limber/sensors/calibration.hpp"
@@ -24,10 +25,31 @@ struct MountTurn {
   double dof = 0.0;             ///< of sigma, as in TimeOffset
 };
 
+/// Whose error it may be that the cameras turn by more, or less, than the gyro says.
+enum class TurnFactor {
+  kFocalLength,  ///< of cam0: all turns but those about its axis
+  kGyro,         ///< its scale, of all axes
+  kGyroX,        ///< of one axis alone
+  kGyroY,        ///< ...
+  kGyroZ         ///< ...
+};
+
+/// By how much, if it is that factor alone.
+struct TurnScale {
+  TurnFactor of = TurnFactor::kFocalLength;  ///< the factor
+  double excess = 0.0;                       ///< of the camera's turns over the gyro's, as a share of them
+  double sigma = 0.0;                        ///< of excess
+  double dof = 0.0;                          ///< of sigma, as in TimeOffset
+};
+
 /// What the turns of a recording say of the cameras and the IMU.
 struct CamerasBesideImu {
   TimeOffset clock;                ///< how much later than stamped the cameras see, by the clock of the IMU
   std::optional<MountTurn> mount;  ///< nothing where the motion tells none of it
+  std::vector<TurnScale> scales;   ///< of the factors whose turns the motion holds, each beside the mount
+  /// How many times as far an error of the pixels reaches into a turn, because it looks like a shift, too: of
+  /// the usual turn.
+  double confusion = 1.0;
 };
 
 /// @brief How the left camera alone turned in a fifth of a second (two views, depths eliminated: errors of

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "limber/diagnose/cameras_beside_imu.hpp"
@@ -22,6 +23,14 @@ struct SensorOffsets {
   double assumed_cam1 = 0.0, assumed_cameras = 0.0;  ///< the same by StereoCalibration::time_offset_s [s]
   std::optional<MountTurn> mount;                    ///< of cam0 on the IMU; nothing as above
   double focal_widths = 0.0;                         ///< focal length of cam0, in widths of its image
+  std::vector<TurnScale> scales;                     ///< as of CamerasBesideImu; none as above
+  double confusion = 1.0;                            ///< as there
+};
+
+/// What is wrong between cameras and IMU, and what to do about it.
+struct OffsetMistake {
+  std::string words;   ///< one sentence
+  const char* advice;  ///< one clause
 };
 
 /// All of them. @param calibration  with the rig as found: a wrong rig is no wrong clock
@@ -39,17 +48,33 @@ struct SensorOffsets {
 /// lens model leaves (0.2 px rms) looks like up to 0.3 deg, and more with a narrow view: points to the sides
 /// tell of a roll, the less the nearer they are to the middle. A principal point that is off looks like a
 /// mount, too, and is named with it.
-[[nodiscard]] std::optional<std::string> mount_mistake(const SensorOffsets& offsets);
+[[nodiscard]] std::optional<OffsetMistake> mount_mistake(const SensorOffsets& offsets);
 
-/// All of them: clocks, then the mount.
+/// "focal length", "gyro", "gyro x", ...
+[[nodiscard]] std::string_view to_string(TurnFactor factor);
+
+/// Of the factors by which cameras and gyro may turn unlike each other, the surest one; nothing where none is
+/// told.
+[[nodiscard]] std::optional<TurnScale> surest_scale(const SensorOffsets& offsets);
+
+/// @brief Cameras that turn by more or less than the gyro says, in words: by more than 5 sigma as above, by
+/// half a per cent, and by more than what a lens model leaves looks like: 0.2 % times the confusion (seen in
+/// simulation with 0.2 px rms: up to 0.16 %). It names the surest factor, and others that explain it as well.
+[[nodiscard]] std::optional<OffsetMistake> turn_scale_mistake(const SensorOffsets& offsets);
+
+/// What the IMU and the cameras are not to each other as the calibration says, but for clocks: turns, then
+/// the mount.
+[[nodiscard]] std::vector<OffsetMistake> camera_imu_mistakes(const SensorOffsets& offsets);
+
+/// All of them in words: clocks, then the others.
 [[nodiscard]] std::vector<std::string> offset_mistakes(const SensorOffsets& offsets);
 
 /// @brief The verdict where the trajectory is wrong, and with it what motion says of depths: what epipolar
 /// lines alone say where the rig is wrong by them, too; else `cannot tell`.
 [[nodiscard]] HealthVerdict verdict_by_lines(const HealthSummary& health);
 
-/// @brief The verdict on a rig beside clocks and a mount that are off. A mount leaves it as it is, but for
-/// `ok`, which becomes `degraded`: depths are right, poses are not.
+/// @brief The verdict on a rig beside clocks and other offsets of the IMU. The others leave it as it is, but
+/// for `ok`, which becomes `degraded`: depths are right, poses are not.
 ///
 /// Clocks that are off: `ok` becomes `cannot tell`: an offset is part of
 /// the calibration. `degraded` and `decalibrated` do so if it may be the clock: that of cam1 looks like a rig
@@ -69,6 +94,15 @@ inline constexpr const char* kMistakeAdvice = "mend the mistake, and look again"
 inline constexpr const char* kClockAdvice =
     "mend the clock (or give its offset: timeshift_cam_imu of a Kalibr file, --calib), and look again; until "
     "then --estimate dt0,dt1";
+
+/// What to do about turns that a focal length explains best.
+inline constexpr const char* kFocalAdvice =
+    "calibrate the focal lengths of the cameras (or the scale of the gyro, if it is that); until then "
+    "--estimate fu0,fv0,fu1,fv1";
+
+/// What to do about turns that the gyro alone explains.
+inline constexpr const char* kGyroScaleAdvice =
+    "calibrate the scale of the gyro: limber takes its rates as they are";
 
 /// What to do about a mount that is turned.
 inline constexpr const char* kMountAdvice =

@@ -83,8 +83,8 @@ struct RunSummary {
   bool clocks_hide_rig = false;
   std::vector<std::string>
       mistakes;  ///< of the calibration or of units, in words: no verdict on the rig beside them
-  std::vector<std::string> clock_mistakes;  ///< clocks that are off, in words
-  std::string mount_mistake;                ///< a mount that is turned, in words; empty if it is not
+  std::vector<std::string> clock_mistakes;         ///< clocks that are off, in words
+  std::vector<OffsetMistake> camera_imu_mistakes;  ///< beside clocks that are off
   /// The method takes the length of the baseline for exact, and positions rest on it (but with odometry,
   /// which shows its metre in every sample); see add_scale_check.
   bool rests_on_length = false;

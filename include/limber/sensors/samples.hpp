@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <unordered_set>
 #include <vector>
 
 /// What sensors deliver. All times are integers in nanoseconds of one clock.
@@ -43,7 +44,15 @@ struct StereoFrame {
   /// in no order
   std::vector<StereoObservation> observations;
   bool put_back = false;  ///< the images came exchanged; the points are of those put back
+  /// Tracks that were found out with this frame to be no points of the world: what earlier frames say of them
+  /// is not to be used, where that can still be helped
+  std::vector<std::int64_t> withdrawn = {};
 };
+
+/// Leaves what the frame holds of these tracks out.
+void remove_tracks(StereoFrame& frame, const std::unordered_set<std::int64_t>& tracks);
+/// ... what the earlier frames hold of those that `frame` withdraws.
+void withdraw_from(std::vector<StereoFrame>& earlier, const StereoFrame& frame);
 
 /// @throws std::invalid_argument, which names the track, for a pixel that is not finite or a million pixels
 /// away

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include "limber/sensors/samples.hpp"
+
 #include <sstream>
 #include <stdexcept>
 #include <string>
-
-#include "limber/sensors/samples.hpp"
+#include <vector>
 
 namespace limber {
 
@@ -31,6 +32,23 @@ void check_points(const StereoFrame& frame) {
     if (o.in_cam1) {
       check_pixel(frame, o.track_id, o.uv_cam1);
     }
+  }
+}
+
+void remove_tracks(StereoFrame& frame, const std::unordered_set<std::int64_t>& tracks) {
+  if (!tracks.empty()) {
+    std::erase_if(frame.observations,
+                  [&](const StereoObservation& point) { return tracks.contains(point.track_id); });
+  }
+}
+
+void withdraw_from(std::vector<StereoFrame>& earlier, const StereoFrame& frame) {
+  if (frame.withdrawn.empty()) {
+    return;
+  }
+  const std::unordered_set<std::int64_t> tracks(frame.withdrawn.begin(), frame.withdrawn.end());
+  for (StereoFrame& before : earlier) {
+    remove_tracks(before, tracks);
   }
 }
 
