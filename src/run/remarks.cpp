@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kGapInIntervals = 5.0;  // of the usual interval between samples
 constexpr std::int64_t kGapNs = 100'000'000;
+constexpr std::int64_t kBlindNs = 1'000'000'000;
 constexpr double kLeastForce = 0.5, kLargestForce = 1.5;  // mean specific force, in gravities
 constexpr double kLargestRate = 10.0;                     // [rad/s] mean, of anything that carries cameras
 constexpr double kSuspiciousNis = 3.0;                    // per degree of freedom
@@ -22,10 +23,16 @@ constexpr double kModestNis = 0.4;                        // "
 
 double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
 
-/// Where samples are missing between the first and the last frame.
+/// Where a sensor was silent.
+struct Gaps {
+  std::size_t count = 0;
+  std::int64_t longest = 0, from = 0;  // [ns]
+};
+
+/// Between two times, of `least` [ns] and some of the usual interval.
 template <typename Sample>
-void remark_on_gaps(const std::vector<Sample>& samples, std::int64_t begin_ns, std::int64_t end_ns,
-                    const char* sensor, std::vector<std::string>& remarks) {
+Gaps gaps_in(const std::vector<Sample>& samples, std::int64_t begin_ns, std::int64_t end_ns,
+             std::int64_t least) {
   std::vector<std::int64_t> intervals;
   for (std::size_t k = 1; k < samples.size(); ++k) {
     intervals.push_back(samples[k].t_ns - samples[k - 1].t_ns);
@@ -34,24 +41,49 @@ void remark_on_gaps(const std::vector<Sample>& samples, std::int64_t begin_ns, s
   if (!intervals.empty()) {
     usual = static_cast<double>(upper_median(std::move(intervals)));
   }
-  std::size_t gaps = 0;
-  std::int64_t longest = 0, from = 0;
+  Gaps out;
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const std::int64_t a = std::max(samples[k].t_ns, begin_ns);
     const std::int64_t b = std::min(k + 1 < samples.size() ? samples[k + 1].t_ns : end_ns, end_ns);
-    if (b - a <= kGapNs || static_cast<double>(b - a) <= kGapInIntervals * usual) {
+    if (b - a <= least || static_cast<double>(b - a) <= kGapInIntervals * usual) {
       continue;
     }
-    ++gaps;
-    if (b - a > longest) {
-      longest = b - a;
-      from = a;
+    ++out.count;
+    if (b - a > out.longest) {
+      out.longest = b - a;
+      out.from = a;
     }
   }
-  if (gaps > 0) {
+  return out;
+}
+
+/// "for 2.00 s from 10.000 s on, and 2 more such gaps"
+std::string in_words(const Gaps& gaps) {
+  return fmt::format("for {:.2f} s from {:.3f} s on{}", seconds(gaps.longest), seconds(gaps.from),
+                     gaps.count > 1 ? fmt::format(", and {} more such gaps", gaps.count - 1) : "");
+}
+
+template <typename Sample>
+void remark_on_gaps(const std::vector<Sample>& samples, std::int64_t begin_ns, std::int64_t end_ns,
+                    const char* sensor, std::vector<std::string>& remarks) {
+  if (const Gaps gaps = gaps_in(samples, begin_ns, end_ns, kGapNs); gaps.count > 0) {
+    remarks.push_back(
+        fmt::format("the {} has no sample {}: the motion there is guessed", sensor, in_words(gaps)));
+  }
+}
+
+/// Frames that did not come, and a right camera that saw nothing for a while, or from a time on.
+void remark_on_blindness(const RunRecord& record, const PointCount& points, Method method,
+                         std::vector<std::string>& remarks) {
+  const std::int64_t begin_ns = record.frames.front().t_ns, end_ns = record.frames.back().t_ns;
+  if (const Gaps gaps = gaps_in(record.frames, begin_ns, end_ns, kBlindNs); gaps.count > 0) {
+    remarks.push_back(fmt::format("no frame came {}: what the body did there is known by the inputs alone",
+                                  in_words(gaps)));
+  }
+  const Gaps right = gaps_in(points.seen_by_right, begin_ns, end_ns, kBlindNs);
+  if (right.count > 0 && method != Method::kMonoLeft) {
     remarks.push_back(fmt::format(
-        "the {} has no sample for {:.2f} s from {:.3f} s on{}: the motion there is guessed", sensor,
-        seconds(longest), seconds(from), gaps > 1 ? fmt::format(", and {} more such gaps", gaps - 1) : ""));
+        "the right camera saw no point {}: this is navigation with the left camera alone", in_words(right)));
   }
 }
 
@@ -91,9 +123,13 @@ void remark_on_large_noise(const std::vector<FrameReport>& frames, std::vector<s
 }  // namespace
 
 void PointCount::add(const StereoFrame& frame) {
+  const std::size_t before = right;
   for (const StereoObservation& point : frame.observations) {
     left += point.in_cam0 ? 1 : 0;
     right += point.in_cam1 ? 1 : 0;
+  }
+  if (right > before) {
+    seen_by_right.push_back({frame.t_ns});
   }
 }
 
@@ -146,6 +182,8 @@ std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method
   } else if (points.right == 0 && method != Method::kMonoLeft) {
     remarks.emplace_back(
         "the right camera saw no point in any frame: this is navigation with the left camera alone");
+  } else {
+    remark_on_blindness(record, points, method, remarks);
   }
   if (record.pixel_noise) {
     remark_on_large_noise(record.frames, remarks);

@@ -25,6 +25,10 @@ namespace limber::detail {
 /// How many of the points of all frames each camera saw.
 struct PointCount {
   std::size_t left = 0, right = 0;
+  struct Time {
+    std::int64_t t_ns;
+  };
+  std::vector<Time> seen_by_right;  ///< of frames in which the right one saw any
 
   void add(const StereoFrame& frame);
 };

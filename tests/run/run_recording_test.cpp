@@ -241,6 +241,24 @@ TEST(RunRecording, SaysWhereTheImuHasNoSamples) {
   EXPECT_THAT(run(short_recording(), {}).notes, Not(Contains(HasSubstr("guessed"))));
 }
 
+TEST(RunRecording, SaysWhereNoFrameCameAndWhereTheRightCameraSawNothing) {
+  const auto blind = HasSubstr("the right camera saw no point for 1.0"),
+             silent = HasSubstr("no frame came for");
+  EXPECT_THAT(run(short_recording(), {}).notes, AllOf(Not(Contains(blind)), Not(Contains(silent))));
+  Recording recording = short_recording();
+  for (StereoFrame& frame : recording.frames) {
+    for (StereoObservation& point : frame.observations) {
+      point.in_cam1 = frame.t_ns < 1'000'000'000;
+    }
+  }
+  EXPECT_THAT(run(recording, from_truth()).notes, Contains(blind)) << "to the end";
+  recording = short_recording();
+  std::erase_if(recording.frames,
+                [](const StereoFrame& f) { return f.t_ns > 500'000'000 && f.t_ns < 1'700'000'000; });
+  EXPECT_THAT(run(recording, from_truth()).notes,
+              Contains(HasSubstr("no frame came for 1.20 s from 0.500 s on")));
+}
+
 TEST(RunRecording, DoubtsAnAccelerometerThatDoesNotShowGravity) {
   Recording recording = short_recording();
   for (ImuSample& sample : recording.imu) {
