@@ -35,7 +35,11 @@ struct Block {
   double refused = 0.0;  // share of the points; all of them where the gate was overruled
 };
 
+/// Nothing of a second in which something large moves: its points contradict, and no input failed.
 std::optional<Block> block_of(std::span<const FrameReport> frames) {
+  if (std::ranges::any_of(frames, &FrameReport::most_move)) {
+    return std::nullopt;
+  }
   std::vector<double> misfits;
   double refused = 0.0, points = 0.0;
   for (const FrameReport& frame : frames) {

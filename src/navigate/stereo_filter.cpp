@@ -236,8 +236,11 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const F
   if (!options_.gate || accepted.empty()) {
     return accepted;
   }
-  const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_);
+  const bool may_move = report.inputs.status == InputStatus::kSound;
+  const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_,
+                                may_move ? Majority::kMayMove : Majority::kRight);
   report.gate_overruled = gated.overruled;
+  report.most_move = may_move && gated.most_refused();
   for (std::size_t g = 0; g < accepted.size(); ++g) {
     accepted[g] = gated.accepted[g];
     if (!accepted[g]) {
@@ -340,6 +343,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   estimate_.set_time(state_ns);
   StereoFrame seen = visible(raw, options_.method);
   const std::size_t observed = seen.observations.size();
+  moving_.leave_out_of(seen);
   const StereoFrame frame = budget_.choose(std::move(seen), estimate_, last_frame_ns_);
   const double dt = seconds_between(estimate_.nav().t_ns, frame.t_ns);
   FrameReport report;
@@ -370,7 +374,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
     report.led_astray = true;
     report.removed += forget(frame);
     report.refused.clear();
-    report.gate_overruled = false;
+    report.gate_overruled = report.most_move = false;
     to_see = attempt(frame, choose_linearization_point(frame), model, images_alone, report);
   }
   constrained_update(to_see, model, dt, report);  // Eqs. (16)-(19)
@@ -379,6 +383,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
     to_see.fresh = initialize_landmarks(estimate_, frame, mounted(calibration_));
   }
   report.initialized = to_see.fresh.size();
+  moving_.note(report);
   report.removed += manage_map(estimate_, frame.t_ns, options_.map);
   last_frame_ns_ = frame.t_ns;
   has_processed_ = true;

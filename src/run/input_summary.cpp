@@ -19,6 +19,7 @@ constexpr double kLostNis = 300.0, kLost_px = 10.0, kLostAfter = 1.0;
 constexpr double kLeap = 10.0;
 constexpr const char* kContradictedState = "state contradicted";
 constexpr const char* kOverruled = "gate overruled";
+constexpr const char* kMostMove = "most points move";
 constexpr const char* kLedAstray = "led astray";
 constexpr const char* kLeapt = "leapt";
 constexpr double kWorthARemark = 0.05;  // [s], a shorter gap is a dropped sample or two
@@ -101,6 +102,12 @@ std::string in_words(const RunEvent& e) {
   if (e.what == kOverruled) {
     return fmt::format("{} most points contradict the rig or the state: sigmas are too small", when);
   }
+  if (e.what == kMostMove) {
+    return fmt::format(
+        "{} most points were of something that moves: they were left out, the others and the inputs carried "
+        "the state on",
+        when);
+  }
   if (e.what == kLedAstray) {
     return fmt::format(
         "{} the points contradicted the state so far that correcting it would have put them farther off, {}: "
@@ -152,6 +159,9 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
     }
     if (frame.gate_overruled) {
       add(kOverruled);
+    }
+    if (frame.most_move) {
+      add(kMostMove);
     }
     if (frame.led_astray) {
       add(kLedAstray);

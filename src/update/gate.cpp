@@ -2,6 +2,8 @@
 #include "limber/update/gate.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <optional>
 #include <utility>
 
 #include "kept_rows.hpp"
@@ -25,6 +27,11 @@ constexpr double kUsedUp = 1e-9;
 
 /// How far what is constrained may be off, in plausible errors, for finding what most groups agree upon.
 constexpr double kWidestOffset = 10.0;
+
+/// Groups that agree with the prediction are no chance, and carry the state.
+constexpr std::size_t kEnoughAgree = 5;
+
+constexpr Index kPose = 6;  // rows of the state: it comes first
 
 struct Distance {
   double squared = 0.0;
@@ -188,7 +195,7 @@ class Judge {
   MatrixXd VDC_;  // V D C
 };
 
-/// Drops the worst group as long as one fails. @return false if more than half failed
+/// Drops the worst group as long as one fails. @return false if more than `most` failed
 bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, std::size_t most, GateReport& report) {
   std::size_t dropped = 0;
   for (Index worst = judge.worst(report); worst >= 0; worst = judge.worst(report)) {
@@ -199,6 +206,47 @@ bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, std::size_t mo
     judge.drop(groups[static_cast<std::size_t>(worst)]);
   }
   return true;
+}
+
+/// Squared distance of all rows after what is constrained has explained what it can.
+std::optional<Distance> joint_distance(const Judged& judged) {
+  const Cholesky llt(judged.S);
+  if (!llt.succeeded()) {
+    return std::nullopt;
+  }
+  const auto solved = [&](MatrixXd X) {
+    X.topRows(judged.S.rows()) = llt.solve(X.topRows(judged.S.rows()));
+    return X;
+  };
+  Distance out{judged.r.dot(solved(judged.r).col(0)), judged.r.size()};
+  const MatrixXd T = strong_combinations(judged.DC);
+  if (T.cols() > 0) {
+    const MatrixXd D = multiply(judged.DC, T), VD = solved(D);
+    const VectorXd b = VD.transpose() * judged.r;
+    out.squared -= b.dot(pseudo_inverse(multiply(transposed(D), VD), b).x);
+    out.dof -= T.cols();
+  }
+  return out;
+}
+
+/// The same, where the pose may be off by anything.
+Judged with_free_pose(const Judged& judged, const Innovation& innovation) {
+  Judged out = judged;
+  const Index pose = std::min<Index>(kPose, innovation.PHt.rows()), m = judged.S.rows();
+  out.DC.conservativeResize(Eigen::NoChange, judged.DC.cols() + pose);
+  out.DC.rightCols(pose).setZero();
+  out.DC.topRightCorner(m, pose) = innovation.PHt.topRows(pose).transpose();
+  return out;
+}
+
+/// The accepted groups and the others cannot be of one rigid world: no pose puts both where they are.
+bool are_two_bodies(const Judged& judged, const std::vector<bool>& accepted,
+                    const GateThresholds& thresholds) {
+  std::vector<bool> refused = accepted;
+  refused.flip();
+  const auto all = joint_distance(judged), others = joint_distance(judged.subset(refused));
+  return all && others && all->dof > others->dof &&
+         all->squared - others->squared > kGrossOutlier * thresholds.of(all->dof - others->dof);
 }
 
 GateReport nothing_refused(std::size_t groups) {
@@ -222,20 +270,17 @@ std::size_t flag_gross(const WhiteGroups& white, const GateThresholds& threshold
   return gross;
 }
 
-/// Without the gross outliers, the others in turn.
-GateReport gate_robustly(const Judged& judged, GateReport flagged, std::size_t gross,
-                         const GateThresholds& thresholds) {
-  const Judged rest = judged.subset(flagged.accepted);
-  Judge judge(rest, thresholds);
-  GateReport inner = nothing_refused(rest.groups.size());
-  const std::size_t half = judged.groups.size() / 2;
-  const std::size_t most = gross <= half ? half - gross : rest.groups.size() / 4;
-  if (judge.valid() && !eliminate(judge, rest.groups, most, inner)) {
-    inner.accepted.assign(rest.groups.size(), true);
-    flagged.overruled = true;
-  }
+/// Goes on where more than `dropped` failed, as long as enough groups agree with the prediction.
+bool leaves_enough(Judge& judge, const std::vector<RowGroup>& groups, std::size_t dropped,
+                   GateReport& report) {
+  return groups.size() >= dropped + kEnoughAgree &&
+         eliminate(judge, groups, groups.size() - dropped - kEnoughAgree, report);
+}
+
+/// What became of the groups that are no gross outliers, among all.
+GateReport with_inner(GateReport flagged, const GateReport& inner) {
   std::size_t k = 0;
-  for (std::size_t g = 0; g < judged.groups.size(); ++g) {
+  for (std::size_t g = 0; g < flagged.accepted.size(); ++g) {
     if (flagged.accepted[g]) {
       flagged.accepted[g] = inner.accepted[k];
       flagged.distance[g] = inner.distance[k];
@@ -244,6 +289,33 @@ GateReport gate_robustly(const Judged& judged, GateReport flagged, std::size_t g
     }
   }
   return flagged;
+}
+
+/// Tells whether those that are left are a world of their own.
+using Stands = std::function<bool(const GateReport&)>;
+
+/// Without the gross outliers, the others in turn.
+GateReport gate_robustly(const Judged& judged, const GateReport& flagged, std::size_t gross,
+                         const GateThresholds& thresholds, const Stands& stands) {
+  const Judged rest = judged.subset(flagged.accepted);
+  Judge judge(rest, thresholds);
+  GateReport inner = nothing_refused(rest.groups.size());
+  const std::size_t half = judged.groups.size() / 2;
+  const std::size_t most = gross <= half ? half - gross : rest.groups.size() / 4;
+  if (!judge.valid() || eliminate(judge, rest.groups, most, inner)) {
+    return with_inner(flagged, inner);
+  }
+  GateReport all = inner;
+  all.accepted.assign(rest.groups.size(), true);
+  if (leaves_enough(judge, rest.groups, most, inner)) {
+    GateReport minority = with_inner(flagged, inner);
+    if (stands(minority)) {
+      return minority;
+    }
+  }
+  GateReport out = with_inner(flagged, all);
+  out.overruled = true;
+  return out;
 }
 
 }  // namespace
@@ -259,12 +331,16 @@ double GateThresholds::of(Index dof) const {
   return at < of_point_.size() ? of_point_[at] : chi_square_quantile(probability_, static_cast<double>(dof));
 }
 
+bool GateReport::most_refused() const {
+  return 2 * std::ranges::count(accepted, false) > std::ssize(accepted);
+}
+
 bool GateReport::all_accepted() const {
   return std::find(accepted.begin(), accepted.end(), false) == accepted.end();
 }
 
 GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                const ParameterErrorModel& treatment, const GateThresholds& thresholds) {
+                const ParameterErrorModel& treatment, const GateThresholds& thresholds, Majority majority) {
   const Judged judged = judged_rows(innovation, groups, treatment);
   GateReport report = nothing_refused(groups.size());
   Judge judge(judged, thresholds);
@@ -275,14 +351,20 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   if (worst < 0) {
     return report;
   }
+  const Stands stands = [&](const GateReport& minority) {
+    return majority == Majority::kMayMove &&
+           are_two_bodies(with_free_pose(judged, innovation), minority.accepted, thresholds);
+  };
   GateReport flagged = nothing_refused(groups.size());
   const std::size_t gross = flag_gross(judge.white(), thresholds, flagged);
   // What is constrained cannot put most points far from each other; what is trusted can.
   const bool trusts = treatment.constrained.cols() == 0;
   if (gross > 0 && (trusts ? 2 : 3) * gross <= (trusts ? 1 : 2) * groups.size()) {
-    return gate_robustly(judged, std::move(flagged), gross, thresholds);
+    return gate_robustly(judged, flagged, gross, thresholds, stands);
   }
-  if (!eliminate(judge, groups, groups.size() / 2, report)) {
+  const std::size_t half = groups.size() / 2;
+  if (!eliminate(judge, groups, half, report) &&
+      !(leaves_enough(judge, groups, half, report) && stands(report))) {
     report.accepted.assign(groups.size(), true);
     report.overruled = true;
   }

@@ -72,6 +72,9 @@ struct FrameReport {
   std::size_t removed = 0;
   bool gate_overruled =
       false;  ///< the gate would have refused most points, so it refused none but gross outliers
+  /// The gate refused most points, of something that moves: the others agree with the inputs, and the two are
+  /// not of one rigid world. These tracks are left out for MovingTracks::kLeftOut.
+  bool most_move = false;
   /// After the frame's correction its points would have been farther from where they are seen than before: it
   /// was not made, and they were taken for new ones.
   bool led_astray = false;

@@ -14,6 +14,7 @@
 #include "limber/health/white_size.hpp"
 #include "limber/landmarks/landmark_budget.hpp"
 #include "limber/navigate/frame_report.hpp"
+#include "limber/navigate/moving_tracks.hpp"
 #include "limber/navigate/navigator_options.hpp"
 #include "limber/predict/input_buffer.hpp"
 #include "limber/predict/input_checks.hpp"
@@ -220,6 +221,7 @@ class StereoFilter {
   Estimate estimate_;
   GateThresholds gate_thresholds_;
   LandmarkBudget budget_;
+  MovingTracks moving_;
   InputBuffer inputs_;
   InputChecks checks_;
   std::size_t late_ = 0;  // samples since the last frame

@@ -19,6 +19,8 @@ struct GateReport {
   /// refused but for gross outliers.
   bool overruled = false;
 
+  /// Whether more than half of the groups were refused.
+  [[nodiscard]] bool most_refused() const;
   /// Whether no group was refused.
   [[nodiscard]] bool all_accepted() const;
 };
@@ -37,6 +39,12 @@ class GateThresholds {
   std::array<double, 5> of_point_;  // by degrees of freedom
 };
 
+/// Whether most groups may be of something that moves.
+enum class Majority {
+  kRight,   ///< nothing tells better than most of the groups how the body moved
+  kMayMove  ///< the prediction does, for a while: inputs without a fault
+};
+
 /// @brief Judges each group on its *projected* residual, so that a wrong calibration refuses no point.
 ///
 /// With dtheta_hat = (DᵀS⁻¹D)⁺DᵀS⁻¹r, group i is judged on (r − D dtheta_hat)_i with the diagonal block of
@@ -45,10 +53,15 @@ class GateThresholds {
 ///
 /// One gross outlier spoils dtheta_hat for all others. So where a group fails, those that lie far from what
 /// most groups agree upon (find_consensus) go first, all at once, if they are less than half.
+///
+/// Where more than half fail, the model is wrong and none is refused; unless most may move and five groups or
+/// more go on agreeing with the prediction, while no pose puts both them and the others where they are: then
+/// there are two bodies, and the one that the prediction knows is the world.
 /// @param groups       partition of the rows of the innovation: of a measurement as it is, or turned
 /// @note O(m³) for S⁻¹, then O(m²) for each group that is dropped and nothing for gross outliers.
 [[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                              const ParameterErrorModel& treatment, const GateThresholds& thresholds);
+                              const ParameterErrorModel& treatment, const GateThresholds& thresholds,
+                              Majority majority = Majority::kRight);
 
 /// Groups further than this many times their threshold (in squared distance) from the consensus are gross
 /// outliers.
