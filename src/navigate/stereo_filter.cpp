@@ -34,7 +34,8 @@ NavigatorOptions completed(NavigatorOptions options, const StereoCalibration& ca
   return options;
 }
 
-constexpr double kLongFrame = 0.2;        // [s] without an image: the state was blind meanwhile
+constexpr double kKnownTurn = 0.05;  // [rad] at 1 sigma: beside such a prediction a majority may be wrong
+constexpr double kLongFrame = 0.2;   // [s] without an image: the state was blind meanwhile
 constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degrees of freedom
 constexpr int kTriangulations = 8;
 constexpr double kRigSettled = 0.03;      // plausible errors
@@ -236,11 +237,11 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const F
   if (!options_.gate || accepted.empty()) {
     return accepted;
   }
-  const bool may_move = report.inputs.status == InputStatus::kSound;
-  const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_,
-                                may_move ? Majority::kMayMove : Majority::kRight);
+  const bool known = report.inputs.status == InputStatus::kSound && blind_turn_ <= kKnownTurn * kKnownTurn;
+  const Majority most = known ? Majority::kMayMove : Majority::kRight;
+  const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_, most);
   report.gate_overruled = gated.overruled;
-  report.most_move = may_move && gated.most_refused();
+  report.most_move = known && gated.most_refused();
   for (std::size_t g = 0; g < accepted.size(); ++g) {
     accepted[g] = gated.accepted[g];
     if (!accepted[g]) {
@@ -342,13 +343,12 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   check_frame(raw, state_ns, last_frame_ns_);
   estimate_.set_time(state_ns);
   StereoFrame seen = visible(raw, options_.method);
-  const std::size_t observed = seen.observations.size();
+  FrameReport report;
+  report.observed = seen.observations.size();
   moving_.leave_out_of(seen);
   const StereoFrame frame = budget_.choose(std::move(seen), estimate_, last_frame_ns_);
   const double dt = seconds_between(estimate_.nav().t_ns, frame.t_ns);
-  FrameReport report;
   report.t_ns = frame.t_ns;
-  report.observed = observed;
   report.inputs = report_inputs(frame.t_ns);
   report.sigma_px = 0.5 * sigma_px().norm();
 

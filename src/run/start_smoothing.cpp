@@ -31,9 +31,12 @@ void StartSmoothing::begin(Method method, std::size_t frames, std::launch how) {
     states_.wait();  // of a run that failed meanwhile
   }
   states_ = std::async(how, [this, method, frames] {
-    std::vector<SmoothedState> out = start_.result_for(method).trajectory;
-    out.resize(out.size() < frames ? 0 : frames);
-    return out;
+    SensorStartResult result = start_.result_for(method);
+    if (!result.solved || result.trajectory.size() < frames) {
+      return std::vector<SmoothedState>{};
+    }
+    result.trajectory.resize(frames);
+    return std::move(result.trajectory);
   });
 }
 

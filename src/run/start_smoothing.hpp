@@ -28,7 +28,7 @@ class StartSmoothing {
   /// Of the start's first frames, as this method has them. No frame may be added any more.
   /// @param how  async: on a thread of its own; deferred: once the states are asked for
   void begin(Method method, std::size_t frames, std::launch how);
-  /// What was begun; none if what came since the start contradicts it.
+  /// What was begun; none if what came since the start contradicts it, or leaves no solution.
   [[nodiscard]] std::vector<SmoothedState> states() { return states_.get(); }
 
  private:
