@@ -17,8 +17,6 @@ constexpr double kMoved = 25.0;  // by the turn of the view: what a point of the
 constexpr double kLater = 1.5;   // times the way of the test before: a shift undoes a turn for a moment only
 constexpr std::size_t kFewestFollowed = 10;
 
-bool left_sees(const StereoObservation& point) { return point.in_cam0; }
-
 StereoFrame without(const StereoFrame& frame, const std::unordered_set<std::int64_t>& tracks) {
   StereoFrame out = frame;
   remove_tracks(out, tracks);
@@ -35,7 +33,7 @@ void StillPoints::compare_with(const StereoFrame& frame) {
   most_moving_ = 0;
   compared_.clear();
   for (const StereoObservation& point : frame.observations) {
-    if (left_sees(point)) {
+    if (point.in_cam0) {
       compared_[point.track_id] = {point.uv_cam0, 0.0, true};
     }
   }
@@ -47,7 +45,7 @@ void StillPoints::follow(const StereoFrame& frame) {
   }
   for (const StereoObservation& point : frame.observations) {
     const auto it = compared_.find(point.track_id);
-    if (it != compared_.end() && left_sees(point)) {
+    if (it != compared_.end() && point.in_cam0) {
       it->second.followed = true;
       it->second.strayed = std::max(it->second.strayed, (point.uv_cam0 - it->second.uv).norm());
     }

@@ -125,9 +125,8 @@ std::optional<OffsetMistake> mount_mistake(const SensorOffsets& offsets) {
   return OffsetMistake{
       fmt::format(
           "mount: beside the IMU, cam0 is turned by {:.2f} ± {:.2f} deg against T_BS (imu-ax {:+.2f}, imu-ay "
-          "{:+.2f}, imu-az {:+.2f} deg; a principal point that is off looks alike): attitude is wrong by "
-          "more "
-          "than its sigmas say, and positions with it",
+          "{:+.2f}, imu-az {:+.2f} deg; a principal point that is off looks alike): attitude is wrong "
+          "by more than its sigmas say, and positions with it",
           kToDegrees * mount.turn.norm(), kToDegrees * mount.sigma, kToDegrees * mount.turn.x(),
           kToDegrees * mount.turn.y(), kToDegrees * mount.turn.z()),
       kMountAdvice};

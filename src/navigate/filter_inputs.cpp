@@ -119,14 +119,16 @@ void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& r
   if (options_.motion == MotionModel::kConstantVelocity || correction.dt <= 0.0) {
     return;
   }
-  const bool blind = blind_to_rig(options_);
+  const bool blind_to_rig =
+      (constrains(options_) && options_.constraints.kind == ConstraintSet::Kind::kFull) ||
+      options_.method == Method::kMonoLeft;
   PoseCorrection counted = correction;
-  if (!blind) {
+  if (!blind_to_rig) {
     counted.covariance *= kTrustingFactor;
   }
   InputContradiction found;
   const bool contradicted = input_alarm_.judge(counted, found);
-  report.inputs.chi2 = input_alarm_.statistic() * (blind ? 1.0 : kTrustingFactor);
+  report.inputs.chi2 = input_alarm_.statistic() * (blind_to_rig ? 1.0 : kTrustingFactor);
   if (contradicted) {
     report.inputs.status = std::max(report.inputs.status, InputStatus::kContradicted);
     report.inputs.contradiction = found;

@@ -82,11 +82,6 @@ bool constrains(const NavigatorOptions& options) {
   return options.method == Method::kLcekf && !options.constraints.empty();
 }
 
-bool blind_to_rig(const NavigatorOptions& options) {
-  return (constrains(options) && options.constraints.kind == ConstraintSet::Kind::kFull) ||
-         options.method == Method::kMonoLeft;
-}
-
 bool softens(const NavigatorOptions& options) {
   return options.method == Method::kSoft || softened(options).any();
 }

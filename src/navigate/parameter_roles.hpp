@@ -36,8 +36,6 @@ inline constexpr double kNotEstimated =
 /// theta follows its estimate from frame to frame.
 [[nodiscard]] bool estimates_theta(const NavigatorOptions& options);
 [[nodiscard]] bool constrains(const NavigatorOptions& options);
-/// No rig, however wrong, moves the state.
-[[nodiscard]] bool blind_to_rig(const NavigatorOptions& options);
 [[nodiscard]] bool softens(const NavigatorOptions& options);
 /// Of odometry's bodies, those whose mount has no other role.
 [[nodiscard]] bool can_doubt_mount(const NavigatorOptions& options, const StereoCalibration& calibration);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <optional>
 #include <utility>
 
 #include "kept_rows.hpp"
@@ -127,8 +126,7 @@ class Judge {
     VectorXd delta(T.cols());
     MatrixXd Minv(T.cols(), T.cols());
     if (T.cols() > 0) {
-      const MatrixXd M = congruence(transposed(T), multiply(transposed(DC_), VDC_));
-      PseudoInverse pseudo = pseudo_inverse(M, T.transpose() * (DC_.transpose() * Vr_));
+      PseudoInverse pseudo = pseudo_inverse(information(T), seen(T));
       delta = std::move(pseudo.x);
       Minv = std::move(pseudo.matrix);
     }
@@ -156,6 +154,19 @@ class Judge {
     return worst;
   }
 
+  /// Squared distance of all rows, before any is dropped, after what is constrained has explained what it
+  /// can.
+  [[nodiscard]] Distance joint() const {
+    Distance out{z_.r.dot(Vr_), z_.r.size()};
+    const MatrixXd T = strong_combinations(DC_);
+    if (T.cols() > 0) {
+      const VectorXd b = seen(T);
+      out.squared -= b.dot(pseudo_inverse(information(T), b).x);
+      out.dof -= T.cols();
+    }
+    return out;
+  }
+
   /// Takes the rows of a group out. What is left of D C may have fewer directions.
   void drop(const RowGroup& group) {
     const Index rows = group.rows + (group.fourth >= 0 ? 1 : 0);
@@ -179,6 +190,12 @@ class Judge {
   }
 
  private:
+  /// Of combinations of what is constrained: Tᵀ (D C)ᵀ V D C T, and Tᵀ (D C)ᵀ V r.
+  [[nodiscard]] MatrixXd information(const MatrixXd& T) const {
+    return congruence(transposed(T), multiply(transposed(DC_), VDC_));
+  }
+  [[nodiscard]] VectorXd seen(const MatrixXd& T) const { return T.transpose() * (DC_.transpose() * Vr_); }
+
   /// S⁻¹ X.
   [[nodiscard]] MatrixXd solved(MatrixXd X) const {
     X.topRows(z_.S.rows()) = llt_.solve(X.topRows(z_.S.rows()));
@@ -208,28 +225,7 @@ bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, std::size_t mo
   return true;
 }
 
-/// Squared distance of all rows after what is constrained has explained what it can.
-std::optional<Distance> joint_distance(const Judged& judged) {
-  const Cholesky llt(judged.S);
-  if (!llt.succeeded()) {
-    return std::nullopt;
-  }
-  const auto solved = [&](MatrixXd X) {
-    X.topRows(judged.S.rows()) = llt.solve(X.topRows(judged.S.rows()));
-    return X;
-  };
-  Distance out{judged.r.dot(solved(judged.r).col(0)), judged.r.size()};
-  const MatrixXd T = strong_combinations(judged.DC);
-  if (T.cols() > 0) {
-    const MatrixXd D = multiply(judged.DC, T), VD = solved(D);
-    const VectorXd b = VD.transpose() * judged.r;
-    out.squared -= b.dot(pseudo_inverse(multiply(transposed(D), VD), b).x);
-    out.dof -= T.cols();
-  }
-  return out;
-}
-
-/// The same, where the pose may be off by anything.
+/// What is judged, where the pose may be off by anything.
 Judged with_free_pose(const Judged& judged, const Innovation& innovation) {
   Judged out = judged;
   const Index pose = std::min<Index>(kPose, innovation.PHt.rows()), m = judged.S.rows();
@@ -244,9 +240,14 @@ bool are_two_bodies(const Judged& judged, const std::vector<bool>& accepted,
                     const GateThresholds& thresholds) {
   std::vector<bool> refused = accepted;
   refused.flip();
-  const auto all = joint_distance(judged), others = joint_distance(judged.subset(refused));
-  return all && others && all->dof > others->dof &&
-         all->squared - others->squared > kGrossOutlier * thresholds.of(all->dof - others->dof);
+  const Judged without = judged.subset(refused);
+  const Judge of_all(judged, thresholds), of_others(without, thresholds);
+  if (!of_all.valid() || !of_others.valid()) {
+    return false;
+  }
+  const Distance all = of_all.joint(), others = of_others.joint();
+  return all.dof > others.dof &&
+         all.squared - others.squared > kGrossOutlier * thresholds.of(all.dof - others.dof);
 }
 
 GateReport nothing_refused(std::size_t groups) {
@@ -291,7 +292,7 @@ GateReport with_inner(GateReport flagged, const GateReport& inner) {
   return flagged;
 }
 
-/// Tells whether those that are left are a world of their own.
+/// Tells whether those that are left are a world of their own; empty where most groups are right.
 using Stands = std::function<bool(const GateReport&)>;
 
 /// Without the gross outliers, the others in turn.
@@ -307,7 +308,7 @@ GateReport gate_robustly(const Judged& judged, const GateReport& flagged, std::s
   }
   GateReport all = inner;
   all.accepted.assign(rest.groups.size(), true);
-  if (leaves_enough(judge, rest.groups, most, inner)) {
+  if (stands && leaves_enough(judge, rest.groups, most, inner)) {
     GateReport minority = with_inner(flagged, inner);
     if (stands(minority)) {
       return minority;
@@ -351,10 +352,12 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   if (worst < 0) {
     return report;
   }
-  const Stands stands = [&](const GateReport& minority) {
-    return majority == Majority::kMayMove &&
-           are_two_bodies(with_free_pose(judged, innovation), minority.accepted, thresholds);
-  };
+  Stands stands;
+  if (majority == Majority::kMayMove) {
+    stands = [&](const GateReport& minority) {
+      return are_two_bodies(with_free_pose(judged, innovation), minority.accepted, thresholds);
+    };
+  }
   GateReport flagged = nothing_refused(groups.size());
   const std::size_t gross = flag_gross(judge.white(), thresholds, flagged);
   // What is constrained cannot put most points far from each other; what is trusted can.
@@ -364,7 +367,7 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   }
   const std::size_t half = groups.size() / 2;
   if (!eliminate(judge, groups, half, report) &&
-      !(leaves_enough(judge, groups, half, report) && stands(report))) {
+      !(stands && leaves_enough(judge, groups, half, report) && stands(report))) {
     report.accepted.assign(groups.size(), true);
     report.overruled = true;
   }
