@@ -87,5 +87,24 @@ TEST(PictureOrder, TakesNoMotionForAnExchange) {
   }
 }
 
+/// All of a frame's pixels moved by a turn that nobody expected.
+StereoFrame turned(StereoFrame frame, double px) {
+  for (StereoObservation& point : frame.observations) {
+    point.uv_cam0.x() += px;
+    point.uv_cam1.x() += px;
+  }
+  return frame;
+}
+
+TEST(PictureOrder, TakesNoBlurForAnExchange) {
+  frontend::PictureOrder order;
+  for (std::int64_t k = 0; k < 4; ++k) order.remember(sideways(k, 0.1, false));
+  StereoFrame left_over = turned(sideways(4, 0.1, false), 120.0);  // half of the points are lost
+  left_over.observations.resize(9);
+  const StereoFrame found_elsewhere = turned(sideways(4, 0.1, true), 60.0);
+  EXPECT_TRUE(order.doubts(left_over));
+  EXPECT_FALSE(order.prefers(found_elsewhere, left_over));
+}
+
 }  // namespace
 }  // namespace limber
