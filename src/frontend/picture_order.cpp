@@ -15,7 +15,8 @@ constexpr double kClearlySame = 0.8;     ///< of how far depths are from those o
 constexpr double kClearlyTurned = 0.5;   ///< the same, of how far they are from those before
 constexpr std::size_t kClearlyMore = 2;  ///< times as many points
 
-/// Blurred pictures in a quick turn go on badly in either order, but their depths go on in the right one alone.
+/// Blurred pictures in a quick turn go on badly in either order, but their depths go on in the right one
+/// alone.
 bool depths_go_on(const detail::FrameContinuity& now) { return now.same < kClearlySame * now.opposite; }
 bool depths_turn_round(const detail::FrameContinuity& now) {
   return now.opposite < kClearlyTurned * now.same;

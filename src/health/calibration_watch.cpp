@@ -273,6 +273,8 @@ void CalibrationWatch::advance() {
   std::optional<RigEvidence> evidence = pending_->fit.evidence();
   if (evidence) {
     evidence->scale_sigma = pending_->scale_sigma;
+    const NormalEquations::Vector length = along_length(theta_, NormalEquations::Vector::Zero());
+    evidence->length_weight = length.dot(evidence->all.information * length);
     if (pending_->ends) {
       end_window(*evidence);
     } else {

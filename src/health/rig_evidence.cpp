@@ -2,6 +2,8 @@
 #include "limber/health/rig_evidence.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <utility>
 
 namespace limber {
@@ -49,7 +51,9 @@ void merge(const RigEvidence& other, RigEvidence& into) {
   into.track_count += other.track_count;
   into.deep += other.deep;
   into.deep_tracks += other.deep_tracks;
-  into.scale_sigma = std::max(into.scale_sigma, other.scale_sigma);
+  const std::array<const RigEvidence*, 2> both = {&into, &other};
+  into.scale_sigma = std::sqrt(mean_scale_variance(both));
+  into.length_weight += other.length_weight;
   for (std::size_t k = 0; k < into.blocks.size() && k < other.blocks.size(); ++k) {
     into.blocks[k] += other.blocks[k];
   }
@@ -73,6 +77,17 @@ ScoreProducts halved(const std::vector<RigEvidence>& windows, std::size_t k, std
 }
 
 }  // namespace
+
+double mean_scale_variance(std::span<const RigEvidence* const> windows) {
+  double variance = 0.0, weights = 0.0, worst = 0.0;
+  for (const RigEvidence* window : windows) {
+    const double own = window->scale_sigma * window->scale_sigma;
+    variance += window->length_weight * own;
+    weights += window->length_weight;
+    worst = std::max(worst, own);
+  }
+  return weights > 0.0 ? variance / weights : worst;
+}
 
 ScoreProducts& ScoreProducts::operator+=(const ScoreProducts& other) {
   tracks += other.tracks;

@@ -184,11 +184,10 @@ NormalEquations::Matrix mean_epipolar(const std::vector<RigEvidence>& windows) {
 /// @param constant  part of it that is the same in all windows
 NormalEquations::Matrix by_scale(std::span<const RigEvidence> windows, const NormalEquations::Vector& length,
                                  bool metric, double constant) {
-  double variance = constant * constant;
-  for (const RigEvidence& window : windows) {
-    variance += window.scale_sigma * window.scale_sigma / static_cast<double>(windows.size());
-  }
-  return (metric ? variance : kUnknownScale) * length * length.transpose();
+  std::vector<const RigEvidence*> each;
+  for (const RigEvidence& window : windows) each.push_back(&window);
+  const double variance = metric ? constant * constant + mean_scale_variance(each) : kUnknownScale;
+  return variance * length * length.transpose();
 }
 
 double middle(const RigEvidence& window, std::int64_t origin_ns) {

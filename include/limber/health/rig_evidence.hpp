@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "limber/health/frame_halves.hpp"
@@ -68,12 +69,18 @@ struct RigEvidence {
   Matrix epipolar = Matrix::Zero();  ///< sum of J Jᵀ, J the px that a point leaves its epipolar line by
   /// stereo points, one a frame and track; tracks
   std::size_t points = 0, track_count = 0;
-  std::size_t deep = 0;                   ///< points whose depth is known from motion
-  std::size_t deep_tracks = 0;            ///< tracks that have such points
-  double scale_sigma = 0.0;               ///< relative standard deviation of the trajectory's scale
-  std::vector<FrameHalves> blocks;        ///< fifths of it
+  std::size_t deep = 0;             ///< points whose depth is known from motion
+  std::size_t deep_tracks = 0;      ///< tracks that have such points
+  double scale_sigma = 0.0;         ///< relative standard deviation of the trajectory's scale
+  double length_weight = 0.0;       ///< how much is known of the baseline's length: next to nothing at rest
+  std::vector<FrameHalves> blocks;  ///< fifths of it
   std::vector<DepthHalves> depth_blocks;  ///< the same fifths
 };
+
+/// @brief Variance of the scale of windows together, each counted by what it tells of the baseline's length:
+/// how far a camera went that stood still does not matter.
+/// @return of none that tell anything, the largest
+[[nodiscard]] double mean_scale_variance(std::span<const RigEvidence* const> windows);
 
 /// So many windows before it a window is taken to share tracks with.
 inline constexpr std::size_t kSharedWindows = 4;
