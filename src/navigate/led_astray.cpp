@@ -76,7 +76,7 @@ bool StereoFilter::leads_astray(const StereoFrame& frame, const ParameterErrorMo
   }
   Estimate corrected = estimate_;
   corrected.mutable_P() = correction.P;
-  corrected.retract(correction.report.dx);
+  corrected.retract(correction.report.dx, estimate_.scale_shares());
   MountedRig rig = attempt.at.rig;
   if (has_more(options_)) {  // of the mount, too
     rig[0] = mounted(calibration_of(corrected))[0];

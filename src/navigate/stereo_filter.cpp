@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "check_inputs.hpp"
+#include "limber/core/divergence_error.hpp"
 #include "limber/core/time.hpp"
 #include "limber/landmarks/landmark_initialization.hpp"
 #include "limber/landmarks/map_management.hpp"
 #include "limber/stack/linearization_point.hpp"
-#include "limber/update/gate.hpp"
 #include "parameter_roles.hpp"
 
 namespace limber {
@@ -34,8 +34,7 @@ NavigatorOptions completed(NavigatorOptions options, const StereoCalibration& ca
   return options;
 }
 
-constexpr double kKnownTurn = 0.05;  // [rad] at 1 sigma: beside such a prediction a majority may be wrong
-constexpr double kLongFrame = 0.2;   // [s] without an image: the state was blind meanwhile
+constexpr double kLongFrame = 0.2;        // [s] without an image: the state was blind meanwhile
 constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degrees of freedom
 constexpr int kTriangulations = 8;
 constexpr double kRigSettled = 0.03;      // plausible errors
@@ -220,38 +219,6 @@ StackedFrame StereoFilter::stack(const StereoFrame& frame, const LinearizationPo
   return stacked;
 }
 
-/// In doubt about theta each point for itself may be anywhere, and only beside the others is it wrong: they
-/// are judged after what theta can explain of all of them.
-ParameterErrorModel StereoFilter::gate_model(const ParameterErrorModel& model) const {
-  ParameterErrorModel out = model;
-  if (!fresh_.is_zero()) {
-    out.constrained = MatrixXd::Zero(model.white_covariance.rows(), kBlockSize);
-    out.constrained.topRows<kBlockSize>() = scale_.asDiagonal();
-  }
-  return out;
-}
-
-std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const FrameInnovation& seen,
-                                            const ParameterErrorModel& model, FrameReport& report) const {
-  std::vector<bool> accepted(stacked.track_ids.size(), true);
-  if (!options_.gate || accepted.empty()) {
-    return accepted;
-  }
-  const bool known = report.inputs.status == InputStatus::kSound && blind_turn_ <= kKnownTurn * kKnownTurn;
-  const Majority most = known ? Majority::kMayMove : Majority::kRight;
-  const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_, most);
-  report.gate_overruled = gated.overruled;
-  report.most_move = known && gated.most_refused();
-  for (std::size_t g = 0; g < accepted.size(); ++g) {
-    accepted[g] = gated.accepted[g];
-    if (!accepted[g]) {
-      report.refused.push_back(
-          {stacked.track_ids[g], RefusalReason::kGate, gated.distance[g], gated.threshold[g]});
-    }
-  }
-  return accepted;
-}
-
 StereoFilter::Attempt StereoFilter::attempt(const StereoFrame& frame, const LinearizationPoint& at,
                                             const ParameterErrorModel& model, bool images_alone,
                                             FrameReport& report) {
@@ -283,6 +250,7 @@ void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorMode
                             : Eigen::Matrix<double, 6, 6>::Zero().eval();
     const PoseCorrection::Matrix6 P_pose = estimate_.P().diagonal_block<6>(0);
     const std::optional<Estimate::MapScale> scale = scale_to_hold();
+    const Estimate::ScaleShares grows = estimate_.scale_shares();
     UpdateReport updated = correct_covariance(attempt, model);
     if (considers_theta(options_) && updated.status == UpdateStatus::kUpdated) {
       // Schmidt: the gain's theta rows are zero, so its block stays; the cross-covariances are those of the
@@ -295,7 +263,7 @@ void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorMode
       estimate_.hold_map_scale(*scale, updated.dx);
     }
     const PoseCorrection::Matrix6 corrected_by = P_pose - estimate_.P().diagonal_block<6>(0);
-    estimate_.retract(updated.dx);
+    estimate_.retract(updated.dx, grows);
     report.status = updated.status;
     report.nis = updated.nis;
     report.dof = updated.dof;
@@ -347,19 +315,39 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   report.observed = seen.observations.size();
   moving_.leave_out_of(seen);
   const StereoFrame frame = budget_.choose(std::move(seen), estimate_, last_frame_ns_);
-  const double dt = seconds_between(estimate_.nav().t_ns, frame.t_ns);
   report.t_ns = frame.t_ns;
   report.inputs = report_inputs(frame.t_ns);
   report.sigma_px = 0.5 * sigma_px().norm();
+  if (pixel_noise_) {
+    pixel_noise_->see(raw);
+  }
+  try {
+    take_in(frame, report);
+  } catch (const DivergenceError&) {
+    report.status = UpdateStatus::kSingularInnovation;
+    report.used = 0;
+    estimate_.set_time(frame.t_ns);
+  }
+  last_frame_ns_ = frame.t_ns;
+  has_processed_ = true;
+  report.reset = report.status == UpdateStatus::kSingularInnovation || is_broken();
+  if (report.reset) {
+    begin_anew();
+  } else {
+    sound_ = {estimate_.nav(),
+              estimate_.P().block(0, 0, sound_.body_covariance.rows(), sound_.body_covariance.rows())};
+  }
+  return report;
+}
 
+/// The paper's steps.
+void StereoFilter::take_in(const StereoFrame& frame, FrameReport& report) {
+  const double dt = seconds_between(estimate_.nav().t_ns, frame.t_ns);
   // A motion that only images tell takes several frames to become clear, and so do depths: no landmark is
   // given up meanwhile.
   const bool images_alone =
       report.inputs.status == InputStatus::kGap && dt <= kLongFrame && report.observed >= kEnoughAlone;
   const bool was_blind = blind_turn_ > 0.0 || dt > kLongFrame;
-  if (pixel_noise_) {
-    pixel_noise_->see(raw);
-  }
   predict_to(frame.t_ns);  // Eqs. (4), (7)
   update_active_set(estimate_, frame, last_frame_ns_, options_.map,
                     !std::exchange(postpones_epoch_, false));  // compressed filter
@@ -385,16 +373,6 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   report.initialized = to_see.fresh.size();
   moving_.note(report);
   report.removed += manage_map(estimate_, frame.t_ns, options_.map);
-  last_frame_ns_ = frame.t_ns;
-  has_processed_ = true;
-  report.reset = report.status == UpdateStatus::kSingularInnovation || is_broken();
-  if (report.reset) {
-    begin_anew();
-  } else {
-    sound_ = {estimate_.nav(),
-              estimate_.P().block(0, 0, sound_.body_covariance.rows(), sound_.body_covariance.rows())};
-  }
-  return report;
 }
 
 }  // namespace limber

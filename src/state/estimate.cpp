@@ -66,8 +66,8 @@ const Anchor* Estimate::anchor_of(const Landmark& landmark) const {
                                                    : &anchors_[static_cast<std::size_t>(landmark.anchor)];
 }
 
-void Estimate::retract(const Eigen::VectorXd& dx) {
-  const Growth by = growth(dx);
+void Estimate::retract(const Eigen::VectorXd& dx, const ScaleShares& grows) {
+  const Growth by = growth(dx, grows);
   const VectorXd moved = displacements(dx, by);
   transport(moved);
   nav_.T_world_body.p += moved.segment<3>(L::kPosition);

@@ -34,14 +34,32 @@ double factor(double s) {
 
 }  // namespace
 
+Estimate::ScaleShares Estimate::scale_shares() const {
+  if (!layout_.has_map_scale || layout_.motion == MotionModel::kOdometry) {
+    return {};
+  }
+  const VectorXd along = map_scale().along;
+  const auto share = [&](Index at, const Vector3d& length) {
+    const double square = length.squaredNorm();
+    return square > 0.0 ? std::clamp(along.segment<3>(at).dot(length) / square, 0.0, 1.0) : 1.0;
+  };
+  return {share(L::kPosition, nav_.T_world_body.p - centre_of_growth_),
+          share(L::kVelocity, nav_.v_world_body)};
+}
+
 /// With odometry the map may be long or short, but the body is where odometry took it, however far from the
-/// origin: a factor of its position would be wrong. Corrections of the scale are small there.
-Estimate::Growth Estimate::growth(const VectorXd& dx) const {
+/// origin: a factor of its position would be wrong. Corrections of the scale are small there, and are applied
+/// as they stand.
+Estimate::Growth Estimate::growth(const VectorXd& dx, const ScaleShares& grows) const {
   if (!layout_.has_map_scale) {
     return {};
   }
   const double log = dx(layout_.map_scale());
-  return {log, factor(log), layout_.motion == MotionModel::kOdometry};
+  if (layout_.motion == MotionModel::kOdometry) {
+    return {log, {}, {}};
+  }
+  const auto of = [log](double share) { return Factor{share * log, factor(share * log)}; };
+  return {log, of(1.0), of(grows.position), of(grows.velocity)};
 }
 
 /// What a correction moves the triplets by: itself and, where all lengths grow, what a factor does to second
@@ -51,9 +69,9 @@ VectorXd Estimate::displacements(const VectorXd& dx, const Growth& by) const {
   if (!layout_.has_map_scale) {
     return out;
   }
-  out.segment<3>(L::kPosition) += by.beyond_linear() * (nav_.T_world_body.p - centre_of_growth_);
+  out.segment<3>(L::kPosition) += by.positions.beyond_linear() * (nav_.T_world_body.p - centre_of_growth_);
   if (layout_.motion != MotionModel::kOdometry) {
-    out.segment<3>(L::kVelocity) += by.beyond_linear() * nav_.v_world_body;
+    out.segment<3>(L::kVelocity) += by.velocity.beyond_linear() * nav_.v_world_body;
   }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     const Index at = layout_.map_begin() + kTriplet * static_cast<Index>(k);
@@ -65,15 +83,15 @@ VectorXd Estimate::displacements(const VectorXd& dx, const Growth& by) const {
 
 Vector3d Estimate::displacement(StateBlock block, const Vector3d& dx, const Growth& by) const {
   if (block.owner == Owner::kAnchorPosition) {
-    return dx + by.beyond_linear() * (anchors_[block.index].T_world_body.p - centre_of_growth_);
+    return dx + by.positions.beyond_linear() * (anchors_[block.index].T_world_body.p - centre_of_growth_);
   }
   if (block.owner != Owner::kLandmark) {
     return dx;
   }
   const Landmark& landmark = landmarks_[block.index];
   return landmark.kind == LandmarkKind::kCartesian
-             ? Vector3d(dx + by.beyond_linear() * (landmark.value - centre_of_growth_))
-             : Vector3d(dx + Vector3d(0.0, 0.0, by.beyond_linear_inverse() * landmark.value.z()));
+             ? Vector3d(dx + by.positions.beyond_linear() * (landmark.value - centre_of_growth_))
+             : Vector3d(dx + Vector3d(0.0, 0.0, by.depths.beyond_linear_inverse() * landmark.value.z()));
 }
 
 /// What a triplet moves by, per unit of the scale's error, more after a displacement than before it.

@@ -291,6 +291,26 @@ TEST(FailingInputs, APointOfAFrameThatUpdatedNothingIsNotUsed) {
   EXPECT_LE(testing::position_error(feeder.navigator, scene.truth.back()), 3.0 * sigma(feeder.navigator));
 }
 
+/// What else is no covariance is found out in the midst of a frame: here that of the witness.
+TEST(FailingInputs, ACovarianceThatIsNoneIsBegunAnew) {
+  const Scene scene = scene_of(1.0);
+  Feeder feeder(scene, with_method(scene, Method::kLcekf));
+  for (std::size_t k = 0; k < 5; ++k) (void)feeder.process(scene.frames[k]);
+  auto& estimate = const_cast<Estimate&>(feeder.navigator.estimate());
+  ASSERT_TRUE(estimate.layout().has_witness);
+  const Eigen::MatrixXd none = -1e6 * Eigen::Matrix<double, 6, 6>::Identity();
+  estimate.mutable_P().set_diagonal_block(estimate.layout().witness(), none);
+  const FrameReport broken = feeder.process(scene.frames[5]);
+  EXPECT_EQ(broken.status, UpdateStatus::kSingularInnovation);
+  EXPECT_EQ(broken.used, 0U);
+  EXPECT_TRUE(broken.reset);
+  EXPECT_EQ(feeder.navigator.estimate().nav().t_ns, scene.frames[5].t_ns);
+  FrameReport report;
+  for (std::size_t k = 6; k < scene.frames.size(); ++k) report = feeder.process(scene.frames[k]);
+  EXPECT_EQ(report.status, UpdateStatus::kUpdated);
+  EXPECT_LE(testing::position_error(feeder.navigator, scene.truth.back()), 3.0 * sigma(feeder.navigator));
+}
+
 /// The mean distance to the truth with a gyroscope whose bias steps by 0.05 rad/s at 2 s; and what was said.
 struct Stepped {
   double rmse = 0.0;

@@ -134,6 +134,38 @@ TEST(Estimate, CorrectsTheScaleByAFactor) {
   }
 }
 
+/// Where all points are new, the length of the way behind is not one of theirs: a lift whose cabin comes into
+/// view moved its passenger by metres, while depths of the cabin became known.
+TEST(Estimate, AScaleOfTheMapAloneMovesNoBody) {
+  Generator generator(23);
+  const Estimate map = random_map(generator, 8, with_map_scale(MotionModel::kImu));
+  const VectorXd all = 0.3 * growth_of_all_lengths(map);
+  VectorXd depths = all;
+  depths.head(map.layout().map_scale()).setZero();
+  for (const Landmark& landmark : map.landmarks()) {
+    const Anchor* anchor = map.anchor_of(landmark);
+    depths.segment<3>(anchor != nullptr ? anchor->position_at : landmark.at).setZero();
+  }
+  for (const bool of_map_alone : {true, false}) {
+    const VectorXd& g = of_map_alone ? depths : all;
+    Estimate estimate = map;
+    estimate.mutable_P().set_diagonal_block(
+        0, 1e-8 * MatrixXd::Identity(map.size(), map.size()) + g * g.transpose());
+    const Estimate::ScaleShares grows = estimate.scale_shares();
+    EXPECT_NEAR(grows.position, of_map_alone ? 0.0 : 1.0, 1e-5);
+    EXPECT_NEAR(grows.velocity, of_map_alone ? 0.0 : 1.0, 1e-5);
+    estimate.retract(g, grows);
+    const double factor = of_map_alone ? 1.0 : 1.0 / (1.0 - 0.3);
+    EXPECT_LE((estimate.nav().T_world_body.p - factor * map.nav().T_world_body.p).norm(), 1e-3);
+    EXPECT_LE((estimate.nav().v_world_body - factor * map.nav().v_world_body).norm(), 1e-3);
+    for (const Landmark& landmark : map.landmarks()) {
+      if (map.anchor_of(landmark) != nullptr) {
+        EXPECT_NEAR(estimate.find(landmark.track_id)->value.z(), landmark.value.z() * 0.7, 1e-9);
+      }
+    }
+  }
+}
+
 TEST(Estimate, TakesTheScaleFromThoseThatKnowTheirDepthBest) {
   Generator generator(20);
   Estimate estimate = random_map(generator, 8, with_map_scale(MotionModel::kImu));

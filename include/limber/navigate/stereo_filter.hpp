@@ -160,6 +160,7 @@ class StereoFilter {
   };
 
   void add(const InputSample& sample);
+  void take_in(const StereoFrame& frame, FrameReport& report);
   /// The time of the state once something of t_ns has come.
   [[nodiscard]] std::int64_t started_at(std::int64_t t_ns) const;
   [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns) const;

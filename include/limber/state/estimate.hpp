@@ -69,6 +69,15 @@ class Estimate {
   /// The landmark's anchor; null for Cartesian landmarks.
   [[nodiscard]] const Anchor* anchor_of(const Landmark& landmark) const;
 
+  /// What of a length grows with the map's scale, between nothing and all of it [-].
+  struct ScaleShares {
+    double position = 1.0;  ///< of the body, from the centre of growth; anchors and world vectors alike
+    double velocity = 1.0;  ///< of the body
+  };
+  /// By what errors have in common with that of the scale: where all landmarks are new, nothing. All where
+  /// the layout has no scale, or its corrections are applied as they stand.
+  [[nodiscard]] ScaleShares scale_shares() const;
+
   /// @brief x := x ⊕ dx, dx: size(). Parameters move only if they are in the state.
   ///
   /// The covariance is carried along: it keeps its meaning as that of the right-invariant error (Exp(phi)
@@ -79,7 +88,10 @@ class Estimate {
   ///
   /// With has_map_scale the same is done for a common factor of all lengths, and a correction of it is
   /// applied as a factor, by which lengths grow about the centre. See docs/derivations/scale.md.
-  void retract(const Eigen::VectorXd& dx);
+  /// @param grows  as it was before the update that says dx
+  void retract(const Eigen::VectorXd& dx, const ScaleShares& grows);
+  /// The same where all lengths have the map's scale.
+  void retract(const Eigen::VectorXd& dx) { retract(dx, {}); }
 
   /// Where lengths grow about, a position in the world [m]: its origin until this is called.
   void set_centre_of_growth(const Eigen::Vector3d& centre) { centre_of_growth_ = centre; }
@@ -178,15 +190,25 @@ class Estimate {
   void add_couplings(const Eigen::MatrixXd& U);
 
   // The common factor of all lengths: src/state/map_scale.cpp.
-  /// A correction of the scale: of its logarithm, and the factor of all lengths that it stands for.
-  struct Growth {
+  /// A correction of lengths: of their logarithm, and the factor that it stands for.
+  struct Factor {
     double log = 0.0, factor = 1.0;
-    bool linear = false;  ///< applied as it stands: see growth()
-    /// Of a length: what the factor moves it by beyond the linear correction.
-    [[nodiscard]] double beyond_linear() const { return linear ? 0.0 : factor - 1.0 - log; }
+    /// What the factor moves a length by beyond the linear correction, as a share of it.
+    [[nodiscard]] double beyond_linear() const { return factor - 1.0 - log; }
     /// The same of an inverse depth.
-    [[nodiscard]] double beyond_linear_inverse() const { return linear ? 0.0 : 1.0 / factor - 1.0 + log; }
-    void operator+=(const Growth& next) { *this = {log + next.log, factor * next.factor, next.linear}; }
+    [[nodiscard]] double beyond_linear_inverse() const { return 1.0 / factor - 1.0 + log; }
+    void operator+=(const Factor& next) { *this = {log + next.log, factor * next.factor}; }
+  };
+  /// The same of all that grows with the map's scale.
+  struct Growth {
+    double log = 0.0;  ///< of the scale
+    Factor depths, positions, velocity{};
+    void operator+=(const Growth& next) {
+      log += next.log;
+      depths += next.depths;
+      positions += next.positions;
+      velocity += next.velocity;
+    }
   };
   struct LogDepth {
     Eigen::Index at;
@@ -194,7 +216,7 @@ class Estimate {
     double variance;
   };
   [[nodiscard]] std::vector<LogDepth> log_depths() const;
-  [[nodiscard]] Growth growth(const Eigen::VectorXd& dx) const;
+  [[nodiscard]] Growth growth(const Eigen::VectorXd& dx, const ScaleShares& grows) const;
   [[nodiscard]] Eigen::VectorXd displacements(const Eigen::VectorXd& dx, const Growth& by) const;
   [[nodiscard]] Eigen::Vector3d displacement(StateBlock block, const Eigen::Vector3d& dx,
                                              const Growth& by) const;
