@@ -13,6 +13,7 @@ namespace limber {
 namespace {
 
 constexpr std::size_t kRepeats = 2;        // in a row: more is stuck (some drivers hand out samples twice)
+constexpr double kUsualRepeats = 0.05;     // of the samples that vary
 constexpr std::size_t kVaried = 20;        // samples before a stream is known to vary
 constexpr double kUsualJump = 12.0;        // times the mean change between samples
 constexpr double kBack = 0.5;              // of the jump: then the next sample is back where it was
@@ -40,13 +41,24 @@ InputFaultCounts InputChecks::take_counts() { return std::exchange(counts_, {});
 
 /// Six floating point numbers that all repeat themselves twice are no measurement of anything that moves.
 bool InputChecks::is_stuck(const Six& value) {
+  if (limits_.rests_at_zero && value.isZero(0.0)) {
+    repeats_ = 0;
+    return false;
+  }
   if (value == value_) {
     ++repeats_;
+    ++repeated_;
   } else {
     repeats_ = 0;
     ++varied_;
   }
-  return repeats_ >= kRepeats && varied_ > kVaried;
+  return repeats_ >= kRepeats && varied_ > kVaried && !counts_steps();
+}
+
+/// Encoders count whole steps, so that values repeat themselves.
+bool InputChecks::counts_steps() const {
+  const auto earlier = static_cast<double>(repeated_ - repeats_);
+  return limits_.rests_at_zero && earlier > kUsualRepeats * static_cast<double>(varied_);
 }
 
 bool InputChecks::jumps(const InputSample& from, const InputSample& to) const {
@@ -72,8 +84,8 @@ void InputChecks::doubt_saturated(InputSample& sample, double dt) {
     peaks_[k] = peaks_[k].max(size);
     const Eigen::Array3d at_end =
         (size >= kEndOfRange * peaks_[k] && size > limits_.saturation[k]).cast<double>().rowwise().maxCoeff();
-    const bool flat =
-        last_ && (value == part(*last_, k).array() && at_end > 0.0).any() && usual_change_[k] > 0.0;
+    const bool flat = !counts_steps() && last_ && (value == part(*last_, k).array() && at_end > 0.0).any() &&
+                      usual_change_[k] > 0.0;
     const double peak = peaks_[k].maxCoeff();
     plateau_[k] = flat ? plateau_[k] + 1 : 0;
     if (plateau_[k] >= kPlateau) {

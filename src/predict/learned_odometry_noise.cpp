@@ -31,6 +31,12 @@ bool LearnedOdometryNoise::evenly_spaced() const {
   return longest < kUneven * shortest;
 }
 
+/// Encoders of wheels that stand still have no noise, and tell nothing of what they have when these turn.
+bool LearnedOdometryNoise::rests() const {
+  return std::any_of(last_.begin(), last_.end(),
+                     [](const OdometrySample& sample) { return value(sample).isZero(0.0); });
+}
+
 void LearnedOdometryNoise::add(const OdometrySample& sample) {
   if (!last_.empty() && sample.t_ns <= last_.back().t_ns) {
     return;
@@ -39,7 +45,10 @@ void LearnedOdometryNoise::add(const OdometrySample& sample) {
   if (last_.size() > kSamples) {
     last_.pop_front();
   }
-  if (last_.size() == kSamples && evenly_spaced()) {
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    measured_[static_cast<std::size_t>(k)] |= value(sample)(k) != 0.0;
+  }
+  if (last_.size() == kSamples && evenly_spaced() && !rests()) {
     learn(value(last_[3]) - value(last_[0]) + 3.0 * (value(last_[1]) - value(last_[2])));
   }
 }
@@ -60,7 +69,11 @@ OdometryNoise LearnedOdometryNoise::white() const {
   if (!knows()) {
     return begin_;
   }
-  const Vector6 sigma = variance_.cwiseSqrt().cwiseMax(kSmallest);
+  Vector6 sigma = variance_.cwiseSqrt().cwiseMax(kSmallest);
+  const Vector6 begin = (Vector6() << begin_.sigma_v, begin_.sigma_omega).finished();
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    if (!measured_[static_cast<std::size_t>(k)]) sigma(k) = begin(k);
+  }
   return {sigma.head<3>(), sigma.tail<3>()};
 }
 

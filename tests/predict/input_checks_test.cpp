@@ -120,6 +120,41 @@ TEST(InputChecks, TakeSamplesThatADriverHandsOutTwice) {
   EXPECT_FALSE(check(samples).faults.any());
 }
 
+/// Wheels that drive, stop, and drive on: their encoders count whole steps, and none at rest.
+std::vector<InputSample> wheels(double step) {
+  std::vector<InputSample> samples(1500);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const double t = 0.02 * static_cast<double>(k);
+    const double v = k > 500 && k < 1000 ? 0.0 : 0.8 + 0.3 * std::sin(t);
+    const double turn = k > 500 && k < 1000 ? 0.0 : 0.2 * std::sin(0.3 * t);
+    const auto counted = [step](double x) { return step > 0.0 ? step * std::round(x / step) : x; };
+    samples[k] = {
+        static_cast<std::int64_t>(k) * 20 * kMillisecond, {0.0, 0.0, counted(turn)}, {counted(v), 0.0, 0.0}};
+  }
+  return samples;
+}
+
+TEST(InputChecks, TakeWheelsThatStandStillOrCountSteps) {
+  for (const double step : {0.0, 0.02}) {
+    InputChecks checks(kOdometryLimits);
+    InputBuffer buffer;
+    for (const InputSample& sample : wheels(step)) checks.add(sample, buffer);
+    EXPECT_FALSE(checks.take_counts().any()) << step;
+  }
+}
+
+TEST(InputChecks, TakeWheelsThatRepeatThemselvesWhereTheyNeverDidForStuck) {
+  std::vector<InputSample> samples = wheels(0.0);
+  for (std::size_t k = 301; k < 400; ++k) {
+    samples[k].angular = samples[300].angular;
+    samples[k].linear = samples[300].linear;
+  }
+  InputChecks checks(kOdometryLimits);
+  InputBuffer buffer;
+  for (const InputSample& sample : samples) checks.add(sample, buffer);
+  EXPECT_EQ(checks.take_counts()[InputFault::kStuck], 98U);
+}
+
 /// What a driver takes off as a bias comes off the ends of the range, too: they differ by axis and direction.
 TEST(InputChecks, KnowTheEndsOfARangeThatAnOffsetHasMoved) {
   std::vector<InputSample> samples = flight(20.0);

@@ -42,12 +42,13 @@ struct InputFaultCounts {
 struct InputLimits {
   /// [rad/s]; [m/s^2] of an IMU or [m/s] of odometry
   std::array<double, 2> impossible, jump, saturation;
+  bool rests_at_zero = false;  ///< a sensor without noise at rest, such as encoders of wheels
 };
 /// [rad/s], [m/s^2]: twice the widest MEMS ranges; jumps of 2 rad/s and 2 g in one sample; nothing saturates
 /// below.
 inline constexpr InputLimits kImuLimits = {{200.0, 10000.0}, {2.0, 20.0}, {0.3, 12.0}};
 /// [rad/s], [m/s]
-inline constexpr InputLimits kOdometryLimits = {{200.0, 1000.0}, {2.0, 5.0}, {0.3, 1.0}};
+inline constexpr InputLimits kOdometryLimits = {{200.0, 1000.0}, {2.0, 5.0}, {0.3, 1.0}, true};
 
 /// Of the samples that drive a motion model.
 [[nodiscard]] constexpr const InputLimits& limits_of(MotionModel motion) {
@@ -75,6 +76,7 @@ class InputChecks {
   static inline const Ends kNoPeaks = Ends::Zero();
 
   [[nodiscard]] bool is_stuck(const Six& value);
+  [[nodiscard]] bool counts_steps() const;
   [[nodiscard]] bool jumps(const InputSample& from, const InputSample& to) const;
   void doubt_saturated(InputSample& sample, double dt);
   void accept(InputSample sample, InputBuffer& buffer);
@@ -84,8 +86,9 @@ class InputChecks {
   std::optional<InputSample> last_, held_;  // accepted; held back
   Six value_ = Six::Constant(-1e300);       // of the newest sample of all
   std::int64_t newest_ns_ = 0;
-  std::size_t repeats_ = 0, varied_ = 0;  // in a row; samples that differed from the one before
-  std::array<double, 2> usual_change_{};  // between samples (mean of the norm)
+  std::size_t repeats_ = 0;                // in a row
+  std::size_t repeated_ = 0, varied_ = 0;  // samples that were the one before, and that were not
+  std::array<double, 2> usual_change_{};   // between samples (mean of the norm)
   std::array<Ends, 2> peaks_{kNoPeaks, kNoPeaks};
   std::array<std::size_t, 2> plateau_{};  // samples in a row
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <deque>
 
@@ -17,6 +18,8 @@ namespace limber {
 /// What the vehicle does faster than that is taken for noise. Differences do not show what lasts, such as the
 /// size of a wheel: 1 % of the speed for ten samples is as bad as white noise of 3 %, which is assumed
 /// beside.
+/// A coordinate that is never but zero is not measured (wheels know nothing of sideways, up, roll and pitch):
+/// what was assumed at first stays. Nor is anything learned at rest, of which encoders have no noise.
 /// @note docs/evidence/real-data.md
 class LearnedOdometryNoise {
  public:
@@ -43,10 +46,12 @@ class LearnedOdometryNoise {
 
   void learn(const Vector6& third_difference);
   [[nodiscard]] bool evenly_spaced() const;
+  [[nodiscard]] bool rests() const;
 
   OdometryNoise begin_;
   std::deque<OdometrySample> last_;  // four at most
   Vector6 variance_ = Vector6::Zero();
+  std::array<bool, 6> measured_{};  // whether it ever was not zero
   int differences_ = 0;
 };
 
