@@ -138,8 +138,7 @@ void read_odometry(const fs::path& folder, Recording& recording) {
     require_body_frame(*yaml, "odometry");
   }
   if (!yaml || !yaml->has("sigma_v") || !yaml->has("sigma_w")) {
-    recording.notes.emplace_back(
-        "odometry0/sensor.yaml does not give sigma_v and sigma_w: the default odometry noise is assumed");
+    recording.notes.emplace_back("odometry0/sensor.yaml does not give sigma_v and sigma_w");
     return;
   }
   recording.odometry_noise = OdometryNoise{yaml->not_negative3("sigma_v"), yaml->not_negative3("sigma_w")};

@@ -21,6 +21,7 @@ constexpr double kPlaces = kLongestStep - kShortestStep + 1;  // of a moment, co
 constexpr std::size_t kFewestOfADrift = 5;                    // windows
 constexpr double kDoubt = 0.01;                               // p-value of a drift that is reckoned with
 constexpr std::array kEarlyLooks = {0.2, 0.4, 0.7};           // at the first window, as shares of its length
+constexpr double kSeenToMove = 3.0;                           // sigmas of the speed
 constexpr double kLargestScale = 0.5;  // relative error of a metre: no sensor is believed to be worse
 
 RigParameters px_by_axis(const BetaEstimate& estimate, const RigParameters& theta) {
@@ -238,12 +239,24 @@ CalibrationWatch::CalibrationWatch(const WatchOptions& options, const StereoCali
   }
 }
 
+/// Where nothing but images tells how the camera moves, it trembles at rest, and depths would be told by
+/// that.
+Pose CalibrationWatch::steadied(const Pose& T_world_cam0, const TrajectoryQuality& quality) {
+  const bool rests = !metric_ && quality.speed_variance > 0.0 &&
+                     quality.speed_squared < kSeenToMove * kSeenToMove * quality.speed_variance;
+  if (rests && last_place_) {
+    trembled_ += T_world_cam0.p - *last_place_;
+  }
+  last_place_ = T_world_cam0.p;
+  return {T_world_cam0.R, T_world_cam0.p - trembled_};
+}
+
 void CalibrationWatch::add(const StereoFrame& frame, const Pose& T_world_cam0,
                            const TrajectoryQuality& quality) {
   if (pending_) {
     advance();
   }
-  collecting_.add(frame, T_world_cam0, quality.sound);
+  collecting_.add(frame, steadied(T_world_cam0, quality), quality.sound);
   speed_squared_ += quality.speed_squared;
   speed_variance_ += quality.speed_variance;
   const double age = seconds_between(collecting_.from_ns(), frame.t_ns);

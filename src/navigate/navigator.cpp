@@ -224,7 +224,7 @@ void Navigator::watch(const StereoFrame& frame, const StereoFilter& filter, cons
   }
   const Estimate& estimate = filter.estimate();
   TrajectoryQuality quality;
-  if (filter.options().motion == MotionModel::kImu) {
+  if (filter.options().motion != MotionModel::kOdometry) {
     quality = quality_of(estimate.nav().v_world_body, estimate.P().diagonal_block<3>(StateLayout::kVelocity));
   }
   quality.sound =

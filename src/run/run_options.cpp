@@ -27,6 +27,9 @@ constexpr std::size_t kTrackPointsPerUpdate = 150;
 
 MotionModel choose_motion(const SensorData& sensors, RunSetup& setup) {
   if (!sensors.imu.empty()) {
+    if (!sensors.odometry.empty()) {
+      setup.notes.emplace_back("the IMU drives the prediction: odometry beside it is not used");
+    }
     return MotionModel::kImu;
   }
   if (!sensors.odometry.empty()) {

@@ -212,26 +212,6 @@ TEST(CalibrationWatch, TheWayBackFromWindowsThatWereChosenIsNoDrift) {
   EXPECT_FALSE(state_of(windows, theta, true, options, 2).drift);
 }
 
-/// A rest after a flight: how long a metre is, a camera that stands still does not know, nor does it ask.
-TEST(CalibrationWatch, StandingStillForgetsNoDepth) {
-  WorldOptions flight;
-  flight.seconds = 15.0;
-  const World world = fly_past(flight);
-  CalibrationWatch watch({}, world.assumed, true);
-  for (std::size_t k = 0; k < world.frames.size(); ++k) {
-    watch.add(world.frames[k], world.poses[k], {true, 1.0, 1e-4});
-  }
-  const double moving = watch.report()->state.effect.depth.high;
-  StereoFrame frame = world.frames.back();
-  for (int k = 0; k < 600; ++k) {
-    frame.t_ns += 50'000'000;
-    watch.add(frame, world.poses.back(), {true, 1e-4, 1e-4});
-  }
-  EXPECT_LT(watch.report()->state.effect.depth.high,
-            1.5 * moving);  // 28 times that where rests count as much
-  EXPECT_GT(watch.report()->state.windows, 10u);
-}
-
 TEST(CalibrationWatch, StandingStillItCannotTell) {
   WorldOptions options = with_step(0.0, 0.0);
   options.speed = 0.0;

@@ -26,6 +26,7 @@ TEST(SetUpRun, ConstrainsAllSixWhereTheImuFixesTheScale) {
   EXPECT_EQ(setup.navigator.motion, MotionModel::kImu);
   EXPECT_EQ(setup.navigator.constraints.kind, ConstraintSet::Kind::kFull);
   EXPECT_THAT(setup.notes, Contains(HasSubstr("constraints full: the scale comes from the IMU")));
+  EXPECT_THAT(setup.notes, Contains(HasSubstr("odometry beside it is not used")));
 }
 
 TEST(SetUpRun, ConstrainsAllSixWhereTheOdometryFixesTheScale) {

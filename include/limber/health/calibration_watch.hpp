@@ -147,6 +147,7 @@ class CalibrationWatch {
     bool ends;  // the window is over; else an early look at it
   };
 
+  [[nodiscard]] Pose steadied(const Pose& T_world_cam0, const TrajectoryQuality& quality);
   void advance();
   void finish();
   void end_window(const RigEvidence& evidence);
@@ -157,12 +158,14 @@ class CalibrationWatch {
   RigParameters theta_;
   bool metric_;
   RigWindow collecting_;
-  double speed_squared_ = 0.0, speed_variance_ = 0.0;  // sums over the window
-  std::size_t looks_ = 0;                              // at the first window
-  std::optional<Pending> pending_;                     // what the last window, or the last look, says
-  std::vector<RigEvidence> windows_;                   // since the last change
-  std::size_t chosen_ = 0;                             // of these, by which that change was found
-  EarlierSteps earlier_;                               // of this state and those before
+  std::optional<Eigen::Vector3d> last_place_;           // of the camera, as it was given
+  Eigen::Vector3d trembled_ = Eigen::Vector3d::Zero();  // so far, where it did not move
+  double speed_squared_ = 0.0, speed_variance_ = 0.0;   // sums over the window
+  std::size_t looks_ = 0;                               // at the first window
+  std::optional<Pending> pending_;                      // what the last window, or the last look, says
+  std::vector<RigEvidence> windows_;                    // since the last change
+  std::size_t chosen_ = 0;                              // of these, by which that change was found
+  EarlierSteps earlier_;                                // of this state and those before
   std::shared_ptr<const CalibrationReport> report_;
   /// What report_ becomes by what is pending, where that was asked for.
   mutable std::optional<std::shared_ptr<const CalibrationReport>> report_to_come_;
