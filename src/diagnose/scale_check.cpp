@@ -13,8 +13,7 @@
 namespace limber {
 namespace {
 
-constexpr std::size_t kFewestWays = 10;
-constexpr double kWay = 1.0;                         // [s], of the ways that are compared
+constexpr std::size_t kFewestRows = 20;
 constexpr std::int64_t kInputsBefore = 100'000'000;  // [ns], of the first frame
 constexpr std::size_t kMostPoints = 60;              // a frame: enough, and what it costs is bounded
 
@@ -67,27 +66,21 @@ std::vector<TwoRows> common_rows(const std::vector<TrajectoryRow>& trusting,
   return out;
 }
 
-Eigen::Vector3d way_seen_from(const TrajectoryRow& from, const TrajectoryRow& to) {
-  return from.T_world_body.R.transpose() * (to.T_world_body.p - from.T_world_body.p);
+/// As the body sees it.
+Eigen::Vector3d velocity_in(const TrajectoryRow& row) {
+  return row.T_world_body.R.transpose() * *row.v_world_body;
 }
 
-/// How much longer the ways of the trusting run are, as a share; nothing where there are too few.
-std::optional<double> too_long(const std::vector<TwoRows>& rows) {
+/// How much faster the trusting run is, as a share; nothing where there are too few rows. Its place would not
+/// do: while the length of a long way behind is corrected, it goes by more than the speed.
+std::optional<double> too_fast(const std::vector<TwoRows>& rows) {
   double product = 0.0, square = 0.0;
-  std::size_t ways = 0;
-  for (auto from = rows.begin(), to = from; to != rows.end(); ++from) {
-    to = std::find_if(to, rows.end(), [&](const TwoRows& row) {
-      return seconds_between(from->blind->t_ns, row.blind->t_ns) >= kWay;
-    });
-    if (to == rows.end()) {
-      break;
-    }
-    const Eigen::Vector3d blind = way_seen_from(*from->blind, *to->blind);
-    product += blind.dot(way_seen_from(*from->trusting, *to->trusting));
+  for (const TwoRows& row : rows) {
+    const Eigen::Vector3d blind = velocity_in(*row.blind);
+    product += blind.dot(velocity_in(*row.trusting));
     square += blind.squaredNorm();
-    ++ways;
   }
-  return ways < kFewestWays || !(square > 0.0) ? std::nullopt : std::optional(product / square - 1.0);
+  return rows.size() < kFewestRows || !(square > 0.0) ? std::nullopt : std::optional(product / square - 1.0);
 }
 
 /// Of the speed, as a share of it, over all rows.
@@ -105,7 +98,7 @@ double scale_sigma(const std::vector<TwoRows>& rows) {
 
 std::optional<ScaleCheck> check_scale(const Recording& recording, const RunOptions& options,
                                       const RunRecord& record) {
-  if (record.last_frames.size() <= kFewestWays) {
+  if (record.last_frames.size() < kFewestRows) {
     return std::nullopt;
   }
   RunRecord blind;
@@ -118,7 +111,7 @@ std::optional<ScaleCheck> check_scale(const Recording& recording, const RunOptio
     return std::nullopt;
   }
   const std::vector<TwoRows> rows = common_rows(record.trajectory, blind.trajectory);
-  const std::optional<double> share = too_long(rows);
+  const std::optional<double> share = too_fast(rows);
   if (!share || summarize_inputs(blind.frames).lost_since_ns) {
     return std::nullopt;
   }

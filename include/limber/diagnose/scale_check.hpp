@@ -20,8 +20,8 @@ struct ScaleCheck {
 
 /// @brief Runs `lcekf` once more over the last 30 s of a run (RunRecord::last_frames).
 ///
-/// The way of each second, as either sees it from where it then is, gives the scale; the sigmas of the
-/// velocity over the speed say how well `lcekf` knows its own. Of each frame 60 points are taken.
+/// The velocities, as the body sees them in either run, give the scale; their sigmas over the speed say how
+/// well `lcekf` knows its own. Of each frame 60 points are taken.
 /// @return nothing where no frames were kept, `lcekf` did not go through, or does not know its scale either
 [[nodiscard]] std::optional<ScaleCheck> check_scale(const Recording& recording, const RunOptions& options,
                                                     const RunRecord& record);
