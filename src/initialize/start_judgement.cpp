@@ -257,12 +257,16 @@ InitialState StartWindow::handed_over() const {
   return out;
 }
 
-double parallax(const WindowState& state) {
+double way_of(const WindowState& state) {
   double way = 0.0;
   for (const WindowFrame& frame : state.frames) {
     way = std::max(way, frame.nav.T_world_body.p.norm());
   }
-  return way * std::max(median_inverse_depth(state), 0.0);
+  return way;
+}
+
+double parallax(const WindowState& state) {
+  return way_of(state) * std::max(median_inverse_depth(state), 0.0);
 }
 
 }  // namespace limber::detail

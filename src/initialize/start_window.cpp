@@ -25,6 +25,8 @@ constexpr int kStartIterations = 25;
 constexpr int kCleanings = 10;
 constexpr int kMoreIterations = 75;      // of a solution that fits and has not settled
 constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
+constexpr double kUnseenWay = 1.0;       // [m] that a body goes while no point shows it
+constexpr double kMuchBetter = 2.0;      // by the cost
 constexpr double kFits = 1.0;            // cost over the expected one
 constexpr double kFitsUnstated = 0.15;   // of pixels whose noise nobody stated: less than 0.4 px rms
 
@@ -54,6 +56,13 @@ MatrixXd free_directions(const NavigatorOptions& options, const StereoCalibratio
 bool fits(const WindowModel& model, const WindowState& state, const WindowNormal& normal,
           double share = kFits) {
   return normal.cost < share * expected_cost(model, state) + 10.0;
+}
+
+/// With all points far away a body may go wherever its inputs and their biases let it, and mismatches, which
+/// the first solutions still hold, cost less. Such a solution has to be much better than one that is seen.
+double weighed(const WindowNormal& normal, const WindowState& state) {
+  const bool unseen = way_of(state) > kUnseenWay && parallax(state) <= kSeenParallax;
+  return unseen ? kMuchBetter * normal.cost : normal.cost;
 }
 
 /// Which way is ahead is a convention, and has to be the same in each solution: all is turned about the
@@ -232,7 +241,7 @@ void StartWindow::solve() {
       model.R_first = start.frames.front().nav.T_world_body.R;
     }
     WindowNormal there = settled(start);
-    if (!solution || there.cost < normal.cost) {
+    if (!solution || weighed(there, start) < weighed(normal, *solution)) {
       normal = std::move(there);
       solution = std::move(start);
     }

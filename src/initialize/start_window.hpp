@@ -23,6 +23,8 @@ inline constexpr double kSeenParallax = 0.02;  // [rad], of the usual point
 /// Of the cost, still to come: no unknown is off by more than 0.2 sigma.
 inline constexpr double kSettled = 0.02;
 
+/// How far the body went from where the window begins [m].
+[[nodiscard]] double way_of(const WindowState& state);
 /// Angle under which the usual point sees the way that the body went [rad].
 [[nodiscard]] double parallax(const WindowState& state);
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <future>
@@ -11,6 +12,7 @@
 #include "io/times_of.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/random.hpp"
+#include "limber/core/so3.hpp"
 #include "limber/datasets/track_log.hpp"
 #include "limber/images/picture.hpp"
 #include "limber/io/atomic_file.hpp"
@@ -23,7 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 using detail::FramePictures, detail::times_of;
 
-constexpr int kBlurSteps = 8;         ///< instants of an exposure
+constexpr int kFewestInstants = 8, kMostInstants = 64;  ///< of an exposure
+constexpr double kInstantPx = 0.7;    ///< that things in the picture go by between two instants in a turn
 constexpr double kSwingPeriod = 7.0;  ///< [s] of the exposure of both cameras
 
 /// A scenario in front of the lens.
@@ -43,7 +46,7 @@ class Studio {
   [[nodiscard]] std::vector<std::uint8_t> picture(std::size_t camera, std::int64_t t_ns,
                                                   std::size_t n) const {
     std::vector<float> light;
-    const int steps = options_.exposure > 0.0 ? kBlurSteps : 1;
+    const int steps = instants(camera, t_ns);
     for (int k = 0; k < steps; ++k) {
       const auto part = instant(camera, t_ns, options_.exposure * ((k + 0.5) / steps - 0.5));
       light.resize(part.size());
@@ -57,6 +60,16 @@ class Studio {
   }
 
  private:
+  /// Enough that blur is none of copies side by side, to which patches would lock.
+  [[nodiscard]] int instants(std::size_t camera, std::int64_t t_ns) const {
+    if (!(options_.exposure > 0.0)) return 1;
+    const double middle = truth_.time_of_row(camera, t_ns, 0.5 * lens(camera).height);
+    const Pose from = truth_.view(camera, middle - 0.5 * options_.exposure).T_world_cam,
+               to = truth_.view(camera, middle + 0.5 * options_.exposure).T_world_cam;
+    const double px = lens(camera).fu * so3_log(from.R.transpose() * to.R).norm();
+    return std::clamp(static_cast<int>(std::ceil(px / kInstantPx)), kFewestInstants, kMostInstants);
+  }
+
   /// The light at one instant of every row's exposure.
   [[nodiscard]] std::vector<float> instant(std::size_t camera, std::int64_t t_ns, double shift) const {
     const auto view_of = [&](std::size_t row) {

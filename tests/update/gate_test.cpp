@@ -13,6 +13,7 @@
 #include "limber/update/consensus.hpp"
 #include "limber/update/constraint.hpp"
 #include "limber/update/frame_innovation.hpp"
+#include "random_frame.hpp"
 #include "stereo_problem.hpp"
 
 namespace limber {
@@ -21,7 +22,9 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using testing::draw_residual;
 using testing::Generator;
+using testing::random_frame;
 using testing::StereoProblem;
 
 constexpr double kProbability = 0.999;
@@ -46,23 +49,6 @@ std::set<std::size_t> refused(const GateReport& report) {
     }
   }
   return out;
-}
-
-/// A frame with points of 2 and of 4 rows whose residual is drawn from what the filter believes.
-StereoProblem random_frame(Generator& generator, int count = 20) {
-  std::vector<testing::SeenPoint> points = testing::random_points(generator, count, 2.0, 20.0);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    points[k].in_cam1 = k % 4 != 1;
-    points[k].in_cam0 = k % 7 != 2 || !points[k].in_cam1;
-  }
-  return testing::make_problem(generator, "", testing::stereo_rig(0.5), points);
-}
-
-void draw_residual(Generator& generator, StereoProblem& problem) {
-  const MatrixXd H = problem.H();
-  const MatrixXd root = Cholesky(problem.P.dense()).L();
-  problem.z.residual = H * root * testing::random_normal(generator, root.rows()) +
-                       problem.z.sigma.cwiseProduct(testing::random_normal(generator, H.rows()));
 }
 
 /// Two degrees and 20 % of the baseline in every parameter.
@@ -337,54 +323,6 @@ TEST(Gate, WhereMostWouldFailItBlamesTheModelAndRefusesNone) {
     EXPECT_EQ(report.overruled, count > 10) << count;
     EXPECT_EQ(report.all_accepted(), count > 10) << count;
   }
-}
-
-/// Adds what a pose that is off by so many standard deviations does to the groups from `first` on.
-void move_pose(StereoProblem& problem, std::size_t first, double sigmas) {
-  const VectorXd dx = sigmas * problem.P.dense().diagonal().head(6).cwiseSqrt();
-  const VectorXd moved = problem.H().leftCols(6) * dx;
-  for (std::size_t g = first; g < problem.z.groups.size(); ++g) {
-    const RowGroup& group = problem.z.groups[g];
-    problem.z.residual.segment(group.row, group.rows) += moved.segment(group.row, group.rows);
-  }
-}
-
-GateReport gated_where_most_may_move(const StereoProblem& problem, const ParameterErrorModel& treatment) {
-  const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
-  return gate(frame.innovation, frame.groups, treatment, GateThresholds(kProbability), Majority::kMayMove);
-}
-
-/// A body that fills two thirds of the view and goes with the camera.
-TEST(Gate, WhereMostMoveThoseThatThePredictionKnowsStand) {
-  Generator generator(21);
-  for (int run = 0; run < 5; ++run) {
-    StereoProblem problem = random_frame(generator, 30);
-    draw_residual(generator, problem);
-    move_pose(problem, 10, 400.0);
-    for (const ParameterErrorModel& treatment : {ParameterErrorModel{}, problem.constrained()}) {
-      const GateReport report = gated_where_most_may_move(problem, treatment);
-      EXPECT_FALSE(report.overruled) << run;
-      EXPECT_GE(std::count(report.accepted.begin(), report.accepted.begin() + 10, true), 8) << run;
-      EXPECT_LE(std::count(report.accepted.begin() + 10, report.accepted.end(), true), 2) << run;
-    }
-  }
-}
-
-/// Then every point says the same, those that cannot tell as well: an update by the others takes them along.
-TEST(Gate, WhereTheStateIsWrongNoMinorityStands) {
-  Generator generator(22);
-  int overruled = 0;
-  for (const double sigmas : {5.0, 10.0, 20.0, 40.0, 80.0}) {
-    StereoProblem problem = random_frame(generator, 30);
-    draw_residual(generator, problem);
-    move_pose(problem, 0, sigmas);
-    const GateReport report = gated_where_most_may_move(problem, problem.constrained());
-    EXPECT_TRUE(report.overruled ||
-                2 * std::count(report.accepted.begin(), report.accepted.end(), true) >= 30)
-        << sigmas;
-    overruled += report.overruled ? 1 : 0;
-  }
-  EXPECT_GE(overruled, 2);
 }
 
 TEST(Gate, TellsThatNothingIsThereToJudge) {
