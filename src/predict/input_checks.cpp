@@ -47,7 +47,7 @@ bool InputChecks::is_stuck(const Six& value) {
   }
   if (value == value_) {
     ++repeats_;
-    ++repeated_;
+    repeated_ += repeats_ <= kRepeats ? 1 : 0;  // what is stuck once repeats itself for long
   } else {
     repeats_ = 0;
     ++varied_;
@@ -57,7 +57,7 @@ bool InputChecks::is_stuck(const Six& value) {
 
 /// Encoders count whole steps, so that values repeat themselves.
 bool InputChecks::counts_steps() const {
-  const auto earlier = static_cast<double>(repeated_ - repeats_);
+  const auto earlier = static_cast<double>(repeated_ - std::min(repeats_, kRepeats));
   return limits_.rests_at_zero && earlier > kUsualRepeats * static_cast<double>(varied_);
 }
 

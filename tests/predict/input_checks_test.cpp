@@ -149,10 +149,14 @@ TEST(InputChecks, TakeWheelsThatRepeatThemselvesWhereTheyNeverDidForStuck) {
     samples[k].angular = samples[300].angular;
     samples[k].linear = samples[300].linear;
   }
+  for (std::size_t k = 1201; k < 1300; ++k) {  // and once more
+    samples[k].angular = samples[1200].angular;
+    samples[k].linear = samples[1200].linear;
+  }
   InputChecks checks(kOdometryLimits);
   InputBuffer buffer;
   for (const InputSample& sample : samples) checks.add(sample, buffer);
-  EXPECT_EQ(checks.take_counts()[InputFault::kStuck], 98U);
+  EXPECT_EQ(checks.take_counts()[InputFault::kStuck], 2U * 98U);
 }
 
 /// What a driver takes off as a bias comes off the ends of the range, too: they differ by axis and direction.
