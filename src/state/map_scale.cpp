@@ -38,10 +38,12 @@ Estimate::ScaleShares Estimate::scale_shares() const {
   if (!layout_.has_map_scale || layout_.motion == MotionModel::kOdometry) {
     return {};
   }
-  const VectorXd along = map_scale().along;
+  const Index scale = layout_.map_scale();
+  const double variance = P_.diagonal_block<kTriplet>(scale)(0, 0);
   const auto share = [&](Index at, const Vector3d& length) {
     const double square = length.squaredNorm();
-    return square > 0.0 ? std::clamp(along.segment<3>(at).dot(length) / square, 0.0, 1.0) : 1.0;
+    const Vector3d along = P_.triplet_block(at, scale).col(0) / variance;
+    return square > 0.0 ? std::clamp(along.dot(length) / square, 0.0, 1.0) : 1.0;
   };
   return {share(L::kPosition, nav_.T_world_body.p - centre_of_growth_),
           share(L::kVelocity, nav_.v_world_body)};
