@@ -239,14 +239,11 @@ CalibrationWatch::CalibrationWatch(const WatchOptions& options, const StereoCali
   }
 }
 
-/// Where nothing but images tells how the camera moves, it trembles at rest, and depths would be told by
-/// that.
+/// Where images alone tell how the camera moves, it trembles at rest, and depths would be told by that.
 Pose CalibrationWatch::steadied(const Pose& T_world_cam0, const TrajectoryQuality& quality) {
   const bool rests = !metric_ && quality.speed_variance > 0.0 &&
                      quality.speed_squared < kSeenToMove * kSeenToMove * quality.speed_variance;
-  if (rests && last_place_) {
-    trembled_ += T_world_cam0.p - *last_place_;
-  }
+  if (rests && last_place_) trembled_ += T_world_cam0.p - *last_place_;
   last_place_ = T_world_cam0.p;
   return {T_world_cam0.R, T_world_cam0.p - trembled_};
 }
