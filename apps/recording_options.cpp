@@ -101,6 +101,11 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       .add_option("--sigma-px", arguments.sigma_px,
                   "Pixel noise [px], white; default: the recording's, else learned")
       ->check(positive());
+  command
+      .add_option("--odometry-scale", arguments.odometry_scale,
+                  "By what share odometry's speeds and turns may be long or short all the time, 1σ: 0.02 is "
+                  "2 %; default: 0.01 where its noise is not stated, else 0")
+      ->check(number_that("a number from 0 to 0.5", [](double x) { return x >= 0.0 && x <= 0.5; }));
   add_start_option(command, arguments.start);
   command
       .add_option("--clean", arguments.clean,
@@ -151,6 +156,7 @@ RunOptions to_run_options(const RecordingArguments& arguments, const Recording& 
     options.softened = parse_parameter_sigmas(arguments.soften, recording.calibration);
   }
   options.sigma_px = arguments.sigma_px;
+  options.odometry_scale = arguments.odometry_scale;
   options.cleaning.clean = options.cleaning.still_points = arguments.clean == "on";
   options.threads = arguments.frontend.threads;
   options.cleaning.max_points = arguments.max_points;

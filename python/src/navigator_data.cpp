@@ -54,7 +54,8 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
                               const OdometryNoise& odometry_noise, double gravity,
                               const RigParameters& theta_sigma, bool gate, std::size_t max_landmarks,
                               std::optional<std::size_t> points_per_update, bool learn_pixel_noise,
-                              bool learn_odometry_noise, bool doubt_odometry_mount, bool carries_scale,
+                              bool learn_odometry_noise, bool doubt_odometry_mount,
+                              const Eigen::Vector2d& odometry_scale, bool carries_scale,
                               std::optional<double> false_alarms_per_hour) {
   NavigatorOptions options;
   options.method = method_from_string(method);
@@ -70,6 +71,7 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
   options.learn_pixel_noise = learn_pixel_noise;
   options.learn_odometry_noise = learn_odometry_noise;
   options.doubt_odometry_mount = doubt_odometry_mount;
+  options.odometry_scale = odometry_scale;
   options.carries_scale = carries_scale;
   options.imu_noise = imu_noise;
   options.odometry_noise = odometry_noise;
@@ -101,6 +103,7 @@ void bind_options(py::module_& module) {
           py::arg("learn_pixel_noise") = defaults.learn_pixel_noise,
           py::arg("learn_odometry_noise") = defaults.learn_odometry_noise,
           py::arg("doubt_odometry_mount") = defaults.doubt_odometry_mount,
+          py::arg("odometry_scale") = defaults.odometry_scale,
           py::arg("carries_scale") = defaults.carries_scale,
           py::arg("false_alarms_per_hour") = defaults.health->false_alarms_per_hour,
           "method: ekf, ekf-full, lcekf, soft, consider, adaptive, mono-left or oracle\n"
@@ -113,6 +116,8 @@ void bind_options(py::module_& module) {
           "learn_odometry_noise: the same of odometry_noise\n"
           "doubt_odometry_mount: the odometer may be turned against the camera by 0.5 deg, otherwise a third "
           "of a second later; as in limber.run where a recording states no noise of odometry\n"
+          "odometry_scale: by what share its speeds and its turns may be long or short all the time, 1 "
+          "sigma\n"
           "carries_scale: False is the paper's filter, too sure of its scale with some hundred points\n"
           "false_alarms_per_hour: of the calibration monitor; None switches it off")
       .def_property_readonly("method",

@@ -79,6 +79,7 @@ void check_options(const NavigatorOptions& o) {
   require(o.imu_noise.accel_walk, true, "imu_noise.accel_walk");
   require(o.odometry_noise.sigma_v, true, "odometry_noise.sigma_v");
   require(o.odometry_noise.sigma_omega, true, "odometry_noise.sigma_omega");
+  require(o.odometry_scale, true, "odometry_scale");
   require(o.constant_velocity_noise.acceleration_density, true,
           "constant_velocity_noise.acceleration_density");
   require(o.constant_velocity_noise.angular_acceleration_density, true,

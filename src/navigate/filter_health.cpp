@@ -104,13 +104,17 @@ void StereoFilter::notice_motion() {
   }
 }
 
-std::optional<Estimate::MapScale> StereoFilter::scale_to_hold() const {
+std::optional<Estimate::Considered> StereoFilter::scale_to_hold() const {
+  const StateLayout& layout = estimate_.layout();
+  if (layout.has_odometry_scale) {
+    return estimate_.considered(layout.odometry_scale());
+  }
   if (!excitation_) {
     return std::nullopt;
   }
-  const double variance = estimate_.P().diagonal_block<kTriplet>(estimate_.layout().map_scale())(0, 0);
+  const double variance = estimate_.P().diagonal_block<kTriplet>(layout.map_scale())(0, 0);
   return std::sqrt(variance) < kNoiseShares * excitation_->noise_share()
-             ? std::optional(estimate_.map_scale())
+             ? std::optional(estimate_.considered(layout.map_scale()))
              : std::nullopt;
 }
 

@@ -75,8 +75,8 @@ std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {
 Propagation StereoFilter::propagated(std::int64_t t_ns) const {
   const bool distrusts = estimate_.nav().t_ns < trusted_again_ns_;
   const OdometryNoise odometry = odometry_noise_ ? odometry_noise_->assumed() : options_.odometry_noise;
-  return propagate(estimate_.nav(), steps_to(t_ns), options_, odometry, inputs_.usual_interval_s(),
-                   distrusts ? distrust_ : MoreNoise{});
+  return propagate(estimate_.nav(), steps_to(t_ns), options_, odometry, estimate_.odometry_scale(),
+                   inputs_.usual_interval_s(), distrusts ? distrust_ : MoreNoise{});
 }
 
 void StereoFilter::predict_to(std::int64_t t_ns) {
@@ -89,18 +89,29 @@ void StereoFilter::predict_to(std::int64_t t_ns) {
   estimate_.set_nav(to.nav);
   omega_input_ = to.omega_input;
   estimate_.mutable_P().propagate_leading(to.whole.Phi, to.whole.Q);
+  if (estimate_.layout().has_odometry_scale) {
+    estimate_.move_with_odometry_scale(to.by_scale);
+  }
   blind_turn_ += to.whole.Q.diagonal().segment<3>(StateLayout::kAttitude).maxCoeff();
   walk_parameters(dt);
 }
 
 PredictedState StereoFilter::predict(std::int64_t t_ns) const {
-  const Index k = estimate_.layout().body_size();
+  const StateLayout& layout = estimate_.layout();
+  const Index k = layout.body_size();
   const MatrixXd P = estimate_.P().block(0, 0, k, k);
   if (t_ns <= estimate_.nav().t_ns) {
     return {estimate_.nav(), P};
   }
   const Propagation to = propagated(t_ns);
-  return {to.nav, to.whole.Phi * P * to.whole.Phi.transpose() + to.whole.Q};
+  PredictedState out{to.nav, to.whole.Phi * P * to.whole.Phi.transpose() + to.whole.Q};
+  if (layout.has_odometry_scale) {
+    const Index at = layout.odometry_scale();
+    const MatrixXd with_body = to.whole.Phi * estimate_.P().block(0, at, k, 2) * to.by_scale.transpose();
+    out.body_covariance += with_body + with_body.transpose() +
+                           to.by_scale * estimate_.P().block(at, at, 2, 2) * to.by_scale.transpose();
+  }
+  return out;
 }
 
 /// What the prediction from the state to t_ns will rest on.

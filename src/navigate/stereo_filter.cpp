@@ -249,7 +249,7 @@ void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorMode
         has_theta(options_) ? estimate_.P().diagonal_block<6>(estimate_.layout().theta())
                             : Eigen::Matrix<double, 6, 6>::Zero().eval();
     const PoseCorrection::Matrix6 P_pose = estimate_.P().diagonal_block<6>(0);
-    const std::optional<Estimate::MapScale> scale = scale_to_hold();
+    const std::optional<Estimate::Considered> scale = scale_to_hold();
     const Estimate::ScaleShares grows = estimate_.scale_shares();
     UpdateReport updated = correct_covariance(attempt, model);
     if (considers_theta(options_) && updated.status == UpdateStatus::kUpdated) {
@@ -260,7 +260,7 @@ void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorMode
       updated.dx.segment<6>(at).setZero();
     }
     if (scale && updated.status == UpdateStatus::kUpdated) {
-      estimate_.hold_map_scale(*scale, updated.dx);
+      estimate_.hold(*scale, updated.dx);
     }
     const PoseCorrection::Matrix6 corrected_by = P_pose - estimate_.P().diagonal_block<6>(0);
     estimate_.retract(updated.dx, grows);

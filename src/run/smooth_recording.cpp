@@ -105,6 +105,9 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
   out.landmarks = result.landmarks;
   out.theta = result.frames.back().theta;
   out.theta_assumed = given.theta;
+  if (!result.odometry_scale_sigma.isZero(0.0)) {
+    out.odometry_scale = {result.odometry_scale, result.odometry_scale_sigma};
+  }
   if (misfit > kLargestMisfit) {
     out.notes.push_back(fmt::format(
         "squared residuals are {:.1f} times what the noise says: sigmas are too small by about {:.1f}",

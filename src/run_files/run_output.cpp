@@ -67,6 +67,7 @@ Json to_json(const RunOptions& options) {
           {"estimate", text_or_null(options.estimated)},
           {"soften", text_or_null(options.softened)},
           {"sigma_px", or_null(options.sigma_px)},
+          {"odometry_scale", or_null(options.odometry_scale)},
           {"init", name_of(options.start)},
           {"landmarks", options.landmarks == LandmarkKind::kCartesian ? "cartesian" : "inverse-depth"},
           {"gate", options.gate},
@@ -108,6 +109,11 @@ Json to_json(const OdometryNoise& noise) {
     return std::vector<double>(sigma.begin(), sigma.end());
   };
   return {{"sigma_v", list(noise.sigma_v)}, {"sigma_w", list(noise.sigma_omega)}};
+}
+
+Json to_json(const OdometryScale& scale) {
+  return {{"speed", {{"error", scale.error.x()}, {"sigma", scale.sigma.x()}}},
+          {"turn", {{"error", scale.error.y()}, {"sigma", scale.sigma.y()}}}};
 }
 
 Json to_json(const FrameTime& time) { return {{"p50", time.p50}, {"p99", time.p99}, {"worst", time.worst}}; }
@@ -194,6 +200,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["options"] = to_json(options);
   json["pixel_noise"] = record.pixel_noise ? to_json(*record.pixel_noise) : Json(nullptr);
   json["odometry_noise"] = record.odometry_noise ? to_json(*record.odometry_noise) : Json(nullptr);
+  json["odometry_scale"] = record.odometry_scale ? to_json(*record.odometry_scale) : Json(nullptr);
   json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start) : Json(nullptr);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
   json["truth_tilt_deg"] = or_null(s.truth_tilt_deg);

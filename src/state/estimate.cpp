@@ -50,6 +50,9 @@ Estimate::Estimate(StateLayout layout, const NavigationState& nav_state, const M
     P_.set_diagonal_block(layout.map_scale(), Matrix3d::Identity());
     refresh_map_scale();
   }
+  if (layout.has_odometry_scale) {
+    P_.set_diagonal_block(layout.odometry_scale(), Matrix3d::Identity());
+  }
 }
 
 const Landmark* Estimate::find(std::int64_t track_id) const {
@@ -85,6 +88,9 @@ void Estimate::retract(const Eigen::VectorXd& dx, const ScaleShares& grows) {
   retract_parameters(dx);
   if (layout_.has_witness) {
     witness_ += dx.segment<6>(layout_.witness());
+  }
+  if (layout_.has_odometry_scale) {
+    odometry_scale_ += dx.segment<2>(layout_.odometry_scale());
   }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     retract_triplet(active_blocks_[k],

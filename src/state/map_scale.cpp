@@ -167,21 +167,39 @@ void Estimate::refresh_map_scale() {
   }
 }
 
-Estimate::MapScale Estimate::map_scale() const {
-  const Index at = layout_.map_scale();
+Estimate::Considered Estimate::considered(Index at) const {
   const double variance = P_.diagonal_block<kTriplet>(at)(0, 0);
-  return {P_.times(VectorXd::Unit(size(), at)) / variance, variance};
+  return {at, P_.times(VectorXd::Unit(size(), at)) / variance, variance};
 }
 
-/// The gain K becomes (I - r cᵀ) K, with the scale cᵀx and r = P c / cᵀPc: that of errors beside the scale is
-/// the best one still, since they are not correlated with it.
-void Estimate::hold_map_scale(const MapScale& before, VectorXd& dx) {
-  const Index at = layout_.map_scale();
-  dx -= before.along * dx(at);
-  const double learned = before.variance - P_.diagonal_block<kTriplet>(at)(0, 0);
+/// The gain K becomes (I - r cᵀ) K, with the state cᵀx and r = P c / cᵀPc: that of errors beside it is the
+/// best one still, since they are not correlated with it.
+void Estimate::hold(const Considered& before, VectorXd& dx) {
+  dx -= before.along * dx(before.at);
+  const double learned = before.variance - P_.diagonal_block<kTriplet>(before.at)(0, 0);
   if (learned > 0.0) {
     P_.add_outer(std::sqrt(learned) * before.along);
   }
+}
+
+Eigen::Vector2d Estimate::odometry_scale_sigma() const {
+  return layout_.has_odometry_scale
+             ? P_.diagonal_block<kTriplet>(layout_.odometry_scale()).diagonal().head<2>().cwiseSqrt().eval()
+             : Eigen::Vector2d::Zero().eval();
+}
+
+void Estimate::restart_odometry_scale(const Eigen::Vector2d& sigma) {
+  odometry_scale_.setZero();
+  const Index at = layout_.odometry_scale();
+  MatrixXd columns = MatrixXd::Zero(size(), kTriplet);
+  columns.middleRows<kTriplet>(at) = Vector3d(sigma.x() * sigma.x(), sigma.y() * sigma.y(), 1.0).asDiagonal();
+  P_.scatter(std::array<Index, 1>{at}, columns);
+}
+
+void Estimate::move_with_odometry_scale(const Eigen::Matrix<double, 6, 2>& by) {
+  MatrixXd U = MatrixXd::Zero(size(), kTriplet);
+  U.block<6, 2>(L::kPosition, 0) = by;
+  add_couplings(U, std::array<Index, 1>{layout_.odometry_scale()});
 }
 
 }  // namespace limber

@@ -41,14 +41,18 @@ void Estimate::transport(const Eigen::VectorXd& dx) {
   add_couplings(U);
 }
 
-/// P := (I + U Eᵀ) P (I + U Eᵀ)ᵀ, E: the columns of the body's attitude and, if there is one, of the map's
-/// scale. U: size() × coupled_columns().
+/// The same for the columns of the body's attitude and, if there is one, of the map's scale. U: size() ×
+/// coupled_columns().
 void Estimate::add_couplings(const MatrixXd& U) {
   const std::array<Index, 2> to = {L::kAttitude, layout_.map_scale()};
-  const auto triplets = static_cast<std::size_t>(U.cols() / kTriplet);
+  add_couplings(U, std::span(to).first(static_cast<std::size_t>(U.cols() / kTriplet)));
+}
+
+/// P := (I + U Eᵀ) P (I + U Eᵀ)ᵀ, E: the columns of the triplets `to`, as many as U has.
+void Estimate::add_couplings(const MatrixXd& U, std::span<const Index> to) {
   MatrixXd G, own(U.cols(), U.cols());
-  P_.gather(std::span(to).first(triplets), G);
-  for (std::size_t k = 0; k < triplets; ++k) {
+  P_.gather(to, G);
+  for (std::size_t k = 0; k < to.size(); ++k) {
     own.middleRows<kTriplet>(kTriplet * static_cast<Index>(k)) = G.middleRows<kTriplet>(to[k]);
   }
   add_product(G, 0.5, U, own);

@@ -95,6 +95,16 @@ TEST(SetUpRun, DoubtsTheMountOfOdometryOfWhichNobodyStatesHowGoodItIs) {
   EXPECT_FALSE(set_up_run(recording, options).navigator.doubt_odometry_mount);
 }
 
+TEST(SetUpRun, DoubtsTheScaleOfOdometryOfWhichNobodyStatesHowGoodItIs) {
+  Recording recording = without_imu(short_recording());
+  EXPECT_EQ(set_up_run(recording, {}).navigator.odometry_scale, Eigen::Vector2d::Zero());
+  RunOptions options;
+  options.odometry_scale = 0.02;
+  EXPECT_EQ(set_up_run(recording, options).navigator.odometry_scale, Eigen::Vector2d::Constant(0.02));
+  recording.odometry_noise.reset();
+  EXPECT_EQ(set_up_run(recording, {}).navigator.odometry_scale, Eigen::Vector2d::Constant(0.01));
+}
+
 TEST(SetUpRun, AddsTheErrorToTheAssumedRigAndLeavesTheMountingAlone) {
   const Recording recording = short_recording();
   RunOptions options;

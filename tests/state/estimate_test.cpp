@@ -256,6 +256,27 @@ TEST(Estimate, AMountThatShrinksScalesItsMeanItsRowsAndItsColumns) {
   EXPECT_EQ(estimate.more().tail<3>(), mean.tail<3>());
 }
 
+TEST(Estimate, MovesWithTheScaleOfOdometry) {
+  Generator generator(16);
+  StateLayout layout{MotionModel::kOdometry};
+  layout.has_map_scale = layout.has_odometry_scale = true;
+  Estimate estimate = random_map(generator, 7, layout);
+  const Eigen::Index n = estimate.size(), at = layout.odometry_scale();
+  const MatrixXd P = estimate.P().dense();
+  const Eigen::Matrix<double, 6, 2> by = testing::random_normal(generator, 12).reshaped(6, 2);
+  estimate.move_with_odometry_scale(by);
+  MatrixXd moved = MatrixXd::Identity(n, n);
+  moved.block<6, 2>(0, at) = by;
+  EXPECT_LE((estimate.P().dense() - moved * P * moved.transpose()).norm(), 1e-12 * P.norm());
+
+  estimate.restart_odometry_scale({0.01, 0.02});
+  EXPECT_NEAR(estimate.odometry_scale_sigma().x(), 0.01, 1e-15);
+  EXPECT_NEAR(estimate.odometry_scale_sigma().y(), 0.02, 1e-15);
+  EXPECT_EQ(estimate.P().dense().block(0, at, at, 2).norm(), 0.0);
+  estimate.retract(0.003 * Eigen::VectorXd::Unit(n, at + 1));
+  EXPECT_EQ(estimate.odometry_scale(), Eigen::Vector2d(0.0, 0.003));
+}
+
 /// The gain of an update without what it would do to one of the states, and to all that moves with it.
 TEST(Estimate, AScaleThatIsHeldStaysWhatItWasAndAllElseHasTheBestGain) {
   Generator generator(15);
@@ -268,10 +289,10 @@ TEST(Estimate, AScaleThatIsHeldStaysWhatItWasAndAllElseHasTheBestGain) {
   const Eigen::VectorXd residual = testing::random_normal(generator, 5);
   const MatrixXd S = H * P * H.transpose() + MatrixXd::Identity(5, 5);
   const MatrixXd K = P * H.transpose() * S.inverse();
-  const Estimate::MapScale before = estimate.map_scale();
+  const Estimate::Considered before = estimate.considered(at);
   estimate.mutable_P().assign(P - K * S * K.transpose());
   Eigen::VectorXd dx = K * residual;
-  estimate.hold_map_scale(before, dx);
+  estimate.hold(before, dx);
 
   MatrixXd held = K;
   held -= P.col(at) / P(at, at) * K.row(at);

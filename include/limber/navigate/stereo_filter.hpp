@@ -202,8 +202,11 @@ class StereoFilter {
   void renew_mount(double dt);
   void walk_parameters(double dt);
   void notice_motion();
-  /// Of the map's scale as it is, where what tells it is noise; else nothing.
-  [[nodiscard]] std::optional<Estimate::MapScale> scale_to_hold() const;
+  /// adaptive: as long as nothing spoke against the rig.
+  [[nodiscard]] bool trusts_rig() const { return options_.method == Method::kAdaptive && fresh_.is_zero(); }
+  /// Of the map's scale as it is, where what tells it is noise, or of odometry's speeds: what pixels say of
+  /// them are errors of lenses and of linearising. Else nothing.
+  [[nodiscard]] std::optional<Estimate::Considered> scale_to_hold() const;
   /// Whether a length of the baseline can be learned.
   [[nodiscard]] bool tells_length() const { return has_scale(options_.motion) && scale_told_; }
   void learn_from(const ParameterErrorModel& model, const UpdateReport& update, double dt,

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -36,6 +37,11 @@ class Estimate {
   [[nodiscard]] const RigParameters& theta() const { return theta_; }
   /// Parameters beyond theta, true minus assumed, as far as they are in the state.
   [[nodiscard]] const Eigen::Matrix<double, kMoreParameters, 1>& more() const { return more_; }
+  /// True speeds and rates of turn are those of odometry times one plus these [-]; zero where the layout does
+  /// not have them.
+  [[nodiscard]] const Eigen::Vector2d& odometry_scale() const { return odometry_scale_; }
+  /// Standard deviations of that [-].
+  [[nodiscard]] Eigen::Vector2d odometry_scale_sigma() const;
   /// Mean of the witness [plausible errors]; zero without one.
   [[nodiscard]] const Eigen::Matrix<double, 6, 1>& witness() const { return witness_; }
   /// Covariance of the error state: n×n, in the order of layout(), then the map.
@@ -100,17 +106,25 @@ class Estimate {
   /// depths, those that are known best before others; nil without landmarks. Nothing without has_map_scale.
   void refresh_map_scale();
 
-  /// What moves with the map's scale.
-  struct MapScale {
+  /// A state that an update is not to correct, and what moves with it.
+  struct Considered {
+    Eigen::Index at = 0;    ///< in the error state
     Eigen::VectorXd along;  ///< covariances with it over its variance, size()
-    double variance = 0.0;  ///< of the logarithm [-]
+    double variance = 0.0;
   };
-  /// As it is now. For layouts that have one.
-  [[nodiscard]] MapScale map_scale() const;
+  /// As it is now. @param at  in the error state: the map's scale, or that of odometry
+  [[nodiscard]] Considered considered(Eigen::Index at) const;
 
-  /// @brief After an update of P, before retract(): the scale stays what it was, and as unsure (Schmidt), and
+  /// @brief After an update of P, before retract(): the state stays what it was, and as unsure (Schmidt), and
   /// what is beside it is corrected. @param before  the update  @param dx  what retract() is going to do
-  void hold_map_scale(const MapScale& before, Eigen::VectorXd& dx);
+  void hold(const Considered& before, Eigen::VectorXd& dx);
+
+  /// How far off the odometry's scale may be, independent of all else: standard deviations [-]. For layouts
+  /// that have one.
+  void restart_odometry_scale(const Eigen::Vector2d& sigma);
+  /// Carries the covariance along with a prediction. @param by  what position (world) and attitude (body)
+  /// moved by, per unit of the odometry's scale. For layouts that have one.
+  void move_with_odometry_scale(const Eigen::Matrix<double, 6, 2>& by);
 
   /// The witness forgets what it has learned: mean zero, standard deviation `sigma` [plausible errors] each,
   /// correlated with nothing. For layouts that have one.
@@ -188,6 +202,7 @@ class Estimate {
   void transport(const Eigen::VectorXd& dx);
   [[nodiscard]] Eigen::Vector3d displacement_in_epoch(Eigen::Index at) const;
   void add_couplings(const Eigen::MatrixXd& U);
+  void add_couplings(const Eigen::MatrixXd& U, std::span<const Eigen::Index> to);
 
   // The common factor of all lengths: src/state/map_scale.cpp.
   /// A correction of lengths: of their logarithm, and the factor that it stands for.
@@ -262,6 +277,7 @@ class Estimate {
   Eigen::Vector3d centre_of_growth_ = Eigen::Vector3d::Zero();
   More more_ = More::Zero();
   Vector6 witness_ = Vector6::Zero();
+  Eigen::Vector2d odometry_scale_ = Eigen::Vector2d::Zero();
   Covariance P_;
   StateLayout layout_;
   std::vector<Anchor> anchors_;

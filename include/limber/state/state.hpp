@@ -18,8 +18,9 @@
 /// parameters of the calibration; attitude local: R_true = R_est Exp(dtheta), dtheta [rad] in the body frame.
 /// Order: position, attitude, then what the motion model adds, then parameters beyond theta, then theta (of
 /// both, what is estimated or considered), then the witness of the calibration monitor (if any;
-/// limber/update/witness.hpp), then the scale of the map (if no frame tells it), then the triplets of the map
-/// in no particular order (anchors: a position and an attitude triplet; landmarks: one).
+/// limber/update/witness.hpp), then the scale of the map (if no frame tells it), then that of odometry (if it
+/// is in doubt), then the triplets of the map in no particular order (anchors: a position and an attitude
+/// triplet; landmarks: one).
 namespace limber {
 
 /// What drives the prediction, and so what the state holds beside the pose.
@@ -56,6 +57,8 @@ struct StateLayout {
   /// No frame tells a common factor of all lengths (one camera, or a baseline that is constrained): its
   /// error is in the state, so that no update learns it by chance (Estimate::retract).
   bool has_map_scale = false;
+  /// Odometry's speeds and rates of turn may be long or short by constant factors. kOdometry only.
+  bool has_odometry_scale = false;
 
   /// of the position error, world axes [m]
   static constexpr Eigen::Index kPosition = 0;
@@ -95,8 +98,13 @@ struct StateLayout {
   /// Start of the map's scale, valid only if has_map_scale: a triplet of which the first entry counts, the
   /// error of the logarithm [-]; the others are nothing.
   [[nodiscard]] Eigen::Index map_scale() const { return witness() + (has_witness ? 6 : 0); }
+  /// Start of the odometry's scale, valid only if has_odometry_scale: a triplet, the errors of the factors of
+  /// speeds and of rates of turn [-]; the third is nothing.
+  [[nodiscard]] Eigen::Index odometry_scale() const { return map_scale() + (has_map_scale ? kTriplet : 0); }
   /// Start of the map.
-  [[nodiscard]] Eigen::Index map_begin() const { return map_scale() + (has_map_scale ? kTriplet : 0); }
+  [[nodiscard]] Eigen::Index map_begin() const {
+    return odometry_scale() + (has_odometry_scale ? kTriplet : 0);
+  }
 };
 
 /// @brief The body's pose at the initialisation of some landmarks, a clone that stays in the state while they
