@@ -102,9 +102,10 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
                   "Pixel noise [px], white; default: the recording's, else learned")
       ->check(positive());
   command
-      .add_option("--odometry-scale", arguments.odometry_scale,
-                  "By what share odometry's speeds and turns may be long or short all the time, 1σ: 0.02 is "
-                  "2 %; default: 0.01 where its noise is not stated, else 0")
+      .add_option(
+          "--odometry-scale", arguments.odometry_scale,
+          "By what share odometry's speeds may be long or short all the time, 1σ: 0.02 is 2 %; default: "
+          "0.01 where its noise is not stated, else 0")
       ->check(number_that("a number from 0 to 0.5", [](double x) { return x >= 0.0 && x <= 0.5; }));
   add_start_option(command, arguments.start);
   command

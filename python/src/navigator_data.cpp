@@ -54,9 +54,8 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
                               const OdometryNoise& odometry_noise, double gravity,
                               const RigParameters& theta_sigma, bool gate, std::size_t max_landmarks,
                               std::optional<std::size_t> points_per_update, bool learn_pixel_noise,
-                              bool learn_odometry_noise, bool doubt_odometry_mount,
-                              const Eigen::Vector2d& odometry_scale, bool carries_scale,
-                              std::optional<double> false_alarms_per_hour) {
+                              bool learn_odometry_noise, bool doubt_odometry_mount, double odometry_scale,
+                              bool carries_scale, std::optional<double> false_alarms_per_hour) {
   NavigatorOptions options;
   options.method = method_from_string(method);
   options.constraints = constraint_set_from_string(constraints);
@@ -116,8 +115,7 @@ void bind_options(py::module_& module) {
           "learn_odometry_noise: the same of odometry_noise\n"
           "doubt_odometry_mount: the odometer may be turned against the camera by 0.5 deg, otherwise a third "
           "of a second later; as in limber.run where a recording states no noise of odometry\n"
-          "odometry_scale: by what share its speeds and its turns may be long or short all the time, 1 "
-          "sigma\n"
+          "odometry_scale: by what share its speeds may be long or short all the time, 1 sigma\n"
           "carries_scale: False is the paper's filter, too sure of its scale with some hundred points\n"
           "false_alarms_per_hour: of the calibration monitor; None switches it off")
       .def_property_readonly("method",

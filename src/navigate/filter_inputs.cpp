@@ -75,8 +75,8 @@ std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {
 Propagation StereoFilter::propagated(std::int64_t t_ns) const {
   const bool distrusts = estimate_.nav().t_ns < trusted_again_ns_;
   const OdometryNoise odometry = odometry_noise_ ? odometry_noise_->assumed() : options_.odometry_noise;
-  return propagate(estimate_.nav(), steps_to(t_ns), options_, odometry, estimate_.odometry_scale(),
-                   inputs_.usual_interval_s(), distrusts ? distrust_ : MoreNoise{});
+  return propagate(estimate_.nav(), steps_to(t_ns), options_, odometry, inputs_.usual_interval_s(),
+                   distrusts ? distrust_ : MoreNoise{});
 }
 
 void StereoFilter::predict_to(std::int64_t t_ns) {
@@ -86,11 +86,12 @@ void StereoFilter::predict_to(std::int64_t t_ns) {
   const double dt = seconds_between(estimate_.nav().t_ns, t_ns);
   const Propagation to = propagated(t_ns);
   inputs_.forget_before(t_ns);
+  const Eigen::Vector3d way = to.nav.T_world_body.p - estimate_.nav().T_world_body.p;
   estimate_.set_nav(to.nav);
   omega_input_ = to.omega_input;
   estimate_.mutable_P().propagate_leading(to.whole.Phi, to.whole.Q);
   if (estimate_.layout().has_odometry_scale) {
-    estimate_.move_with_odometry_scale(to.by_scale);
+    estimate_.move_with_odometry_scale(way);
   }
   blind_turn_ += to.whole.Q.diagonal().segment<3>(StateLayout::kAttitude).maxCoeff();
   walk_parameters(dt);
@@ -107,9 +108,11 @@ PredictedState StereoFilter::predict(std::int64_t t_ns) const {
   PredictedState out{to.nav, to.whole.Phi * P * to.whole.Phi.transpose() + to.whole.Q};
   if (layout.has_odometry_scale) {
     const Index at = layout.odometry_scale();
-    const MatrixXd with_body = to.whole.Phi * estimate_.P().block(0, at, k, 2) * to.by_scale.transpose();
-    out.body_covariance += with_body + with_body.transpose() +
-                           to.by_scale * estimate_.P().block(at, at, 2, 2) * to.by_scale.transpose();
+    const Eigen::Vector3d way = to.nav.T_world_body.p - estimate_.nav().T_world_body.p;
+    const MatrixXd with_body = to.whole.Phi * estimate_.P().block(0, at, k, 1) * way.transpose();
+    out.body_covariance.leftCols<3>() += with_body;
+    out.body_covariance.topRows<3>() += with_body.transpose();
+    out.body_covariance.topLeftCorner<3, 3>() += estimate_.P().block(at, at, 1, 1)(0) * way * way.transpose();
   }
   return out;
 }

@@ -68,7 +68,7 @@ CalibrationEstimate StereoFilter::calibration_estimate() const {
   if (estimates_theta(options_) && always_has_theta(options_.method)) {
     out.parameters |= theta_parameters();
   }
-  out.trusts_rig = trusts_rig();
+  out.trusts_rig = options_.method == Method::kAdaptive && fresh_.is_zero();
   const StateLayout& layout = estimate_.layout();
   out.error << estimate_.theta() - given_.theta, estimate_.more();
   const auto read_sigma = [&](ParameterBlock block, Index at) {

@@ -41,7 +41,7 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
   layout.has_map_scale =
       leaves_scale_unseen(options, calibration) &&
       (options.carries_scale || options.motion == MotionModel::kOdometry || !initial.landmarks.empty());
-  layout.has_odometry_scale = options.motion == MotionModel::kOdometry && !options.odometry_scale.isZero(0.0);
+  layout.has_odometry_scale = options.motion == MotionModel::kOdometry && options.odometry_scale > 0.0;
   Estimate out(layout, initial.nav, initial.body_covariance, calibration.theta,
                theta_prior(options, calibration).cwiseAbs2().asDiagonal());
   if (initial.landmarks.empty()) {  // a start from the sensors has the world's origin at its own begin
@@ -62,7 +62,7 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
     out.restart_witness(kWidestErrors);
   }
   if (layout.has_odometry_scale) {
-    out.restart_odometry_scale(options.odometry_scale.cwiseMax(kNotEstimated));
+    out.set_odometry_scale_sigma(options.odometry_scale);
   }
   return out;
 }

@@ -13,9 +13,8 @@ namespace limber::detail {
 /// A body's state carried through some steps.
 struct Propagation {
   NavigationState nav;
-  Transition whole;                                                            ///< of all steps
-  Eigen::Vector3d omega_input;                                                 ///< [rad/s], of the last step
-  Eigen::Matrix<double, 6, 2> by_scale = Eigen::Matrix<double, 6, 2>::Zero();  ///< of odometry; pose
+  Transition whole;             ///< of all steps
+  Eigen::Vector3d omega_input;  ///< [rad/s], of the last step
 };
 
 /// @brief Carries the body through the steps by the options' motion model.
@@ -23,12 +22,10 @@ struct Propagation {
 /// Where samples are missing, an IMU's mean goes from what was measured last (or will be measured next) to
 /// none: no rotation and no acceleration, biases kept; odometry's stays what it was. What may have happened
 /// instead is noise.
-/// @param odometry_scale    Estimate::odometry_scale
-/// @param usual_interval_s  between samples; odometry only
+/// @param usual_interval_s   between samples; odometry only
 /// @param more              noise of the inputs beyond all that
 [[nodiscard]] Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& steps,
                                     const NavigatorOptions& options, const OdometryNoise& odometry_noise,
-                                    const Eigen::Vector2d& odometry_scale, double usual_interval_s,
-                                    const MoreNoise& more);
+                                    double usual_interval_s, const MoreNoise& more);
 
 }  // namespace limber::detail

@@ -24,18 +24,6 @@ void add_integrated_noise(MatrixXd& Q, Index position, Index velocity, double de
   Q.block<3, 3>(velocity, velocity) += I * (q * dt);
 }
 
-/// d(pose) / d(v, omega) of a step of odometry from the attitude R.
-Eigen::Matrix<double, 6, 6> odometry_input_jacobian(const Matrix3d& R, const Vector3d& v_body,
-                                                    const Vector3d& omega_body, double dt) {
-  const Vector3d turn = omega_body * dt;
-  const Matrix3d R_mid = R * so3_exp(0.5 * turn);
-  Eigen::Matrix<double, 6, 6> G = Eigen::Matrix<double, 6, 6>::Zero();
-  G.block<3, 3>(L::kPosition, 0) = dt * R_mid;
-  G.block<3, 3>(L::kPosition, 3) = -dt * R_mid * skew(v_body) * so3_right_jacobian(0.5 * turn) * (0.5 * dt);
-  G.block<3, 3>(L::kAttitude, 3) = dt * so3_right_jacobian(turn);
-  return G;
-}
-
 }  // namespace
 
 Transition predict_imu(NavigationState& state, const Vector3d& omega_imu, const Vector3d& accel_imu,
@@ -93,14 +81,6 @@ Transition predict_constant_velocity(NavigationState& state, double dt, const Co
   return step;
 }
 
-Eigen::Matrix<double, 6, 2> odometry_scale_jacobian(const NavigationState& state, const Vector3d& v_body,
-                                                    const Vector3d& omega_body, double dt) {
-  Eigen::Matrix<double, 6, 2> inputs = Eigen::Matrix<double, 6, 2>::Zero();
-  inputs.col(0).head<3>() = v_body;
-  inputs.col(1).tail<3>() = omega_body;
-  return odometry_input_jacobian(state.T_world_body.R, v_body, omega_body, dt) * inputs;
-}
-
 Transition predict_odometry(NavigationState& state, const Vector3d& v_body, const Vector3d& omega_body,
                             double dt, const OdometryNoise& noise) {
   const Vector3d turn = omega_body * dt;
@@ -111,8 +91,11 @@ Transition predict_odometry(NavigationState& state, const Vector3d& v_body, cons
   step.Phi.block<3, 3>(L::kPosition, L::kAttitude) = -dt * R * skew(half * v_body);
   step.Phi.block<3, 3>(L::kAttitude, L::kAttitude) = so3_exp(-turn);
 
-  // The noise of the inputs is one draw per step.
-  const Eigen::Matrix<double, 6, 6> G = odometry_input_jacobian(R, v_body, omega_body, dt);
+  // Inputs (v, omega) enter through G; their noise is one draw per step.
+  Eigen::Matrix<double, 6, 6> G = Eigen::Matrix<double, 6, 6>::Zero();
+  G.block<3, 3>(L::kPosition, 0) = dt * R_mid;
+  G.block<3, 3>(L::kPosition, 3) = -dt * R_mid * skew(v_body) * so3_right_jacobian(0.5 * turn) * (0.5 * dt);
+  G.block<3, 3>(L::kAttitude, 3) = dt * so3_right_jacobian(turn);
   Eigen::Matrix<double, 6, 1> sigma;
   sigma << noise.sigma_v, noise.sigma_omega;
   step.Q = G * sigma.cwiseAbs2().asDiagonal() * G.transpose();

@@ -199,13 +199,6 @@ std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method
         "sample; beside it {:.0f} % of the speed are assumed",
         v.x(), v.y(), v.z(), omega.x(), omega.y(), omega.z(), 100.0 * LearnedOdometryNoise::kLasting));
   }
-  if (record.odometry_scale) {
-    const auto& [error, sigma] = *record.odometry_scale;
-    remarks.push_back(fmt::format(
-        "speeds of odometry are taken for right to {:.2g} %, and so are all lengths; true turns are larger "
-        "than those of odometry by {:.2f} ± {:.2f} %",
-        100.0 * sigma.x(), 100.0 * error.y(), 100.0 * sigma.y()));
-  }
   if (dof > 0.0 && nis > kSuspiciousNis * dof) {
     remarks.push_back(fmt::format(
         "NIS per degree of freedom is {:.3g}, 1 is expected: the measurements contradict the model; is the "

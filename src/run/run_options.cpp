@@ -18,7 +18,7 @@ constexpr double kSmallestSigmaPx = 1e-6, kLargestSigmaPx = 1e3;
 // Pixel noise where the recording says nothing: limber's own front end, and somebody's tracks.
 constexpr double kImageSigmaPx = 0.5;
 constexpr double kTrackSigmaPx = 1.0;
-constexpr double kOdometryScale = 0.01;  // [-]: what tyres and tracks of wheels are known to
+constexpr double kOdometryScale = 0.01;  // [-]: what the size of a wheel is known to
 /// Errors of the front end's points last as long as their tracks, so that more of them say hardly more
 /// (docs/evidence/peers.md).
 constexpr std::size_t kImagePointsPerUpdate = 80;
@@ -73,15 +73,14 @@ void choose_noise(const SensorData& sensors, const RunOptions& options, RunSetup
   if (navigator.motion == MotionModel::kOdometry) {
     navigator.learn_odometry_noise = !sensors.odometry_noise;
     navigator.doubt_odometry_mount = options.doubt_odometry_mount.value_or(!sensors.odometry_noise);
-    navigator.odometry_scale.setConstant(
-        options.odometry_scale.value_or(sensors.odometry_noise ? 0.0 : kOdometryScale));
+    navigator.odometry_scale = options.odometry_scale.value_or(sensors.odometry_noise ? 0.0 : kOdometryScale);
     take(
         sensors.odometry_noise, navigator.odometry_noise,
-        fmt::format("odometry noise not given: learned, from {} m/s and {} rad/s per sample on{}; speeds and "
-                    "turns may be {:.3g} % long or short all the time (--odometry-scale)",
+        fmt::format("odometry noise not given: learned, from {} m/s and {} rad/s per sample on{}; its speeds "
+                    "may be {:.3g} % long or short all the time, and so may all lengths (--odometry-scale)",
                     navigator.odometry_noise.sigma_v.x(), navigator.odometry_noise.sigma_omega.x(),
                     navigator.doubt_odometry_mount ? "; its mount may be off by 0.5 deg" : "",
-                    100.0 * navigator.odometry_scale.x()),
+                    100.0 * navigator.odometry_scale),
         setup);
   }
   // A recording that states the noise of its pixels is a simulated one: from the truth on, its filter is the

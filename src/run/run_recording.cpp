@@ -115,9 +115,6 @@ void take_end(const Navigator& navigator, RunRecord& record) {
   if (const LearnedOdometryNoise* learned = navigator.odometry_noise(); learned && learned->knows()) {
     record.odometry_noise = learned->white();
   }
-  if (estimate.layout().has_odometry_scale) {
-    record.odometry_scale = {estimate.odometry_scale(), estimate.odometry_scale_sigma()};
-  }
 }
 
 void keep(const StereoFrame& frame, std::deque<StereoFrame>& last) {

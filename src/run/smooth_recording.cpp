@@ -78,8 +78,9 @@ FrameReport frame_report(const SmoothedFrame& frame, double dof_per_row) {
   return out;
 }
 
+/// @param odometry_scale  NavigatorOptions::odometry_scale, zero where something else drives the motion
 RunRecord to_record(const SmootherResult& result, const StereoCalibration& given,
-                    const SmootherOptions& options) {
+                    const SmootherOptions& options, double odometry_scale) {
   RunRecord out;
   out.motion = options.motion;
   double rows = 0.0, squares = 0.0;
@@ -90,8 +91,13 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
   const double misfit =
       result.squared_residuals / static_cast<double>(std::max<std::ptrdiff_t>(1, result.dof));
   const double dof_per_row = rows > 0.0 && misfit > 0.0 ? std::min(1.0, squares / (misfit * rows)) : 0.0;
+  const Eigen::Vector3d first = result.frames.front().nav.T_world_body.p;
   for (const SmoothedFrame& frame : result.frames) {
     out.trajectory.push_back(row_of(frame, options.motion));
+    if (out.trajectory.back().covariance) {  // lengths are known no better than odometry's scale
+      const Eigen::Vector3d by_scale = odometry_scale * (frame.nav.T_world_body.p - first);
+      out.trajectory.back().covariance->topLeftCorner<3, 3>() += by_scale * by_scale.transpose();
+    }
     out.frames.push_back(frame_report(frame, dof_per_row));
     const CalibrationRow row = calibration_row(frame, given, options);
     if (row.estimate.parameters.any()) {
@@ -105,9 +111,6 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
   out.landmarks = result.landmarks;
   out.theta = result.frames.back().theta;
   out.theta_assumed = given.theta;
-  if (!result.odometry_scale_sigma.isZero(0.0)) {
-    out.odometry_scale = {result.odometry_scale, result.odometry_scale_sigma};
-  }
   if (misfit > kLargestMisfit) {
     out.notes.push_back(fmt::format(
         "squared residuals are {:.1f} times what the noise says: sigmas are too small by about {:.1f}",
@@ -255,7 +258,8 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
   if (!result.converged) {
     throw std::runtime_error(fmt::format("smooth: no solution after {} iterations", result.iterations));
   }
-  RunRecord record = to_record(result, setup.calibration, how);
+  RunRecord record = to_record(result, setup.calibration, how,
+                               how.motion == MotionModel::kOdometry ? setup.navigator.odometry_scale : 0.0);
   record.recording_partial = recording.partial;
   record.frames_of_recording = frame_count(recording);
   notes.push_back(fmt::format("smoothed over {}, theta {}: {} iterations", frames_at_once(frames, options),

@@ -113,7 +113,6 @@ SmootherOptions smoother_options(const SensorData& sensors, const SmoothOptions&
   SmootherOptions out;
   out.motion = navigator.motion;
   out.noise = {navigator.imu_noise, odometry_noise(navigator, sensors), navigator.constant_velocity_noise};
-  out.odometry_scale = navigator.odometry_scale;
   out.sigma_px = navigator.sigma_px;
   out.gravity = navigator.gravity;
   out.rig = options.rig;

@@ -111,11 +111,6 @@ Json to_json(const OdometryNoise& noise) {
   return {{"sigma_v", list(noise.sigma_v)}, {"sigma_w", list(noise.sigma_omega)}};
 }
 
-Json to_json(const OdometryScale& scale) {
-  return {{"speed", {{"error", scale.error.x()}, {"sigma", scale.sigma.x()}}},
-          {"turn", {{"error", scale.error.y()}, {"sigma", scale.sigma.y()}}}};
-}
-
 Json to_json(const FrameTime& time) { return {{"p50", time.p50}, {"p99", time.p99}, {"worst", time.worst}}; }
 
 Json to_json(const CleaningReport& report) {
@@ -200,7 +195,6 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["options"] = to_json(options);
   json["pixel_noise"] = record.pixel_noise ? to_json(*record.pixel_noise) : Json(nullptr);
   json["odometry_noise"] = record.odometry_noise ? to_json(*record.odometry_noise) : Json(nullptr);
-  json["odometry_scale"] = record.odometry_scale ? to_json(*record.odometry_scale) : Json(nullptr);
   json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start) : Json(nullptr);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
   json["truth_tilt_deg"] = or_null(s.truth_tilt_deg);

@@ -17,7 +17,6 @@ using MotionBlock = std::array<double, 9>;
 
 inline constexpr int kPoseBlock = 7;
 inline constexpr int kPoseTangent = 6;
-inline constexpr int kScaleBlock = 2;  ///< of odometry: speeds, rates of turn
 
 [[nodiscard]] inline int motion_size(MotionModel motion) {
   return static_cast<int>(StateLayout{motion}.body_size() - StateLayout::kPoseSize);

@@ -112,7 +112,6 @@ class MovingHorizon {
     for (const auto& [id, place] : result.landmarks) {
       out_.landmarks[id] = place;
     }
-    out_.odometry_scale = result.odometry_scale;
     out_.squared_residuals += result.squared_residuals;
     out_.dof += result.dof;
     out_.iterations += result.iterations;

@@ -13,18 +13,16 @@
 /// The terms of the least-squares problem: whitened residuals with hand-made derivatives.
 namespace limber::detail {
 
-/// Two states and the inputs between them. Blocks: pose, motion, pose, motion (odometry: the two poses; its
-/// scale, if that is in doubt).
+/// Two states and the inputs between them. Blocks: pose, motion, pose, motion (odometry: the two poses).
 class MotionFactor : public ceres::CostFunction {
  public:
   /// @throws UnsolvableError if the covariance of what lies between is not positive definite
-  MotionFactor(MotionBetween between, double gravity, bool with_scale = false);
+  MotionFactor(MotionBetween between, double gravity);
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override;
 
  private:
   MotionBetween between_;
   double gravity_;
-  bool with_scale_;
   Eigen::MatrixXd whitener_;  // L⁻¹, Q = L Lᵀ
 };
 

@@ -14,10 +14,9 @@ namespace limber::detail {
 struct KnownState {
   NavigationState nav;
   RigParameters theta = RigParameters::Zero();
-  Eigen::Vector2d odometry_scale = Eigen::Vector2d::Zero();
   Eigen::Matrix<double, kMoreParameters, 1> more = Eigen::Matrix<double, kMoreParameters, 1>::Zero();
-  /// Of pose, motion, theta (if it is one with that of later frames), odometry's scale (if it is in doubt)
-  /// and the free ones of `more`, in this order.
+  /// Of pose, motion, theta (if it is one with that of later frames) and the free ones of `more`, in this
+  /// order.
   Eigen::MatrixXd covariance;
   std::int64_t origin_ns = 0;  ///< where the first piece of a rig began
 };

@@ -24,7 +24,6 @@ constexpr double kHuberWidth = 3.0, kCauchyWidth = 2.0;  // [standard deviations
 /// Plausible errors that a free rig may be off by: none that pixels can tell from any number of them.
 constexpr double kFreeErrors = 1e4;
 constexpr double kTrustedLength = 1e-6;  // of the baseline
-constexpr double kTrustedScale = 1e-6;   // [-], of odometry
 
 std::unique_ptr<ceres::LossFunction> make_loss(RobustLoss loss) {
   switch (loss) {
@@ -84,10 +83,6 @@ VectorXd state_in_blocks(MotionModel motion, const NavigationState& nav) {
 
 }  // namespace
 
-bool doubts_odometry_scale(const SmootherOptions& options) {
-  return options.motion == MotionModel::kOdometry && !options.odometry_scale.isZero(0.0);
-}
-
 std::vector<Index> free_parameters(const SmootherOptions& options) {
   std::vector<Index> out;
   for (Index k = 0; k < kMoreParameters; ++k) {
@@ -138,16 +133,12 @@ LeastSquares::LeastSquares(const SmootherInput& input, const StereoCalibration& 
       known_(known),
       with_theta_(options.rig != RigModel::kTrusted),
       with_more_(!options.estimated.tail<kMoreParameters>().isZero(0.0)),
-      with_scale_(doubts_odometry_scale(options)),
       rigs_(calibration, unknowns, with_more_),
       loss_(make_loss(loss)),
       problem_(std::make_unique<ceres::Problem>(problem_options(&rigs_))) {
   add_states(between);
   if (with_theta_) {
     add_rigs(input.frames);
-  }
-  if (with_scale_) {
-    add_odometry_scale();
   }
   if (with_more_) {
     add_parameters();
@@ -187,10 +178,7 @@ void LeastSquares::add_states(std::span<const MotionBetween> between) {
     std::vector<double*> blocks = blocks_of(k);
     const std::vector<double*> next = blocks_of(k + 1);
     blocks.insert(blocks.end(), next.begin(), next.end());
-    if (with_scale_) {
-      blocks.push_back(unknowns_.odometry_scale.data());
-    }
-    problem_->AddResidualBlock(new MotionFactor(between[k], options_.gravity, with_scale_), nullptr, blocks);
+    problem_->AddResidualBlock(new MotionFactor(between[k], options_.gravity), nullptr, blocks);
   }
 }
 
@@ -216,9 +204,6 @@ void LeastSquares::add_known() {
   MatrixXd A = whitener;
   if (outlives_a_frame(options_.rig)) {
     append(unknowns_.theta.front().data(), known_->theta);
-  }
-  if (with_scale_) {
-    append(unknowns_.odometry_scale.data(), known_->odometry_scale);
   }
   if (with_more_) {
     append(unknowns_.more.data(), known_->more);
@@ -258,19 +243,6 @@ void LeastSquares::add_rigs(std::span<const StereoFrame> frames) {
       problem_->AddResidualBlock(new BlockPrior({kBlockSize}, calibration_.theta, length, VectorXd::Zero(1)),
                                  nullptr, unknowns_.theta[k].data());
     }
-  }
-}
-
-void LeastSquares::add_odometry_scale() {
-  double* scale = unknowns_.odometry_scale.data();
-  problem_->AddParameterBlock(scale, kScaleBlock);
-  columns_.kept.push_back(scale);
-  if (known_ == nullptr) {
-    const MatrixXd A = options_.odometry_scale.cwiseMax(kTrustedScale).cwiseInverse().asDiagonal();
-    problem_->AddResidualBlock(
-        new BlockPrior({kScaleBlock}, VectorXd::Zero(kScaleBlock), A, VectorXd::Zero(kScaleBlock)), nullptr,
-        scale);
-    vague_rows_ += kScaleBlock;
   }
 }
 

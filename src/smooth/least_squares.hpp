@@ -23,7 +23,6 @@ struct Unknowns {
   std::vector<MotionBlock> motion;    ///< one per frame; unused for odometry
   std::vector<RigParameters> theta;   ///< one per piece; the calibration's where it is trusted
   std::vector<std::size_t> theta_of;  ///< piece of each frame
-  Eigen::Vector2d odometry_scale = Eigen::Vector2d::Zero();
   Eigen::Matrix<double, kMoreParameters, 1> more = Eigen::Matrix<double, kMoreParameters, 1>::Zero();
 };
 
@@ -46,7 +45,7 @@ struct Columns {
   std::vector<double*> landmarks;  ///< three wide, independent of each other
   std::vector<int> cells;          ///< of each landmark: part of the left image that it was first seen in
   std::vector<double*> chain;      ///< velocities, biases: each coupled with its neighbours alone
-  std::vector<double*> kept;       ///< poses, the last motion, theta, odometry's scale, other parameters
+  std::vector<double*> kept;       ///< poses, the last motion, theta, other parameters
   const double* rig = nullptr;     ///< theta, where it is one of all frames
 };
 
@@ -72,7 +71,6 @@ class LeastSquares {
   void add_known();
   void add_rigs(std::span<const StereoFrame> frames);
   void add_parameters();
-  void add_odometry_scale();
   [[nodiscard]] std::vector<double*> blocks_of(std::size_t frame);
   void add_track(Track& track, const SmootherInput& input);
 
@@ -81,7 +79,7 @@ class LeastSquares {
   Unknowns& unknowns_;
   std::vector<Track>& tracks_;
   const KnownState* known_;
-  bool with_theta_, with_more_, with_scale_;
+  bool with_theta_, with_more_;
   Rigs rigs_;
   std::unique_ptr<ceres::LossFunction> loss_;
   std::unique_ptr<ceres::Problem> problem_;
@@ -89,9 +87,6 @@ class LeastSquares {
   Columns columns_;
   int vague_rows_ = 0;
 };
-
-/// Odometry drives the motion, and its scale is in doubt.
-[[nodiscard]] bool doubts_odometry_scale(const SmootherOptions& options);
 
 /// Which of the parameters beyond theta are estimated, counted from the first of these.
 [[nodiscard]] std::vector<Eigen::Index> free_parameters(const SmootherOptions& options);

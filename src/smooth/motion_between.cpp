@@ -34,15 +34,11 @@ void write_attitude(const Matrix3d& predicted, const NavigationState& from, cons
   out.J_to.block<3, 3>(L::kAttitude, L::kAttitude) = J;
 }
 
-/// Derivative of the attitude's error by what turned the prediction: predicted = ... Exp(phi).
-Matrix3d by_turned_prediction(const Vector3d& phi, const MotionError& out) {
-  const Vector3d error = out.error.segment<3>(L::kAttitude);
-  return -so3_right_jacobian_inverse(error) * so3_exp(error).transpose() * so3_right_jacobian(phi);
-}
-
-/// The part of the first state that turned the prediction: phi = Phi x.
+/// The part of the first state that turned the prediction: predicted = ... Exp(phi), phi = Phi x.
 void write_turned_prediction(const Vector3d& phi, const Matrix3d& J_phi, Index column, MotionError& out) {
-  out.J_from.block<3, 3>(L::kAttitude, column) = by_turned_prediction(phi, out) * J_phi;
+  const Vector3d error = out.error.segment<3>(L::kAttitude);
+  out.J_from.block<3, 3>(L::kAttitude, column) =
+      -so3_right_jacobian_inverse(error) * so3_exp(error).transpose() * so3_right_jacobian(phi) * J_phi;
 }
 
 /// e = to − from.
@@ -90,17 +86,11 @@ MotionError imu_error(const MotionBetween& b, const NavigationState& from, const
   return out;
 }
 
-MotionError odometry_error(const MotionBetween& b, const NavigationState& from, const NavigationState& to,
-                           const Eigen::Vector2d& scale) {
+MotionError odometry_error(const MotionBetween& b, const NavigationState& from, const NavigationState& to) {
   MotionError out = zero_error(b.motion);
-  const Eigen::Matrix<double, 6, 1> scaled = b.by_scale * scale;
-  const Vector3d turn = scaled.segment<3>(L::kAttitude);
-  write_seen(from.T_world_body.R, to.T_world_body.p - from.T_world_body.p,
-             b.delta.T_world_body.p + scaled.segment<3>(L::kPosition), L::kPosition, out);
-  write_attitude(b.delta.T_world_body.R * so3_exp(turn), from, to, out);
-  out.J_scale.middleRows<3>(L::kPosition) = -b.by_scale.middleRows<3>(L::kPosition);
-  out.J_scale.middleRows<3>(L::kAttitude) =
-      by_turned_prediction(turn, out) * b.by_scale.middleRows<3>(L::kAttitude);
+  write_seen(from.T_world_body.R, to.T_world_body.p - from.T_world_body.p, b.delta.T_world_body.p,
+             L::kPosition, out);
+  write_attitude(b.delta.T_world_body.R, from, to, out);
   return out;
 }
 
@@ -145,14 +135,9 @@ MotionBetween motion_between(MotionModel motion, double dt, std::span<const Inpu
     return out;
   }
   for (const InputStep& step : inputs) {
-    const NavigationState before = out.delta;
     const Transition part = advance(out.delta, from, motion, step, noise, sample_interval_s, gravity);
     out.Phi = part.Phi * out.Phi;
     out.Q = part.Phi * out.Q * part.Phi.transpose() + part.Q;
-    if (motion == MotionModel::kOdometry) {
-      out.by_scale =
-          part.Phi * out.by_scale + odometry_scale_jacobian(before, step.linear, step.angular, step.dt);
-    }
   }
   if (motion == MotionModel::kImu) {
     out.Q.diagonal().tail<6>().array() += kLeastBiasWalk * kLeastBiasWalk;
@@ -161,12 +146,12 @@ MotionBetween motion_between(MotionModel motion, double dt, std::span<const Inpu
 }
 
 MotionError motion_error(const MotionBetween& between, const NavigationState& from, const NavigationState& to,
-                         double gravity, const Eigen::Vector2d& scale) {
+                         double gravity) {
   switch (between.motion) {
     case MotionModel::kImu:
       return imu_error(between, from, to, gravity);
     case MotionModel::kOdometry:
-      return odometry_error(between, from, to, scale);
+      return odometry_error(between, from, to);
     case MotionModel::kConstantVelocity:
       break;
   }

@@ -24,11 +24,8 @@ MatrixXd whitener_of(const MatrixXd& covariance) {
   return whitener;
 }
 
-MotionFactor::MotionFactor(MotionBetween between, double gravity, bool with_scale)
-    : between_(std::move(between)),
-      gravity_(gravity),
-      with_scale_(with_scale),
-      whitener_(whitener_of(between_.Q)) {
+MotionFactor::MotionFactor(MotionBetween between, double gravity)
+    : between_(std::move(between)), gravity_(gravity), whitener_(whitener_of(between_.Q)) {
   const int extra = motion_size(between_.motion);
   set_num_residuals(static_cast<int>(between_.Q.rows()));
   for (int side = 0; side < 2; ++side) {
@@ -37,18 +34,14 @@ MotionFactor::MotionFactor(MotionBetween between, double gravity, bool with_scal
       mutable_parameter_block_sizes()->push_back(extra);
     }
   }
-  if (with_scale_) {
-    mutable_parameter_block_sizes()->push_back(kScaleBlock);
-  }
 }
 
 bool MotionFactor::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
   const bool has_motion = between_.motion != MotionModel::kOdometry;
-  const int to = has_motion ? 2 : 1, scale = 2 * to;
+  const int to = has_motion ? 2 : 1;
   const MotionError e =
       motion_error(between_, state_of(between_.motion, blocks[0], has_motion ? blocks[1] : nullptr),
-                   state_of(between_.motion, blocks[to], has_motion ? blocks[3] : nullptr), gravity_,
-                   with_scale_ ? Eigen::Vector2d(blocks[scale]) : Eigen::Vector2d::Zero());
+                   state_of(between_.motion, blocks[to], has_motion ? blocks[3] : nullptr), gravity_);
   const Index n = e.error.size();
   Eigen::Map<Eigen::VectorXd>(residuals, n) = whitener_ * e.error;
   if (jacobians == nullptr) {
@@ -64,10 +57,6 @@ bool MotionFactor::Evaluate(double const* const* blocks, double* residuals, doub
     if (has_motion && jacobians[side + 1] != nullptr) {
       Eigen::Map<RowMajor>(jacobians[side + 1], n, n - kPoseTangent) = J.rightCols(n - kPoseTangent);
     }
-  }
-  if (with_scale_ && jacobians[scale] != nullptr) {
-    Eigen::Map<Eigen::Matrix<double, 6, kScaleBlock, Eigen::RowMajor>>{jacobians[scale]} =
-        whitener_ * e.J_scale;
   }
   return true;
 }

@@ -141,7 +141,6 @@ void Smoothing::place_rigs() {
   unknowns_.theta.assign(pieces, is_known ? known_->theta : calibration_.theta);
   if (known_ != nullptr) {
     unknowns_.more = known_->more;
-    unknowns_.odometry_scale = known_->odometry_scale;
   }
 }
 
@@ -245,7 +244,6 @@ SmootherResult Smoothing::result() {
     frame.theta_covariance.setZero();
     frame.error.tail<kMoreParameters>() = unknowns_.more;
   }
-  out.odometry_scale = unknowns_.odometry_scale;
   count_pixels(out);
   if (options_.covariance) {
     add_covariances(out);
@@ -293,10 +291,6 @@ void Smoothing::add_covariances(SmootherResult& out) {
   for (std::size_t k = 0; k < out.frames.size(); ++k) {
     add_covariances(marginals, k, out.frames[k]);
   }
-  if (doubts_odometry_scale(options_)) {
-    out.odometry_scale_sigma =
-        marginals.of(unknowns_.odometry_scale.data(), kScaleBlock).diagonal().cwiseSqrt();
-  }
   if (options_.rig == RigModel::kConstant) {
     const double* const theta = unknowns_.theta.front().data();
     const Eigen::Matrix<double, 6, 6> information = out.frames.front().theta_covariance.inverse();
@@ -336,17 +330,10 @@ KnownState Smoothing::newest(SmoothedFrame& frame) {
   if (outlives_a_frame(options_.rig)) {
     blocks.push_back({unknowns_.theta[unknowns_.theta_of[last]].data(), kRigSize});
   }
-  if (doubts_odometry_scale(options_)) {
-    blocks.push_back({unknowns_.odometry_scale.data(), kScaleBlock});
-  }
   if (const std::vector<Index> free = free_parameters(options_); !free.empty()) {
     blocks.push_back({unknowns_.more.data(), static_cast<int>(free.size())});
   }
-  return {frame.nav,
-          frame.theta,
-          unknowns_.odometry_scale,
-          unknowns_.more,
-          marginals.of(blocks),
+  return {frame.nav, frame.theta, unknowns_.more, marginals.of(blocks),
           known_ != nullptr ? known_->origin_ns : input_.frames.front().t_ns};
 }
 

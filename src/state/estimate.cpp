@@ -89,9 +89,6 @@ void Estimate::retract(const Eigen::VectorXd& dx, const ScaleShares& grows) {
   if (layout_.has_witness) {
     witness_ += dx.segment<6>(layout_.witness());
   }
-  if (layout_.has_odometry_scale) {
-    odometry_scale_ += dx.segment<2>(layout_.odometry_scale());
-  }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     retract_triplet(active_blocks_[k],
                     moved.segment<3>(layout_.map_begin() + kTriplet * static_cast<Index>(k)));

@@ -11,6 +11,7 @@
 namespace limber {
 
 using Eigen::Index;
+using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -182,23 +183,13 @@ void Estimate::hold(const Considered& before, VectorXd& dx) {
   }
 }
 
-Eigen::Vector2d Estimate::odometry_scale_sigma() const {
-  return layout_.has_odometry_scale
-             ? P_.diagonal_block<kTriplet>(layout_.odometry_scale()).diagonal().head<2>().cwiseSqrt().eval()
-             : Eigen::Vector2d::Zero().eval();
+void Estimate::set_odometry_scale_sigma(double sigma) {
+  P_.set_diagonal_block(layout_.odometry_scale(), Matrix3d(Vector3d(sigma * sigma, 1.0, 1.0).asDiagonal()));
 }
 
-void Estimate::restart_odometry_scale(const Eigen::Vector2d& sigma) {
-  odometry_scale_.setZero();
-  const Index at = layout_.odometry_scale();
-  MatrixXd columns = MatrixXd::Zero(size(), kTriplet);
-  columns.middleRows<kTriplet>(at) = Vector3d(sigma.x() * sigma.x(), sigma.y() * sigma.y(), 1.0).asDiagonal();
-  P_.scatter(std::array<Index, 1>{at}, columns);
-}
-
-void Estimate::move_with_odometry_scale(const Eigen::Matrix<double, 6, 2>& by) {
+void Estimate::move_with_odometry_scale(const Vector3d& by) {
   MatrixXd U = MatrixXd::Zero(size(), kTriplet);
-  U.block<6, 2>(L::kPosition, 0) = by;
+  U.block<kTriplet, 1>(L::kPosition, 0) = by;
   add_couplings(U, std::array<Index, 1>{layout_.odometry_scale()});
 }
 

@@ -41,7 +41,7 @@ void Estimate::transport(const Eigen::VectorXd& dx) {
   add_couplings(U);
 }
 
-/// The same for the columns of the body's attitude and, if there is one, of the map's scale. U: size() ×
+/// E: the columns of the body's attitude and, if there is one, of the map's scale. U: size() ×
 /// coupled_columns().
 void Estimate::add_couplings(const MatrixXd& U) {
   const std::array<Index, 2> to = {L::kAttitude, layout_.map_scale()};

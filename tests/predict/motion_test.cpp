@@ -84,25 +84,6 @@ TEST(PredictOdometry, PhiMatchesCentralDifferences) {
   });
 }
 
-TEST(PredictOdometry, ScaleJacobianMatchesCentralDifferences) {
-  Generator generator(14);
-  for (const Step& step : steps(generator)) {
-    const NavigationState state = random_navigation_state(generator);
-    const auto moved = [&](const VectorXd& scale) {
-      NavigationState s = state;
-      (void)predict_odometry(s, (1.0 + scale(0)) * step.second, (1.0 + scale(1)) * step.first, step.dt, {});
-      return s;
-    };
-    const NavigationState reference = moved(VectorXd::Zero(2));
-    check_jacobian(
-        odometry_scale_jacobian(state, step.second, step.first, step.dt),
-        [&](const VectorXd& scale) -> VectorXd {
-          return error_between(moved(scale), reference, MotionModel::kOdometry);
-        },
-        1e-7);
-  }
-}
-
 TEST(PredictOdometry, QIsTheNoiseOfTheInputsThroughTheirNumericJacobian) {
   Generator generator(4);
   OdometryNoise noise;

@@ -97,12 +97,12 @@ TEST(SetUpRun, DoubtsTheMountOfOdometryOfWhichNobodyStatesHowGoodItIs) {
 
 TEST(SetUpRun, DoubtsTheScaleOfOdometryOfWhichNobodyStatesHowGoodItIs) {
   Recording recording = without_imu(short_recording());
-  EXPECT_EQ(set_up_run(recording, {}).navigator.odometry_scale, Eigen::Vector2d::Zero());
+  EXPECT_EQ(set_up_run(recording, {}).navigator.odometry_scale, 0.0);
   RunOptions options;
   options.odometry_scale = 0.02;
-  EXPECT_EQ(set_up_run(recording, options).navigator.odometry_scale, Eigen::Vector2d::Constant(0.02));
+  EXPECT_EQ(set_up_run(recording, options).navigator.odometry_scale, 0.02);
   recording.odometry_noise.reset();
-  EXPECT_EQ(set_up_run(recording, {}).navigator.odometry_scale, Eigen::Vector2d::Constant(0.01));
+  EXPECT_EQ(set_up_run(recording, {}).navigator.odometry_scale, 0.01);
 }
 
 TEST(SetUpRun, AddsTheErrorToTheAssumedRigAndLeavesTheMountingAlone) {

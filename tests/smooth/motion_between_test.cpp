@@ -105,26 +105,6 @@ TEST(MotionBetween, DerivativesMeetCentralDifferences) {
   }
 }
 
-TEST(MotionBetween, OfOdometryFollowsItsScale) {
-  Generator generator(7);
-  const NavigationState from = random_navigation_state(generator);
-  const auto steps = random_steps(generator, 10);
-  const MotionBetween summed = between(MotionModel::kOdometry, steps, from);
-  const Eigen::Vector2d scale(0.02, -0.03);
-  std::vector<InputStep> scaled = steps;
-  for (InputStep& step : scaled) {
-    step.linear *= 1.0 + scale.x();
-    step.angular *= 1.0 + scale.y();
-  }
-  const NavigationState to = predicted(MotionModel::kOdometry, scaled, from);
-  EXPECT_LT(motion_error(summed, from, to, kGravity, scale).error.norm(), 1e-5);  // of second order
-  EXPECT_GT(motion_error(summed, from, to, kGravity).error.norm(), 1e-3);
-  testing::check_jacobian(motion_error(summed, from, to, kGravity, scale).J_scale,
-                          [&](const VectorXd& d) -> VectorXd {
-                            return motion_error(summed, from, to, kGravity, scale + Eigen::Vector2d(d)).error;
-                          });
-}
-
 TEST(MotionBetween, CovarianceIsThatOfManyNoisyRuns) {
   Generator generator(6);
   MotionNoise noise;

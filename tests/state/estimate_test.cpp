@@ -263,18 +263,11 @@ TEST(Estimate, MovesWithTheScaleOfOdometry) {
   Estimate estimate = random_map(generator, 7, layout);
   const Eigen::Index n = estimate.size(), at = layout.odometry_scale();
   const MatrixXd P = estimate.P().dense();
-  const Eigen::Matrix<double, 6, 2> by = testing::random_normal(generator, 12).reshaped(6, 2);
-  estimate.move_with_odometry_scale(by);
+  const Eigen::Vector3d way = testing::random_normal(generator, 3);
+  estimate.move_with_odometry_scale(way);
   MatrixXd moved = MatrixXd::Identity(n, n);
-  moved.block<6, 2>(0, at) = by;
+  moved.block<3, 1>(StateLayout::kPosition, at) = way;
   EXPECT_LE((estimate.P().dense() - moved * P * moved.transpose()).norm(), 1e-12 * P.norm());
-
-  estimate.restart_odometry_scale({0.01, 0.02});
-  EXPECT_NEAR(estimate.odometry_scale_sigma().x(), 0.01, 1e-15);
-  EXPECT_NEAR(estimate.odometry_scale_sigma().y(), 0.02, 1e-15);
-  EXPECT_EQ(estimate.P().dense().block(0, at, at, 2).norm(), 0.0);
-  estimate.retract(0.003 * Eigen::VectorXd::Unit(n, at + 1));
-  EXPECT_EQ(estimate.odometry_scale(), Eigen::Vector2d(0.0, 0.003));
 }
 
 /// The gain of an update without what it would do to one of the states, and to all that moves with it.

@@ -39,10 +39,9 @@ struct NavigatorOptions {
   OdometryNoise odometry_noise;  ///< per sample
   /// odometry_noise is but where to begin: it is learned from the samples (LearnedOdometryNoise).
   bool learn_odometry_noise = false;
-  /// Standard deviations of constant factors that odometry's speeds and its rates of turn may be long or
-  /// short by (the size of a wheel, the track) [-]; zeros: of none. That of the turns is learned from images.
-  /// That of the speeds is not corrected (Schmidt): lengths are known no better.
-  Eigen::Vector2d odometry_scale = Eigen::Vector2d::Zero();
+  /// Standard deviation of a constant factor that odometry's speeds may be long or short by (the size of a
+  /// wheel) [-]. It is considered and never corrected (Schmidt): lengths are known no better.
+  double odometry_scale = 0.0;
   /// How the odometer's body stands against the camera is in doubt: turned by 0.5 deg about any axis, by
   /// another angle a third of a second later (docs/derivations/parameters.md). For odometry of which nobody
   /// stated how good it is. Not where the mount is estimated, softened or constrained, nor without a body.

@@ -202,8 +202,6 @@ class StereoFilter {
   void renew_mount(double dt);
   void walk_parameters(double dt);
   void notice_motion();
-  /// adaptive: as long as nothing spoke against the rig.
-  [[nodiscard]] bool trusts_rig() const { return options_.method == Method::kAdaptive && fresh_.is_zero(); }
   /// Of the map's scale as it is, where what tells it is noise, or of odometry's speeds: what pixels say of
   /// them are errors of lenses and of linearising. Else nothing.
   [[nodiscard]] std::optional<Estimate::Considered> scale_to_hold() const;

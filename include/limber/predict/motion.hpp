@@ -45,11 +45,4 @@ struct ConstantVelocityNoise {
                                           const Eigen::Vector3d& omega_body, double dt,
                                           const OdometryNoise& noise);
 
-/// What predict_odometry moves position (world) and attitude (body) by, per unit of a common factor of the
-/// speeds (first column) and of the rates. @param state  as it is before the step
-[[nodiscard]] Eigen::Matrix<double, 6, 2> odometry_scale_jacobian(const NavigationState& state,
-                                                                  const Eigen::Vector3d& v_body,
-                                                                  const Eigen::Vector3d& omega_body,
-                                                                  double dt);
-
 }  // namespace limber

@@ -34,8 +34,7 @@ struct RunOptions {
   ParameterVector estimated = ParameterVector::Zero();     ///< see NavigatorOptions
   ParameterVector softened = ParameterVector::Zero();      ///< see NavigatorOptions
   std::optional<bool> doubt_odometry_mount;                ///< nothing: where nobody stated odometry's noise
-  /// Standard deviation of a constant factor of odometry's speeds, and of its rates of turn [-]; nothing: 1 %
-  /// where nobody stated its noise, else none.
+  /// See NavigatorOptions [-]; nothing: 1 % where nobody stated odometry's noise, else none.
   std::optional<double> odometry_scale;
   std::optional<double> sigma_px;  ///< nothing: the recording's, or the default
   /// sensors or truth

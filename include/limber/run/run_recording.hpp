@@ -57,12 +57,6 @@ struct RunCallbacks {
   std::function<bool()> stop{};  ///< asked before every frame: true ends the run with what it has by then
 };
 
-/// What was found of the factors by which odometry's speeds (x) and rates of turn (y) are long or short.
-struct OdometryScale {
-  Eigen::Vector2d error;  ///< true over measured, minus one [-]
-  Eigen::Vector2d sigma;  ///< standard deviations [-]
-};
-
 /// What a filter took for the calibration after a frame.
 struct CalibrationRow {
   /// [ns]
@@ -109,9 +103,6 @@ struct RunRecord {
   /// What was learned of the pixels by the last frame; nothing where their noise was stated.
   std::optional<PixelNoiseReport> pixel_noise;
   std::optional<OdometryNoise> odometry_noise;  ///< the same of odometry: white, per sample
-  /// What was found of odometry's constant factors, of speeds and of rates of turn; nothing where they were
-  /// not in doubt.
-  std::optional<OdometryScale> odometry_scale;
   CleaningReport cleaning;  ///< what was taken out of the frames before the navigator saw them
   /// that a whole run would have had
   std::size_t frames_of_recording = 0;

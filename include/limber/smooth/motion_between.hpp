@@ -33,8 +33,6 @@ struct MotionBetween {
   NavigationState delta;  ///< its biases are those that it was summed up with
   Eigen::MatrixXd Phi;    ///< body_size(): how delta depends on where it began, biases above all
   Eigen::MatrixXd Q;      ///< body_size(): covariance of the error of delta
-  /// Odometry: how delta's position and attitude depend on common factors of speeds and of rates of turn.
-  Eigen::Matrix<double, 6, 2> by_scale = Eigen::Matrix<double, 6, 2>::Zero();
 };
 
 /// @param inputs             steps that fill the time between the frames (InputBuffer::steps); not read for
@@ -53,14 +51,10 @@ struct MotionBetween {
 struct MotionError {
   Eigen::VectorXd error;         ///< body_size()
   Eigen::MatrixXd J_from, J_to;  ///< body_size()²: of the error states of both
-  /// odometry: of its scale
-  Eigen::Matrix<double, 6, 2> J_scale = Eigen::Matrix<double, 6, 2>::Zero();
 };
 
 /// @param gravity  [m/s^2], along −z of the world; IMU only
-/// @param scale    odometry: true speeds and rates of turn are those measured times one plus these [-]
 [[nodiscard]] MotionError motion_error(const MotionBetween& between, const NavigationState& from,
-                                       const NavigationState& to, double gravity,
-                                       const Eigen::Vector2d& scale = Eigen::Vector2d::Zero());
+                                       const NavigationState& to, double gravity);
 
 }  // namespace limber

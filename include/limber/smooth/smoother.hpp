@@ -43,8 +43,6 @@ struct SmootherOptions {
   MotionNoise noise;
   /// u0, v0, u1, v1: white, per coordinate [px]
   PixelNoise sigma_px = PixelNoise::Constant(0.5);
-  /// kOdometry: as NavigatorOptions::odometry_scale
-  Eigen::Vector2d odometry_scale = Eigen::Vector2d::Zero();
   double gravity = 9.81;  ///< [m/s^2]
 
   /// what theta does over time
@@ -114,9 +112,6 @@ struct SmootherResult {
   /// one per frame of the input
   std::vector<SmoothedFrame> frames;
   std::map<std::int64_t, Eigen::Vector3d> landmarks;  ///< p_world_landmark [m]
-  /// True speeds and rates of turn over those of odometry, minus one, and standard deviations [-]; zero where
-  /// it is not in doubt. Of a causal smoother those of the last window, the deviations zero.
-  Eigen::Vector2d odometry_scale = Eigen::Vector2d::Zero(), odometry_scale_sigma = Eigen::Vector2d::Zero();
   /// Of a constant rig, by image_cell of a point's first left pixel.
   std::map<int, CellScore> theta_scores;
   /// pixels that were left out

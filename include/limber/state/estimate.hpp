@@ -37,11 +37,6 @@ class Estimate {
   [[nodiscard]] const RigParameters& theta() const { return theta_; }
   /// Parameters beyond theta, true minus assumed, as far as they are in the state.
   [[nodiscard]] const Eigen::Matrix<double, kMoreParameters, 1>& more() const { return more_; }
-  /// True speeds and rates of turn are those of odometry times one plus these [-]; zero where the layout does
-  /// not have them.
-  [[nodiscard]] const Eigen::Vector2d& odometry_scale() const { return odometry_scale_; }
-  /// Standard deviations of that [-].
-  [[nodiscard]] Eigen::Vector2d odometry_scale_sigma() const;
   /// Mean of the witness [plausible errors]; zero without one.
   [[nodiscard]] const Eigen::Matrix<double, 6, 1>& witness() const { return witness_; }
   /// Covariance of the error state: n×n, in the order of layout(), then the map.
@@ -119,12 +114,12 @@ class Estimate {
   /// what is beside it is corrected. @param before  the update  @param dx  what retract() is going to do
   void hold(const Considered& before, Eigen::VectorXd& dx);
 
-  /// How far off the odometry's scale may be, independent of all else: standard deviations [-]. For layouts
+  /// How far off the odometry's scale may be: a standard deviation [-], before anything moves. For layouts
   /// that have one.
-  void restart_odometry_scale(const Eigen::Vector2d& sigma);
-  /// Carries the covariance along with a prediction. @param by  what position (world) and attitude (body)
-  /// moved by, per unit of the odometry's scale. For layouts that have one.
-  void move_with_odometry_scale(const Eigen::Matrix<double, 6, 2>& by);
+  void set_odometry_scale_sigma(double sigma);
+  /// Carries the covariance along with a prediction that odometry moved the body's position by [m]. For
+  /// layouts that have its scale.
+  void move_with_odometry_scale(const Eigen::Vector3d& by);
 
   /// The witness forgets what it has learned: mean zero, standard deviation `sigma` [plausible errors] each,
   /// correlated with nothing. For layouts that have one.
@@ -277,7 +272,6 @@ class Estimate {
   Eigen::Vector3d centre_of_growth_ = Eigen::Vector3d::Zero();
   More more_ = More::Zero();
   Vector6 witness_ = Vector6::Zero();
-  Eigen::Vector2d odometry_scale_ = Eigen::Vector2d::Zero();
   Covariance P_;
   StateLayout layout_;
   std::vector<Anchor> anchors_;

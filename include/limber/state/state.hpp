@@ -57,7 +57,8 @@ struct StateLayout {
   /// No frame tells a common factor of all lengths (one camera, or a baseline that is constrained): its
   /// error is in the state, so that no update learns it by chance (Estimate::retract).
   bool has_map_scale = false;
-  /// Odometry's speeds and rates of turn may be long or short by constant factors. kOdometry only.
+  /// Odometry's speeds may be long or short by a constant factor: considered, never corrected. kOdometry
+  /// only.
   bool has_odometry_scale = false;
 
   /// of the position error, world axes [m]
@@ -98,8 +99,8 @@ struct StateLayout {
   /// Start of the map's scale, valid only if has_map_scale: a triplet of which the first entry counts, the
   /// error of the logarithm [-]; the others are nothing.
   [[nodiscard]] Eigen::Index map_scale() const { return witness() + (has_witness ? 6 : 0); }
-  /// Start of the odometry's scale, valid only if has_odometry_scale: a triplet, the errors of the factors of
-  /// speeds and of rates of turn [-]; the third is nothing.
+  /// Start of the odometry's scale, valid only if has_odometry_scale: a triplet of which the first entry
+  /// counts, the error of the factor [-]; the others are nothing.
   [[nodiscard]] Eigen::Index odometry_scale() const { return map_scale() + (has_map_scale ? kTriplet : 0); }
   /// Start of the map.
   [[nodiscard]] Eigen::Index map_begin() const {
