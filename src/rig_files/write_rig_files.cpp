@@ -194,27 +194,45 @@ std::string lens_in_words(const StereoCalibration& calibration) {
   return first == second ? std::string(first) : fmt::format("{} and {}", first, second);
 }
 
-void require_known(bool known, const char* format, const StereoCalibration& calibration) {
-  if (!known) {
-    throw std::invalid_argument(
-        fmt::format("{} cannot say {} distortion", format, lens_in_words(calibration)));
+/// What a format has no word for; empty if there is no such thing.
+std::string unknown_lens(bool known, const StereoCalibration& calibration) {
+  return known ? "" : lens_in_words(calibration) + " distortion";
+}
+
+std::string unknown_to_opencv(const StereoCalibration& calibration) {
+  const Camera &cam0 = calibration.cam0, &cam1 = calibration.cam1;
+  const bool same_size = cam0.width == cam1.width && cam0.height == cam1.height;
+  return same_size ? unknown_lens(opencv_knows(calibration), calibration) : "images of two sizes";
+}
+
+void require_none(const std::string& unknown, const char* format) {
+  if (!unknown.empty()) {
+    throw std::invalid_argument(fmt::format("{} cannot say {}", format, unknown));
   }
 }
 
 constexpr const char *kKalibrFile = "camchain.yaml", *kOpenCvFile = "stereo.yml",
                      *kKittiFile = "calib_cam_to_cam.txt";
 
-/// A file that knows some lenses only.
-struct LensFile {
+std::string unknown_to_kalibr(const StereoCalibration& calibration) {
+  return unknown_lens(kalibr_knows(calibration), calibration);
+}
+
+std::string unknown_to_kitti(const StereoCalibration& calibration) {
+  return unknown_lens(kitti_knows(calibration.cam0) && kitti_knows(calibration.cam1), calibration);
+}
+
+/// A file that knows some rigs only.
+struct ForeignFile {
   const char* name;
-  bool knows_lens;
+  std::string unknown;
   std::string (*text)(const StereoCalibration&);
 };
 
-std::array<LensFile, 3> lens_files(const StereoCalibration& calibration) {
-  return {{{kKalibrFile, kalibr_knows(calibration), kalibr_camchain},
-           {kOpenCvFile, opencv_knows(calibration), opencv_stereo_yaml},
-           {kKittiFile, kitti_knows(calibration.cam0) && kitti_knows(calibration.cam1), kitti_cam_to_cam}}};
+std::array<ForeignFile, 3> foreign_files(const StereoCalibration& calibration) {
+  return {{{kKalibrFile, unknown_to_kalibr(calibration), kalibr_camchain},
+           {kOpenCvFile, unknown_to_opencv(calibration), opencv_stereo_yaml},
+           {kKittiFile, unknown_to_kitti(calibration), kitti_cam_to_cam}}};
 }
 
 }  // namespace
@@ -257,7 +275,7 @@ std::string euroc_sensor_yaml(const StereoCalibration& calibration, int camera) 
 
 std::string kalibr_camchain(const StereoCalibration& calibration) {
   require_rigid_body(calibration);
-  require_known(kalibr_knows(calibration), kKalibrFile, calibration);
+  require_none(unknown_to_kalibr(calibration), kKalibrFile);
   return kalibr_camera(calibration, 0) + kalibr_camera(calibration, 1);
 }
 
@@ -272,7 +290,7 @@ std::string kalibr_imu(const ImuNoise& noise) {
 
 std::string opencv_stereo_yaml(const StereoCalibration& calibration) {
   require_rigid_body(calibration);
-  require_known(opencv_knows(calibration), kOpenCvFile, calibration);
+  require_none(unknown_to_opencv(calibration), kOpenCvFile);
   const Camera &cam0 = calibration.cam0, &cam1 = calibration.cam1;
   const Pose T_cam1_cam0 = pose_from_rig(calibration.theta);
   const RectifiedPair pair = rectify(calibration);
@@ -293,7 +311,7 @@ std::string kitti_calib(const StereoCalibration& calibration) {
 
 std::string kitti_cam_to_cam(const StereoCalibration& calibration) {
   require_rigid_body(calibration);
-  require_known(kitti_knows(calibration.cam0) && kitti_knows(calibration.cam1), kKittiFile, calibration);
+  require_none(unknown_to_kitti(calibration), kKittiFile);
   const RectifiedPair pair = rectify(calibration);
   return kitti_camera(calibration.cam0, "00", Pose{}, pair.R0, pair.P0()) +
          kitti_camera(calibration.cam1, "01", pose_from_rig(calibration.theta), pair.R1, pair.P1());
@@ -306,10 +324,9 @@ std::vector<std::string> rig_file_names() {
 
 std::vector<std::string> rig_files_left_out(const StereoCalibration& calibration) {
   std::vector<std::string> out;
-  for (const LensFile& file : lens_files(calibration)) {
-    if (!file.knows_lens) {
-      out.push_back(fmt::format("{} is not written: it cannot say {} distortion", file.name,
-                                lens_in_words(calibration)));
+  for (const ForeignFile& file : foreign_files(calibration)) {
+    if (!file.unknown.empty()) {
+      out.push_back(fmt::format("{} is not written: it cannot say {}", file.name, file.unknown));
     }
   }
   return out;
@@ -322,8 +339,8 @@ std::vector<std::string> write_rig_files(const std::filesystem::path& folder,
       {"cam0/sensor.yaml", euroc_sensor_yaml(calibration, 0)},
       {"cam1/sensor.yaml", euroc_sensor_yaml(calibration, 1)},
       {"calib.txt", kitti_calib(calibration)}};
-  for (const LensFile& file : lens_files(calibration)) {
-    if (file.knows_lens) {
+  for (const ForeignFile& file : foreign_files(calibration)) {
+    if (file.unknown.empty()) {
       files.emplace_back(file.name, file.text(calibration));
     }
   }

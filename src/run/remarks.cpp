@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "limber/core/median.hpp"
+#include "limber/core/time.hpp"
 
 namespace limber::detail {
 namespace {
@@ -87,14 +88,27 @@ void remark_on_blindness(const RunRecord& record, const PointCount& points, Meth
   }
 }
 
-void remark_on_units(const std::vector<ImuSample>& imu, double gravity, std::vector<std::string>& remarks) {
-  double force = 0.0, rate = 0.0;
-  for (const ImuSample& sample : imu) {
-    force += sample.accel_imu.norm();
-    rate += sample.omega_imu.norm();
+/// Mean length of the means of a vector over a second each: what shakes a body averages out.
+double usual_length(const std::vector<ImuSample>& imu, Eigen::Vector3d ImuSample::*vector) {
+  double lengths = 0.0, samples = 0.0;
+  for (auto begin = imu.begin(); begin != imu.end();) {
+    const auto end = std::find_if(begin, imu.end(), [&](const ImuSample& sample) {
+      return seconds_between(begin->t_ns, sample.t_ns) > 1.0;
+    });
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (auto sample = begin; sample != end; ++sample) {
+      sum += (*sample).*vector;
+    }
+    lengths += sum.norm();
+    samples += static_cast<double>(end - begin);
+    begin = end;
   }
-  force /= static_cast<double>(imu.size());
-  rate /= static_cast<double>(imu.size());
+  return lengths / samples;
+}
+
+void remark_on_units(const std::vector<ImuSample>& imu, double gravity, std::vector<std::string>& remarks) {
+  const double force = usual_length(imu, &ImuSample::accel_imu);
+  const double rate = usual_length(imu, &ImuSample::omega_imu);
   if (force < kLeastForce * gravity || force > kLargestForce * gravity) {
     remarks.push_back(
         fmt::format("the accelerometer shows {:.3g} m/s^2 on average, expected about {:.3g}, gravity: are "

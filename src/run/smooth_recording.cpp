@@ -35,6 +35,7 @@ using Told = std::function<void(std::size_t)>;  // of work, in per cent
 /// Frames that one problem may have: beyond, its covariance alone takes gigabytes.
 constexpr std::size_t kMostFrames = 2500;
 constexpr double kLargestMisfit = 4.0;  // squared residuals per degree of freedom that are said
+constexpr double kManyRefused = 0.2;    // of all pixels
 constexpr std::size_t kShareOfGuess = 30, kShareOfAll = 100;  // [%] of the work
 
 /// What is known of the first state beside the data.
@@ -115,6 +116,13 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
     out.notes.push_back(fmt::format(
         "squared residuals are {:.1f} times what the noise says: sigmas are too small by about {:.1f}",
         misfit, std::sqrt(misfit)));
+  }
+  const double refused = 2.0 * static_cast<double>(result.refused.size());  // in rows
+  if (refused > kManyRefused * (refused + rows)) {
+    out.notes.push_back(fmt::format(
+        "{:.0f} % of all pixels were refused: mismatches, things that move, or inputs that contradict "
+        "the images; the solution may be a wrong one",
+        100.0 * refused / (refused + rows)));
   }
   return out;
 }
@@ -242,7 +250,7 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
   const RunSetup setup = set_up_run(recording, options.run);
   std::vector<std::string> notes = setup.notes;
   std::erase_if(notes, [](const std::string& note) { return note.starts_with("constraints "); });
-  const SmootherOptions how = detail::smoother_options(recording, options, setup, notes);
+  SmootherOptions how = detail::smoother_options(recording, options, setup, notes);
   FrameCleaner cleaner(setup.calibration, options.run.cleaning);
   const FrameSource cleaned = [&](std::size_t n) { return cleaner.clean(source(n)); };
   KeptFrames kept(cleaned);
@@ -253,6 +261,11 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
   };
 
   const Guess guess = best_guess(recording, options, setup, how, kept, told);
+  if (const auto& learned = guess.record.pixel_noise) {
+    how.sigma_px.setConstant(learned->sigma_px);
+    notes.push_back(
+        fmt::format("pixel noise learned by the filter of the first guess: {:.2g} px", learned->sigma_px));
+  }
   const std::vector<StereoFrame> frames = kept.from(guess.record.trajectory.front().t_ns);
   const SmootherResult result = solve(recording, frames, guess, options, how, setup.calibration, told);
   if (!result.converged) {

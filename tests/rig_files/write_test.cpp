@@ -66,6 +66,10 @@ TEST(WriteRigFiles, EachFormatIsLeftOutForTheLensesItHasNoWordFor) {
               ElementsAre(HasSubstr("camchain.yaml"), HasSubstr("calib_cam_to_cam.txt")));
   EXPECT_THAT(left_out(Omni{.xi = 1.0}),
               ElementsAre(HasSubstr("stereo.yml"), HasSubstr("calib_cam_to_cam.txt")));
+  StereoCalibration uneven = some_rig(RadialTangential{-0.28, 0.07, 2e-4, 2e-5});
+  uneven.cam1.width *= 2;
+  EXPECT_THAT(rig_files_left_out(uneven),
+              ElementsAre(std::string("stereo.yml is not written: it cannot say images of two sizes")));
   StereoCalibration mixed = some_rig(Rational{.k4 = 0.1});
   mixed.cam1.distortion = RadialTangential{-0.28, 0.07, 2e-4, 2e-5};
   EXPECT_NO_THROW(static_cast<void>(opencv_stereo_yaml(mixed))) << "eight coefficients and four";

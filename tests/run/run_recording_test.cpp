@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 #include <stdexcept>
+#include <utility>
 
 #include "limber/datasets/interpolate.hpp"
 #include "limber/simulate/scenario_file.hpp"
@@ -289,6 +290,20 @@ TEST(RunRecording, OfSamplesThatNoSensorCanShowNoneIsUsed) {
   EXPECT_THAT(record.notes,
               Contains(HasSubstr("the gyroscope shows 20 rad/s on average: is its unit rad/s?")));
   EXPECT_EQ(record.frames.back().inputs.status, InputStatus::kNone);
+}
+
+TEST(RunRecording, TakesWhatShakesABodyForNoWrongUnit) {
+  Recording recording = short_recording();
+  const auto question = Contains(HasSubstr("its unit m/s^2?"));
+  double sign = 20.0;  // [m/s^2]
+  for (ImuSample& sample : recording.imu) {
+    sample.accel_imu.z() += std::exchange(sign, -sign);
+  }
+  EXPECT_THAT(run(recording, from_truth()).notes, Not(question));
+  for (ImuSample& sample : recording.imu) {
+    sample.accel_imu *= 0.1;  // in units of some ten
+  }
+  EXPECT_THAT(run(recording, from_truth()).notes, question);
 }
 
 TEST(RunRecording, AStudysRunEndsWhereTheFilterBreaksDown) {

@@ -26,7 +26,7 @@ namespace limber {
 
 /// What stereoCalibrate and stereoRectify leave: size, M1, D1, M2, D2, R, T, R1, R2, P1, P2, Q; for
 /// cv::FileStorage. `distortion_model: equidistant` marks coefficients of cv::fisheye. Knows no omni lens,
-/// and an equidistant one for both cameras only.
+/// an equidistant one for both cameras only, and one size of images.
 [[nodiscard]] std::string opencv_stereo_yaml(const StereoCalibration& calibration);
 
 /// KITTI odometry's calib.txt (P0, P1): of images that were rectified with R1, R2, P1, P2 of
