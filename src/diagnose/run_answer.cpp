@@ -103,8 +103,10 @@ std::string trust_in_words(const RunRecord& record, const RunSummary& s) {
 
 /// What sigmas are worth that rest on odometry whose noise was learned: docs/evidence/real-data.md.
 constexpr const char* kOdometrySigmas =
-    "sigmas with odometry of unstated noise count what is fresh in every sample and pixel, not what lasts (a "
-    "wheel's size, points that slide): on real drives errors were 1 to 10 times as large as claimed";
+    "sigmas with odometry of unstated noise count a wheel's size and what is fresh in every sample and "
+    "pixel, "
+    "not what lasts for a while (points that slide): on real drives errors were 2 to 6 times as large as "
+    "claimed";
 
 /// The verdict on the calibration, and why.
 void judge_calibration(const RunOptions& options, const RunRecord& record, const RunSummary& s,

@@ -105,7 +105,7 @@ class Estimate {
   struct Considered {
     Eigen::Index at = 0;    ///< in the error state
     Eigen::VectorXd along;  ///< covariances with it over its variance, size()
-    double variance = 0.0;
+    double variance = 0.0;  ///< of it
   };
   /// As it is now. @param at  in the error state: the map's scale, or that of odometry
   [[nodiscard]] Considered considered(Eigen::Index at) const;
