@@ -271,8 +271,7 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
   if (!result.converged) {
     throw std::runtime_error(fmt::format("smooth: no solution after {} iterations", result.iterations));
   }
-  RunRecord record = to_record(result, setup.calibration, how,
-                               how.motion == MotionModel::kOdometry ? setup.navigator.odometry_scale : 0.0);
+  RunRecord record = to_record(result, setup.calibration, how, setup.navigator.odometry_scale);
   record.recording_partial = recording.partial;
   record.frames_of_recording = frame_count(recording);
   notes.push_back(fmt::format("smoothed over {}, theta {}: {} iterations", frames_at_once(frames, options),
