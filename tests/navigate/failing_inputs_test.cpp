@@ -244,7 +244,8 @@ TEST(FailingInputs, TheDefaultWalkOfThetaGoesWithTheBaseline) {
 TEST(FailingInputs, APredictionChangesNothingAndAgreesWithTheOneThatDoes) {
   for (const MotionModel motion :
        {MotionModel::kImu, MotionModel::kOdometry, MotionModel::kConstantVelocity}) {
-    const Scene scene = scene_of(1.0, motion);
+    Scene scene = scene_of(1.0, motion);
+    scene.options.odometry_scale = 0.1;  // of odometry alone
     Feeder feeder(scene, scene.options);
     for (std::size_t k = 0; k < 10; ++k) {
       (void)feeder.process(scene.frames[k]);
