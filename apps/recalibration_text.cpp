@@ -25,9 +25,10 @@ std::string verdict_in_words(const Recalibration& found) {
     case RecalibrationVerdict::kCannotTell:
       break;
   }
-  return "cannot tell: what the recording says, and what accepted calibrations of one rig differ by (0.1 px, "
-         "2 % of "
-         "depth), leave both sides of the tolerance open; keep the given calibration";
+  return "cannot tell: what the recording says leaves both sides of the tolerance open, or lies outside by "
+         "no "
+         "more than accepted calibrations of one rig differ by (0.1 px, 2 % of depth); keep the given "
+         "calibration";
 }
 
 /// In degrees or millimetres.
@@ -38,12 +39,15 @@ std::string axes_text(const Recalibration& found) {
   const RigParameters change = found.fitted.theta - found.given.theta;
   for (Eigen::Index k = 0; k < 6; ++k) {
     const auto axis = static_cast<std::size_t>(k);
+    const double sigma = shown(k, std::sqrt(found.fit.covariance(k, k)));
+    const char* unit = k < 3 ? "deg" : "mm";
     if (!found.fit.seen[axis]) {
-      out += fmt::format("  {}  not seen, left as given\n", kParameterNames.at(axis));
+      out += fmt::format("  {}  not seen, left as given (+- {:.3f} {} are taken for it)\n",
+                         kParameterNames.at(axis), sigma, unit);
       continue;
     }
-    out += fmt::format("  {}  {:+.3f} +- {:.3f} {}\n", kParameterNames.at(axis), shown(k, change(k)),
-                       shown(k, std::sqrt(found.fit.covariance(k, k))), k < 3 ? "deg" : "mm");
+    out += fmt::format("  {}  {:+.3f} +- {:.3f} {}\n", kParameterNames.at(axis), shown(k, change(k)), sigma,
+                       unit);
   }
   if (!found.length_seen) {
     out += "  the baseline's length was not seen: nothing else in the recording fixes the scale\n";

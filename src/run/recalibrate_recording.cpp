@@ -18,16 +18,14 @@
 #include "limber/measure/epipolar.hpp"
 #include "limber/measure/triangulate.hpp"
 #include "limber/smooth/unsolvable_error.hpp"
+#include "run/rig_windows.hpp"
 #include "run/smooth_setup.hpp"
 
 namespace limber {
 namespace {
 
-using detail::Guess;
-using detail::KeptFrames;
+using detail::Guess, detail::KeptFrames, detail::Keyframe, detail::KeyframeWindow;
 
-constexpr std::size_t kFewestWindows = 4, kFewestKeyframes = 6;
-constexpr double kPriorAngle = 10.0 * M_PI / 180.0, kPriorShare = 1.0;  // so vague that it says nothing
 /// Beside what the windows show: accepted calibrations of one rig differ by 0.10 to 0.15 px and up to 4 % of
 /// depth at 90 baselines, by lens models that are wrong in the same way all the time. Standard deviations.
 constexpr double kLens_px = 0.1, kLensDepth = 0.02;
@@ -37,105 +35,6 @@ constexpr double kClip_px = 5.0;        // beyond, a point is a mismatch
 constexpr double kStep = 1e-6;          // of numerical derivatives [rad, m]
 constexpr std::array kDepths = {5.0, 10.0, 20.0};
 constexpr std::size_t kShareOfFilter = 40;  // [%] of the work
-
-struct Keyframe {
-  StereoFrame frame;
-  NavigationState state;
-};
-
-using Part = std::vector<Keyframe>;
-
-std::vector<Keyframe> keyframes_of(const Guess& guess, KeptFrames& frames, double per_s) {
-  std::map<std::int64_t, const NavigationState*> state_at;
-  for (const NavigationState& state : guess.states) {
-    state_at[state.t_ns] = &state;
-  }
-  std::vector<Keyframe> out;
-  const auto interval_ns = static_cast<std::int64_t>(0.9e9 / per_s);
-  for (StereoFrame& frame : frames.from(guess.record.trajectory.front().t_ns)) {
-    const auto state = state_at.find(frame.t_ns);
-    if (state != state_at.end() && (out.empty() || frame.t_ns - out.back().frame.t_ns >= interval_ns)) {
-      out.push_back({std::move(frame), *state->second});
-    }
-  }
-  return out;
-}
-
-/// Parts of equal duration; of more than `most` those that lie evenly among them.
-std::vector<Part> parts_of(const std::vector<Keyframe>& keyframes, const RecalibrateOptions& options) {
-  if (keyframes.size() < 2 * kFewestKeyframes) {
-    throw std::runtime_error(fmt::format("recalibrate: expected at least {} keyframes, found {}",
-                                         2 * kFewestKeyframes, keyframes.size()));
-  }
-  const std::int64_t begin = keyframes.front().frame.t_ns;
-  const double duration_s = seconds_between(begin, keyframes.back().frame.t_ns);
-  const auto wanted = static_cast<std::size_t>(duration_s / options.window_s);
-  const std::size_t count = std::min(std::max(wanted, kFewestWindows), keyframes.size() / kFewestKeyframes);
-  std::vector<Part> all(count);
-  for (const Keyframe& keyframe : keyframes) {
-    const double share = seconds_between(begin, keyframe.frame.t_ns) / duration_s;
-    all[std::min(count - 1, static_cast<std::size_t>(share * static_cast<double>(count)))].push_back(
-        keyframe);
-  }
-  std::erase_if(all, [](const Part& part) { return part.size() < kFewestKeyframes; });
-  std::vector<Part> out;
-  const std::size_t taken = std::min(all.size(), options.most_windows);
-  for (std::size_t k = 0; k < taken; ++k) {
-    out.push_back(std::move(all[k * all.size() / taken]));
-  }
-  return out;
-}
-
-/// A camera that moves by less than a baseline learns no depth that the pair itself does not claim: then
-/// nothing tells a turned camera from other depths.
-bool moves(const Part& part, double baseline) {
-  const Eigen::Vector3d& first = part.front().state.T_world_body.p;
-  return std::any_of(part.begin(), part.end(), [&](const Keyframe& keyframe) {
-    return (keyframe.state.T_world_body.p - first).norm() >= baseline;
-  });
-}
-
-RigParameters prior_sigma(double baseline) {
-  RigParameters out;
-  out << Eigen::Vector3d::Constant(kPriorAngle), Eigen::Vector3d::Constant(kPriorShare * baseline);
-  return out;
-}
-
-/// The smoother on one part. @throws UnsolvableError if it finds no solution
-RigPart solve_part(const Part& part, const Recording& recording, const StereoCalibration& given,
-                   const SmootherOptions& how) {
-  std::vector<StereoFrame> frames;
-  std::vector<NavigationState> states;
-  for (const Keyframe& keyframe : part) {
-    frames.push_back(keyframe.frame);
-    states.push_back(keyframe.state);
-  }
-  SmootherResult result = smooth(
-      {frames, recording.imu, recording.odometry, states, detail::without_data(states.front(), how.motion)},
-      given, how);
-  if (!result.converged) {
-    throw UnsolvableError(fmt::format("smoother: no solution after {} iterations", result.iterations));
-  }
-  const RigMatrix prior = how.rig_sigma.cwiseAbs2().cwiseInverse().asDiagonal();
-  RigPart out;
-  out.from_ns = frames.front().t_ns;
-  out.to_ns = frames.back().t_ns;
-  const RigMatrix all = result.frames.front().theta_covariance.inverse();
-  // Without the prior, which every window has seen.
-  out.information = 0.5 * (all + all.transpose()) - prior;
-  const SymmetricEigen eigen = symmetric_eigen(out.information);
-  out.information = eigen.vectors * eigen.values.cwiseMax(0.0).asDiagonal() * eigen.vectors.transpose();
-  const RigParameters step = result.frames.front().theta - given.theta;
-  out.theta = given.theta + solve_symmetric(out.information, all * step);
-  out.scores = std::move(result.theta_scores);
-  return out;
-}
-
-std::string left_out(const Part& part, std::int64_t begin_ns, const UnsolvableError& why) {
-  return fmt::format("window of {:.1f} to {:.1f} s left out: {}",
-                     seconds_between(begin_ns, part.front().frame.t_ns),
-                     seconds_between(begin_ns, part.back().frame.t_ns), why.what());
-}
 
 double clipped(double px) { return std::clamp(px, -kClip_px, kClip_px); }
 
@@ -194,17 +93,18 @@ DepthChange depth_change(const Recalibration& found, double depth) {
 }
 
 RecalibrationVerdict judge(const Recalibration& found, const RecalibrateOptions& options) {
-  const double px = found.epipolar_change_px,
-               px_error = kTwoSided * std::hypot(found.epipolar_sigma_px, kLens_px);
-  const double depth = std::abs(found.at_tolerance.share),
-               depth_error = kTwoSided * std::hypot(found.at_tolerance.sigma, kLensDepth);
+  const double px = found.epipolar_change_px, depth = std::abs(found.at_tolerance.share);
+  // The tolerance has room for what lens models do; what is called wrong has to be so in spite of them.
+  const double px_sigma = std::hypot(found.epipolar_sigma_px, kLens_px),
+               depth_sigma = std::hypot(found.at_tolerance.sigma, kLensDepth);
   if (found.fit.seen.none() || found.windows.size() < 2) {
     return RecalibrationVerdict::kCannotTell;
   }
-  const bool outside = px - px_error > options.tolerance_px || depth - depth_error > options.tolerance_depth;
+  const bool outside = px - kTwoSided * px_sigma > options.tolerance_px ||
+                       depth - kTwoSided * depth_sigma > options.tolerance_depth;
   if (!outside) {
-    const bool inside =
-        px + px_error <= options.tolerance_px && depth + depth_error <= options.tolerance_depth;
+    const bool inside = px + kTwoSided * found.epipolar_sigma_px <= options.tolerance_px &&
+                        depth + kTwoSided * found.at_tolerance.sigma <= options.tolerance_depth;
     return inside ? RecalibrationVerdict::kWithinTolerance : RecalibrationVerdict::kCannotTell;
   }
   const bool better = found.held_out.fitted < kHeldOutShare * found.held_out.given &&
@@ -246,7 +146,7 @@ Recalibration recalibrate_recording(const Recording& recording, const Recalibrat
   out.notes = setup.notes;
   out.given = out.fitted = setup.calibration;
   SmootherOptions how = detail::smoother_options(recording, smooth_options, setup, out.notes);
-  how.rig_sigma = prior_sigma(out.given.baseline());
+  how.rig_sigma = detail::vague_rig_sigma(out.given.baseline());
   out.length_seen = !how.trust_length;
 
   FrameCleaner cleaner(setup.calibration, smooth_options.run.cleaning);
@@ -255,34 +155,43 @@ Recalibration recalibrate_recording(const Recording& recording, const Recalibrat
   const std::size_t frames = std::max<std::size_t>(1, frame_count(recording));
   const Guess guess = detail::guess_by(Method::kLcekf, recording, smooth_options.run, kept,
                                        [&](std::size_t n) { told(kShareOfFilter * n / frames); });
-  const std::vector<Keyframe> keyframes = keyframes_of(guess, kept, options.keyframes_per_s);
-  std::vector<Part> parts = parts_of(keyframes, options);
-  const std::size_t still =
-      std::erase_if(parts, [&](const Part& part) { return !moves(part, out.given.baseline()); });
+  const std::vector<Keyframe> keyframes = detail::keyframes_of(guess, kept, options.keyframes_per_s);
+  std::vector<KeyframeWindow> windows = detail::windows_of(keyframes, options);
+  const std::size_t still = std::erase_if(
+      windows, [&](const KeyframeWindow& window) { return !detail::moves(window, out.given.baseline()); });
   if (still > 0) {
     out.notes.push_back(
         fmt::format("{} of {} windows left out: the camera moved by less than a baseline ({:.3g} m)", still,
-                    still + parts.size(), out.given.baseline()));
+                    still + windows.size(), out.given.baseline()));
   }
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    told(kShareOfFilter + (100 - kShareOfFilter) * k / parts.size());
+  if (guess.record.pixel_noise && !windows.empty()) {
+    how.sigma_px.setConstant(guess.record.pixel_noise->sigma_px);
+    how.sigma_px *= detail::noise_in_residuals(windows, recording, out.given, how);
+    out.notes.push_back(fmt::format("pixel noise by what the smoother leaves: {:.2g} px", how.sigma_px(0)));
+  }
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    told(kShareOfFilter + (100 - kShareOfFilter) * k / windows.size());
     try {
-      out.windows.push_back(solve_part(parts[k], recording, out.given, how));
-      out.keyframes += parts[k].size();
+      out.windows.push_back(
+          detail::rig_part(detail::smooth_window(windows[k], recording, out.given, how), out.given, how));
+      out.keyframes += windows[k].size();
     } catch (const UnsolvableError& error) {
-      out.notes.push_back(left_out(parts[k], keyframes.front().frame.t_ns, error));
+      out.notes.push_back(detail::left_out(windows[k], keyframes.front().frame.t_ns, error));
     }
   }
-  if (out.windows.empty() && !parts.empty()) {
+  if (out.windows.empty() && !windows.empty()) {
     throw UnsolvableError("recalibrate: no part of the recording could be solved; " + out.notes.back());
   }
   RigParameters bounds;
   bounds << Eigen::Vector3d::Constant(options.seen_angle),
       Eigen::Vector3d::Constant(options.seen_share * out.given.baseline());
   out.fit.theta = out.given.theta;
+  out.fit.covariance = bounds.cwiseAbs2().asDiagonal();
   if (!out.windows.empty()) {
     out.fit = fit_rig(out.windows, out.given.theta, bounds);
     out.fitted.theta = out.fit.theta;
+    const Eigen::Vector3d by_scale = setup.navigator.odometry_scale * out.fitted.theta.tail<3>();
+    out.fit.covariance.bottomRightCorner<3, 3>() += by_scale * by_scale.transpose();  // all lengths are its
     out.held_out = held_out(out.windows, out.given.theta, bounds);
   }
   compare_epipolar(keyframes, out);

@@ -30,10 +30,12 @@ Sum sum_of(std::span<const RigPart> windows, const RigParameters& given) {
   return out;
 }
 
-std::vector<Index> axes_of(const RigAxes& seen) {
+constexpr double kSurelyOff = 3.0;  // standard deviations
+
+std::vector<Index> axes_of(const RigAxes& axes) {
   std::vector<Index> out;
   for (Index k = 0; k < 6; ++k) {
-    if (seen[static_cast<std::size_t>(k)]) {
+    if (axes[static_cast<std::size_t>(k)]) {
       out.push_back(k);
     }
   }
@@ -60,8 +62,10 @@ RigFit solve(const Sum& sum, const RigParameters& given, const RigAxes& seen) {
 
 /// Variance of the differences between windows over what their information says.
 double spread_of(std::span<const RigPart> windows, const RigFit& fit) {
-  const auto free = static_cast<double>(fit.seen.count());
-  const double dof = free * (static_cast<double>(windows.size()) - 1.0);
+  double dof = -static_cast<double>(fit.seen.count());
+  for (const RigPart& window : windows) {  // axes that are left alone differ between windows, too
+    dof += static_cast<double>((window.information.diagonal().array() > 0.0).count());
+  }
   return dof > 0.0 ? std::max(1.0, misfit(windows, fit.theta) / dof) : 1.0;
 }
 
@@ -139,13 +143,34 @@ Eigen::MatrixXd by_cells(std::span<const RigPart> windows, const std::vector<Ind
   return dof / (dof - 2.0) * shrunk(sum, inverse, dof);  // the variance of Student's t
 }
 
-/// The seen axis whose standard deviation is furthest above its bound; nothing if none is.
-std::optional<Index> worst_axis(const RigFit& fit, const RigParameters& bounds) {
+/// What axes that are left as given may be off by, which is their bounds, goes into the others by what the
+/// windows say of both.
+void add_left_alone(const Sum& sum, const RigParameters& bounds, RigFit& fit) {
+  const std::vector<Index> free = axes_of(fit.seen), left = axes_of(~fit.seen);
+  Eigen::MatrixXd by_left = Eigen::MatrixXd::Identity(6, 6)(Eigen::all, left);
+  if (!free.empty() && !left.empty()) {
+    const Eigen::MatrixXd information = sum.information(free, free), shared = sum.information(free, left);
+    by_left(free, Eigen::all) = -information.ldlt().solve(shared);
+  }
+  const Eigen::VectorXd variances = bounds.cwiseAbs2()(left);
+  fit.covariance += by_left * variances.asDiagonal() * by_left.transpose();
+}
+
+/// What was found is further from what was given than its own standard deviation explains.
+bool surely_off(const RigFit& fit, const RigParameters& given, Index axis) {
+  const double off = fit.theta(axis) - given(axis);
+  return off * off > kSurelyOff * kSurelyOff * fit.covariance(axis, axis);
+}
+
+/// The seen axis whose standard deviation is furthest above its bound, but for those that are surely off;
+/// nothing if none is.
+std::optional<Index> worst_axis(const RigFit& fit, const RigParameters& given, const RigParameters& bounds) {
   std::optional<Index> worst;
   double most = 1.0;
   for (Index k = 0; k < 6; ++k) {
     const double ratio = fit.covariance(k, k) / (bounds(k) * bounds(k));
-    if (fit.seen[static_cast<std::size_t>(k)] && !(ratio >= 0.0 && ratio <= most)) {
+    if (fit.seen[static_cast<std::size_t>(k)] && !(ratio >= 0.0 && ratio <= most) &&
+        !surely_off(fit, given, k)) {
       most = ratio;
       worst = k;
     }
@@ -180,8 +205,9 @@ RigFit fit_rig(std::span<const RigPart> windows, const RigParameters& given, con
       const Eigen::MatrixXd inverse = fit.covariance(free, free);
       fit.covariance(free, free) = widened(fit.spread * inverse, by_cells(windows, free, inverse));
     }
-    const std::optional<Index> worst = worst_axis(fit, bounds);
+    const std::optional<Index> worst = worst_axis(fit, given, bounds);
     if (!worst) {
+      add_left_alone(sum, bounds, fit);
       return fit;
     }
     seen.reset(static_cast<std::size_t>(*worst));

@@ -53,6 +53,16 @@ TEST_F(RecalibrateCommand, KeepsASoundRig) {
   EXPECT_EQ(report()["files"].size(), 0u);
 }
 
+TEST_F(RecalibrateCommand, FindsThePixelNoiseThatNobodyStates) {
+  std::string stated = read_text(log() / "mav0/tracks0/sensor.yaml");
+  ASSERT_THAT(stated, HasSubstr("sigma_px: [0.5, 0.5, 0.5, 0.5]"));
+  fs::remove(log() / "mav0/tracks0/sensor.yaml");
+  const ProgramResult result = recalibrate();
+  EXPECT_TRUE(result.exit_code == 6 || result.exit_code == 4) << result.err << result.out;
+  EXPECT_THAT(result.err,
+              ::testing::ContainsRegex("pixel noise by what the smoother leaves: 0\\.(4[5-9]|5[0-5]?) px"));
+}
+
 TEST_F(RecalibrateCommand, MendsAWrongOneInEveryFormat) {
   const ProgramResult result = recalibrate({"--assume-error", "2,2,2,20%,20%,20%"});
   ASSERT_EQ(result.exit_code, 0) << result.err << result.out;

@@ -143,8 +143,56 @@ TEST(FitRig, WhatNoWindowSeesIsLeftAlone) {
   EXPECT_FALSE(fit.seen[3]);
   EXPECT_EQ(fit.seen.count(), 5u);
   EXPECT_EQ(fit.theta(3), kGiven(3));
-  EXPECT_EQ(fit.covariance(3, 3), 0.0);
+  EXPECT_DOUBLE_EQ(fit.covariance(3, 3), kBounds(3) * kBounds(3));
   EXPECT_NEAR(fit.theta(1), truth(1), 5e-3);
+}
+
+/// Windows that know tx in relation to ty, and either alone by `sigma` together.
+std::vector<RigPart> windows_of_a_pair(const RigParameters& truth, std::size_t count, double sigma,
+                                       std::mt19937& random) {
+  RigParameters together = RigParameters::Zero();
+  together(3) = together(4) = std::sqrt(0.5);
+  const double known = 1.0 / (1e-3 * 1e-3 * static_cast<double>(count));  // 1 mm, of all windows
+  const double unknown = 1.0 / (2.0 * sigma * sigma * static_cast<double>(count));
+  const RigMatrix information =
+      known * RigMatrix::Identity() + (unknown - known) * together * together.transpose();
+  const RigMatrix root = information.llt().matrixL();
+  std::vector<RigPart> out(count);
+  for (RigPart& window : out) {
+    window.information = information;
+    window.theta = truth + root.transpose().inverse() * normal(random);
+  }
+  return out;
+}
+
+TEST(FitRig, WhatIsLeftAloneIsInTheCovarianceOfTheOthers) {
+  std::mt19937 random(12);
+  std::normal_distribution<double> draw;
+  constexpr int kRuns = 300;
+  double nees = 0.0;
+  int left_one = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    RigParameters truth = kGiven;  // right within the bound, as is assumed
+    truth(3) += kBounds(3) * draw(random);
+    const RigFit fit = fit_rig(windows_of_a_pair(truth, 6, 0.05, random), kGiven, kBounds);
+    left_one += (~fit.seen).count() == 1 ? 1 : 0;
+    const RigParameters error = fit.theta - truth;
+    nees += error.dot(fit.covariance.ldlt().solve(error)) / (6.0 * kRuns);
+  }
+  EXPECT_GT(left_one, 0.97 * kRuns) << "one of the pair is known by the other, but where both are surely off";
+  EXPECT_GT(nees, 0.8);
+  EXPECT_LT(nees, 1.2);
+}
+
+TEST(FitRig, AnAxisThatIsSurelyOffIsNotLeftAloneThoughItIsKnownBadly) {
+  std::mt19937 random(13);
+  RigParameters truth = kGiven;
+  truth(3) += 0.4;
+  truth(4) += 0.4;
+  const RigFit fit = fit_rig(windows_of_a_pair(truth, 6, 0.05, random), kGiven, kBounds);
+  EXPECT_TRUE(fit.seen.all());
+  EXPECT_GT(std::sqrt(fit.covariance(3, 3)), kBounds(3));
+  EXPECT_NEAR(fit.theta(3), truth(3), 0.2);
 }
 
 TEST(FitRig, WithoutWindowsThereIsNone) {

@@ -36,7 +36,8 @@ struct RigFit {
   /// cell after the other (the jackknife of clusters, [MacKinnon2023]: what a cell's points
   /// have in common in all windows, as errors of a lens model, does not average out), drawn towards the shape
   /// of the noise as far as so few cells leave its own in doubt [Chen2010], times the variance of Student's
-  /// t. Zero for axes that were not seen.
+  /// t. Axes that were not seen have their bounds as standard deviations, and what the others would change by
+  /// with them.
   RigMatrix covariance = RigMatrix::Zero();
   RigAxes seen;  ///< the others keep what was given
   /// How much larger the differences between windows are than the noise of the sensors says (variance, >= 1).
@@ -44,8 +45,10 @@ struct RigFit {
 };
 
 /// @brief The windows' theta weighted by their information. An axis whose standard deviation is above its
-/// bound is left at what was given, the least known first, and the others are solved again.
-/// @param bounds  largest standard deviations of an axis that counts as seen [rad, m]
+/// bound is left at what was given, the least known first, and the others are solved again; but not where it
+/// is off by more than three of them, which a rig that is right within the bound would not be.
+/// @param bounds  largest standard deviations of an axis that counts as seen; what is given for the others is
+///                taken to be right within them (1 sigma) [rad, m]
 /// @throws std::invalid_argument if there is no window
 [[nodiscard]] RigFit fit_rig(std::span<const RigPart> windows, const RigParameters& given,
                              const RigParameters& bounds);
