@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -20,6 +21,7 @@
 #include "limber/core/chi_square.hpp"
 #include "limber/core/nearest_word.hpp"
 #include "limber/core/time.hpp"
+#include "limber/run/rig_parts.hpp"
 #include "limber/smooth/causal_smoother.hpp"
 #include "run/smooth_setup.hpp"
 
@@ -43,6 +45,23 @@ InitialState prior_of(const Guess& guess, const RunOptions& options) {
   return options.start == StartMode::kGroundTruth
              ? guess.record.start
              : detail::without_data(guess.states.front(), guess.record.motion);
+}
+
+/// Of a rig that is constant: the covariance that counts what the points of a part of the image have in
+/// common, as recalibration does, in place of that of white pixels.
+void count_cells(const StereoCalibration& given, SmootherResult& result) {
+  constexpr double kAnySize = 1e3;  // [rad, m]: no axis is left alone
+  if (result.theta_scores.empty()) {
+    return;
+  }
+  RigPart whole;
+  whole.theta = result.frames.front().theta;
+  whole.information = result.frames.front().theta_covariance.inverse();
+  whole.scores = result.theta_scores;
+  const RigFit fit = fit_rig({&whole, 1}, given.theta, RigParameters::Constant(kAnySize));
+  for (SmoothedFrame& frame : result.frames) {
+    frame.theta_covariance = fit.covariance;
+  }
 }
 
 CalibrationRow calibration_row(const SmoothedFrame& frame, const StereoCalibration& given,
@@ -267,10 +286,11 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
         fmt::format("pixel noise learned by the filter of the first guess: {:.2g} px", learned->sigma_px));
   }
   const std::vector<StereoFrame> frames = kept.from(guess.record.trajectory.front().t_ns);
-  const SmootherResult result = solve(recording, frames, guess, options, how, setup.calibration, told);
+  SmootherResult result = solve(recording, frames, guess, options, how, setup.calibration, told);
   if (!result.converged) {
     throw std::runtime_error(fmt::format("smooth: no solution after {} iterations", result.iterations));
   }
+  count_cells(setup.calibration, result);
   RunRecord record = to_record(result, setup.calibration, how, setup.navigator.odometry_scale);
   record.recording_partial = recording.partial;
   record.frames_of_recording = frame_count(recording);
