@@ -6,13 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <limits>
 #include <set>
 #include <utility>
 #include <vector>
 
-#include "diagnose/clustered_regression.hpp"
+#include "diagnose/compared_turns.hpp"
 #include "diagnose/gyro_attitude.hpp"
 #include "diagnose/left_turn.hpp"
 #include "limber/core/median.hpp"
@@ -21,7 +20,7 @@
 namespace limber {
 namespace {
 
-using detail::ClusteredRows;
+using detail::BiasSteps, detail::Compared, detail::rows_of;
 using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Eigen::Quaterniond;
@@ -31,63 +30,10 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kEnoughPairs = 20;
 constexpr int kShifts = 8;
-constexpr double kAround = 0.15;  // length of what is before and behind a turn [s]
-constexpr double kCluster = 1.0;  // [s]
 constexpr std::size_t kEnoughClusters = 4;
 constexpr double kLargestOffset = 1.0;  // [s]
 constexpr double kSurest = 5.0;         // standard deviations
 constexpr double kLeastTurning = 0.03;  // beside which the noise of a gyro is small [rad/s]
-
-/// A turn by the camera, and by the gyro at the present tau.
-struct Compared {
-  Vector3d camera, gyro;   // mean rates [rad/s]
-  Vector3d slope, around;  // of the gyro's rate over the turn; and over a while before and behind [rad/s^2]
-  std::int64_t cluster;
-};
-
-/// Turns that overlap, and the tracks that they see, share a cluster.
-std::vector<Compared> compare(const std::vector<detail::Turn>& turns, const detail::GyroAttitude& gyro,
-                              double tau) {
-  std::vector<Compared> out;
-  const double sample = gyro.sample_time();
-  for (const detail::Turn& turn : turns) {
-    const double begin = turn.begin_s + tau, end = turn.end_s + tau;
-    const auto mean = gyro.mean_rate(begin, end), first = gyro.rate(begin), last = gyro.rate(end);
-    const auto before = gyro.mean_rate(begin - sample - kAround, begin - sample),
-               behind = gyro.mean_rate(end + sample, end + sample + kAround);
-    if (mean && first && last && before && behind) {
-      out.push_back({turn.rate, *mean, (*last - *first) / (end - begin),
-                     (*behind - *before) / (end - begin + 2.0 * sample + kAround),
-                     static_cast<std::int64_t>(turn.begin_s / kCluster)});
-    }
-  }
-  return out;
-}
-
-/// What unknowns of one's own add to the camera's rate, by the gyro's.
-using Columns = std::function<Matrix3Xd(const Vector3d& gyro)>;
-
-/// Rows for (bias, a change of tau, unknowns of one's own). The instrument of the gyro's slope is its slope
-/// over a while before and behind: noise of the samples between is in both sides, and alone looks like
-/// milliseconds.
-ClusteredRows rows_of(const std::vector<Compared>& compared, const Columns& more) {
-  ClusteredRows rows;
-  for (const Compared& turn : compared) {
-    const Matrix3Xd columns = more(turn.gyro);
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      VectorXd row = VectorXd::Zero(4 + columns.cols());
-      row(axis) = 1.0;
-      row.tail(columns.cols()) = columns.row(axis);
-      row(3) = turn.slope(axis);
-      rows.A.push_back(row);
-      row(3) = turn.around(axis);
-      rows.Z.push_back(row);
-      rows.y.push_back(turn.camera(axis) - turn.gyro(axis));
-      rows.cluster.push_back(turn.cluster);
-    }
-  }
-  return rows;
-}
 
 /// Of a turn, the part within the one, two or three directions that are known best of which most is sure.
 Vector3d surest_part(const Vector3d& turn, const Matrix3d& covariance) {
@@ -107,8 +53,8 @@ Vector3d surest_part(const Vector3d& turn, const Matrix3d& covariance) {
   return surest;
 }
 
-std::optional<MountTurn> mount_turn(const std::vector<Compared>& compared) {
-  const auto by_axes = detail::solve(rows_of(compared, skew));
+std::optional<MountTurn> mount_turn(const std::vector<Compared>& compared, const BiasSteps& steps) {
+  const auto by_axes = detail::solve(rows_of(compared, steps, skew));
   if (!by_axes) {
     return std::nullopt;
   }
@@ -116,11 +62,11 @@ std::optional<MountTurn> mount_turn(const std::vector<Compared>& compared) {
       surest_part(by_axes->x.tail<3>(), by_axes->covariance.bottomRightCorner<3, 3>()).normalized();
   const Matrix3d last_along_it = Quaterniond::FromTwoVectors(Vector3d::UnitZ(), direction).toRotationMatrix();
   const auto along_it = detail::solve(
-      rows_of(compared, [&](const Vector3d& gyro) { return Matrix3Xd(skew(gyro) * last_along_it); }));
+      rows_of(compared, steps, [&](const Vector3d& gyro) { return Matrix3Xd(skew(gyro) * last_along_it); }));
   if (!along_it || !direction.allFinite()) {
     return std::nullopt;
   }
-  return MountTurn{along_it->x(6) * direction, along_it->sigma_of_last(), along_it->dof_of_last()};
+  return MountTurn{along_it->last() * direction, along_it->sigma_of_last(), along_it->dof_of_last()};
 }
 
 /// The part of a body's rate that grows with a factor.
@@ -151,7 +97,8 @@ double turning(const std::vector<Compared>& compared, const Matrix3d& part) {
 }
 
 /// Beside a mount that may be turned, as well.
-std::vector<TurnScale> turn_scales(const std::vector<Compared>& compared, const Matrix3d& R_body_cam0) {
+std::vector<TurnScale> turn_scales(const std::vector<Compared>& compared, const BiasSteps& steps,
+                                   const Matrix3d& R_body_cam0) {
   std::vector<TurnScale> out;
   for (const TurnFactor factor : {TurnFactor::kFocalLength, TurnFactor::kGyro, TurnFactor::kGyroX,
                                   TurnFactor::kGyroY, TurnFactor::kGyroZ}) {
@@ -159,16 +106,46 @@ std::vector<TurnScale> turn_scales(const std::vector<Compared>& compared, const 
     if (turning(compared, part) < kLeastTurning) {
       continue;
     }
-    const auto solution = detail::solve(rows_of(compared, [&](const Vector3d& gyro) {
+    const auto solution = detail::solve(rows_of(compared, steps, [&](const Vector3d& gyro) {
       Matrix3Xd columns(3, 4);
       columns << skew(gyro), part * gyro;
       return columns;
     }));
     if (solution) {
-      out.push_back({factor, solution->x(7), solution->sigma_of_last(), solution->dof_of_last()});
+      out.push_back({factor, solution->last(), solution->sigma_of_last(), solution->dof_of_last()});
     }
   }
   return out;
+}
+
+/// The turns at the clock's offset, which is found from where it stands on.
+/// @return nothing where too few of them tell, or the offset goes away
+std::optional<std::vector<Compared>> settle_clock(const std::vector<detail::Turn>& turns,
+                                                  const detail::GyroAttitude& gyro, const BiasSteps& steps,
+                                                  TimeOffset& clock) {
+  std::vector<Compared> compared;
+  for (int i = 0; i < kShifts; ++i) {
+    compared = detail::compare(turns, gyro, clock.seconds);
+    std::set<std::int64_t> clusters;
+    for (const Compared& turn : compared) {
+      clusters.insert(detail::cluster_of(turn));
+    }
+    if (compared.size() < kEnoughPairs || clusters.size() < kEnoughClusters) {
+      return std::nullopt;
+    }
+    const auto solution =
+        detail::solve(rows_of(compared, steps, [](const Vector3d&) { return Matrix3Xd(3, 0); }));
+    if (!solution) {
+      return std::nullopt;
+    }
+    clock.seconds += solution->last();
+    clock.sigma = solution->sigma_of_last();
+    clock.dof = solution->dof_of_last();
+    if (std::abs(clock.seconds) > kLargestOffset) {
+      return std::nullopt;
+    }
+  }
+  return compared;
 }
 
 double usual_confusion(const std::vector<detail::Turn>& turns) {
@@ -190,29 +167,17 @@ std::optional<CamerasBesideImu> cameras_beside_imu(const StereoCalibration& cali
   const detail::GyroAttitude gyro(imu);
   const std::vector<detail::Turn> turns = detail::left_turns(calibration, frames, imu.front().t_ns);
   CamerasBesideImu out;
-  std::vector<Compared> compared;
-  for (int i = 0; i < kShifts; ++i) {
-    compared = compare(turns, gyro, out.clock.seconds);
-    std::set<std::int64_t> clusters;
-    for (const Compared& turn : compared) {
-      clusters.insert(turn.cluster);
-    }
-    if (compared.size() < kEnoughPairs || clusters.size() < kEnoughClusters) {
-      return std::nullopt;
-    }
-    const auto solution = detail::solve(rows_of(compared, [](const Vector3d&) { return Matrix3Xd(3, 0); }));
-    if (!solution) {
-      return std::nullopt;
-    }
-    out.clock.seconds += solution->x(3);
-    out.clock.sigma = solution->sigma_of_last();
-    out.clock.dof = solution->dof_of_last();
-    if (std::abs(out.clock.seconds) > kLargestOffset) {
-      return std::nullopt;
-    }
+  BiasSteps steps;
+  auto compared = settle_clock(turns, gyro, steps, out.clock);
+  if (compared) {
+    steps = detail::bias_steps(*compared);
+    compared = steps.empty() ? std::move(compared) : settle_clock(turns, gyro, steps, out.clock);
   }
-  out.mount = mount_turn(compared);
-  out.scales = turn_scales(compared, calibration.T_body_cam0.R);
+  if (!compared) {
+    return std::nullopt;
+  }
+  out.mount = mount_turn(*compared, steps);
+  out.scales = turn_scales(*compared, steps, calibration.T_body_cam0.R);
   out.confusion = usual_confusion(turns);
   return out;
 }

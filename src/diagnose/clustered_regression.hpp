@@ -26,6 +26,7 @@ struct ClusteredSolution {
   Eigen::VectorXd dof;
 
   [[nodiscard]] double sigma(Eigen::Index k) const { return std::sqrt(covariance(k, k)); }
+  [[nodiscard]] double last() const { return x(x.size() - 1); }
   [[nodiscard]] double sigma_of_last() const { return sigma(x.size() - 1); }
   [[nodiscard]] double dof_of_last() const { return dof(x.size() - 1); }
 };

@@ -170,6 +170,38 @@ TEST(MountMistake, IsNoneOfSoundMounts) {
   }
 }
 
+/// A bias that is another from that second on.
+Recording with_gyro_step(Recording recording, double second, const Eigen::Vector3d& step) {
+  const std::int64_t from_ns = recording.imu.front().t_ns + static_cast<std::int64_t>(1e9 * second);
+  for (ImuSample& sample : recording.imu) {
+    sample.omega_imu += sample.t_ns >= from_ns ? step : Eigen::Vector3d::Zero();
+  }
+  return recording;
+}
+
+/// They were: a mount that is turned by 1 deg, and a gyro's axis whose scale is off by 19 to 28 %.
+TEST(MountMistake, IsNoneOfAGyroWhoseBiasSteps) {
+  const Recording sound = flown("drone_none.yaml", 20.0, 64);
+  const Recording twice = with_gyro_step(sound, 7.0, {-0.01, 0.02, 0.01});
+  for (const Eigen::Vector3d& step :
+       {Eigen::Vector3d(0.05, 0, 0), Eigen::Vector3d(0, 0.02, 0), Eigen::Vector3d(0.01, 0, -0.05)}) {
+    for (const Recording* recording : {&sound, &twice}) {
+      const SensorOffsets offsets =
+          beside_turned_mount(with_gyro_step(*recording, 13.4, step), Eigen::Vector3d::Zero());
+      EXPECT_THAT(offset_mistakes(offsets), IsEmpty()) << step.transpose() << (recording == &twice);
+      EXPECT_THAT(clock_mistakes(offsets), IsEmpty()) << step.transpose();
+    }
+  }
+}
+
+TEST(MountMistake, IsNamedByItsSizeBesideAGyroWhoseBiasSteps) {
+  const Recording recording = with_gyro_step(flown("drone_none.yaml", 20.0, 65), 11.2, {0.03, -0.03, 0.02});
+  const SensorOffsets offsets = beside_turned_mount(recording, {0.0, -0.8, 0.0});
+  ASSERT_TRUE(offsets.mount);
+  EXPECT_NEAR(kToDegrees * offsets.mount->turn.y(), 0.8, 0.15);
+  EXPECT_THAT(offset_mistakes(offsets), ElementsAre(HasSubstr("cam0 is turned by")));
+}
+
 TEST(MountMistake, NeedsMoreOfALongLensAndOfFewSeconds) {
   const auto named = [](double degrees, double focal_widths, double dof) {
     SensorOffsets offsets;

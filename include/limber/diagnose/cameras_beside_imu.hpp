@@ -53,12 +53,13 @@ struct CamerasBesideImu {
 };
 
 /// @brief How the left camera alone turned in a fifth of a second (two views, depths eliminated: errors of
-/// depth would look like turns), against the gyro over the same time, moved by tau; with a constant gyro
-/// bias. The gyro's slope before and behind is the instrument of its slope between. The mount's turn phi is
-/// found beside both, at that tau: a camera that is taken for turned by phi less sees omega + omega x phi. Of
-/// the one, two or three directions that the motion tells best those are taken whose turn is surest. Sigmas
-/// are the jackknife's over seconds of the recording, with one d.o.f. less than there are seconds that tell.
-/// They do not hold what a lens model leaves, which lasts: see mount_mistake.
+/// depth would look like turns), against the gyro over the same time, moved by tau; with a gyro
+/// bias that is constant but for the few steps that the turns show for sure. The gyro's slope before and
+/// behind is the instrument of its slope between. The mount's turn phi is found beside both, at that tau: a
+/// camera that is taken for turned by phi less sees omega + omega x phi. Of the one, two or three directions
+/// that the motion tells best those are taken whose turn is surest. Sigmas are the jackknife's over seconds
+/// of the recording, with one d.o.f. less than there are seconds that tell. They do not hold what a lens
+/// model leaves, which lasts: see mount_mistake.
 /// @return nothing unless the body is the IMU and 20 pairs of frames in four seconds tell
 [[nodiscard]] std::optional<CamerasBesideImu> cameras_beside_imu(const StereoCalibration& calibration,
                                                                  std::span<const StereoFrame> frames,
