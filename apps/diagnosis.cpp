@@ -243,7 +243,9 @@ std::string to_text(const Diagnosis& diagnosis) {
   }
   fmt::format_to(out, "\n{} frames in {:.1f} s; ", diagnosis.frames, diagnosis.duration_s);
   if (!diagnosis.health) {
-    fmt::format_to(out, "no window of {:g} s had points that could be judged\n",
+    fmt::format_to(out,
+                   "no window of {:g} s had points that could be judged: too few, or too many of them "
+                   "matched wrongly\n",
                    diagnosis.judged_by.window_s);
     return text;
   }

@@ -236,8 +236,8 @@ std::string advice_on(HealthVerdict verdict, bool moves) {
     case HealthVerdict::kCannotTell:
       break;
   }
-  return "record more motion: turn and tilt the rig, with at least twenty points in both cameras, some of "
-         "them nearer than a hundred baselines";
+  return "record more motion: turn and tilt the rig, with at least twenty points in both cameras that are "
+         "matched right, some of them nearer than a hundred baselines";
 }
 
 std::string change_in_words(const CalibrationState& change, const Tolerance& tolerance) {

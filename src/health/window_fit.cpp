@@ -34,7 +34,8 @@ constexpr int kStepsPerSlice = 4;
 constexpr int kMostLinearisations = 4;
 constexpr double kMost = 0.95;  // of the rows of a kind: larger derivatives than theirs count as much
 constexpr std::size_t kFewestLevers = 20;
-constexpr double kAsGood = 1.0;  // plausible errors from where the rows were made: linear enough
+constexpr double kMostMismatched = 0.15;  // of the points of the usual frame
+constexpr double kAsGood = 1.0;           // plausible errors from where the rows were made: linear enough
 
 Vector solve(const NormalEquations& normal) { return Cholesky(normal.information).inverse() * normal.vector; }
 
@@ -116,7 +117,7 @@ void WindowFit::advance() {
     case Stage::kWeights:
       weigh();
       if (weighted_ == kHuberSteps + kTukeySteps) {
-        stage_ = move_linearisation() ? Stage::kRows : Stage::kSums;
+        stage_ = move_linearisation() ? Stage::kRows : is_mismatched() ? Stage::kDone : Stage::kSums;
       }
       break;
     case Stage::kSums:
@@ -266,6 +267,25 @@ bool WindowFit::move_linearisation() {
       turns_ == kMostLinearisations || (next - at_).head<6>().cwiseAbs().maxCoeff() < kAsGood;
   at_ = next;
   return !near_enough;
+}
+
+/// The usual frame has so many points that no rig puts on their lines that a wrong rig may suit some of them:
+/// a sum of bounded influences follows what has no mean. A rig that steps leaves most frames whole.
+bool WindowFit::is_mismatched() const {
+  std::vector<std::array<double, 2>> of_frame(window_.frames.size());  // points, and those without a weight
+  for (const Row& row : rows_) {
+    if (!row.along) {
+      of_frame[row.frame][0] += 1.0;
+      of_frame[row.frame][1] += row.weight > 0.0 ? 0.0 : 1.0;
+    }
+  }
+  std::vector<double> shares;
+  for (const auto& [points, wrong] : of_frame) {
+    if (points > 0.0) {
+      shares.push_back(wrong / points);
+    }
+  }
+  return !shares.empty() && upper_median(std::move(shares)) > kMostMismatched;
 }
 
 void WindowFit::sum_up() {

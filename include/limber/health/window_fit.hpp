@@ -68,7 +68,8 @@ class WindowFit {
   void advance();
   /// Nothing is left to do.
   [[nodiscard]] bool done() const { return stage_ == Stage::kDone; }
-  /// What the window says; nothing with fewer than 100 points, or before it is done.
+  /// What the window says; nothing with fewer than 100 points, where a seventh of those of the usual frame
+  /// are mismatched, or before it is done.
   [[nodiscard]] const std::optional<RigEvidence>& evidence() const { return evidence_; }
 
  private:
@@ -96,6 +97,7 @@ class WindowFit {
   void weigh();
   /// To where the weighted rows put the rig. @return whether they have to be made anew there
   [[nodiscard]] bool move_linearisation();
+  [[nodiscard]] bool is_mismatched() const;
   void sum_up();
   /// What the frames alone say, without the outliers of the whole window.
   [[nodiscard]] std::vector<FrameHalves> frame_halves() const;
