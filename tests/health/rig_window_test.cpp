@@ -92,7 +92,7 @@ TEST(RigWindow, MismatchesDoNotMoveIt) {
 
 /// What moves a point across its line grows with its disparity: a few wrong ones had fitted themselves, and
 /// the rig had followed.
-/// Bounded influences of a third of all points turn a sound rig: of eleven drones three were decalibrated.
+/// Bounded influences of a third of all points turn a sound rig: of eleven drones four were decalibrated.
 TEST(RigWindow, ThatIsMostlyMismatchedSaysNothing) {
   WorldOptions options;
   options.seconds = 5.0;
