@@ -153,9 +153,10 @@ DepthMovement depth_movement_of(const std::vector<DepthHalves>& blocks, const Ri
   const Pair share(std::abs(slope.dot(ways[0])), std::abs(slope.dot(ways[1])));
   const Pair size = share * mean.max(0.0).sqrt(), low = share * (mean - reach).max(0.0).sqrt(),
              high = share * (mean.max(0.0) + reach).sqrt();
+  const Eigen::Index named = certain ? best : 0;
   DepthMovement out{
-      {size(best), certain ? low(best) : low.minCoeff(), certain ? high(best) : high.maxCoeff()}};
-  ways[static_cast<std::size_t>(best)].cwiseAbs().maxCoeff(&out.axis);
+      {size(named), certain ? low(best) : low.minCoeff(), certain ? high(best) : high.maxCoeff()}};
+  ways[static_cast<std::size_t>(named)].cwiseAbs().maxCoeff(&out.axis);
   return out;
 }
 

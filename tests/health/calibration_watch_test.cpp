@@ -79,6 +79,9 @@ TEST(CalibrationWatch, AnErrorThatIsOverIsOver) {
 }
 
 TEST(CalibrationWatch, AShortErrorOfDepthIsOver) {
+  if (testing::kSanitized) {
+    GTEST_SKIP() << "a long statistic of what the other tests run, too";
+  }
   // Its end is known by three windows on either side. None of the first 60 seeds misses it; with degrees of
   // freedom by the number of windows alone, as if clusters said nothing, half of them do.
   int missed = 0;
@@ -120,6 +123,9 @@ WorldOptions with_ramp(double degrees, unsigned seed) {
 }
 
 TEST(CalibrationWatch, JudgesADriftAtItsEndAndGivesItsRate) {
+  if (testing::kSanitized) {
+    GTEST_SKIP() << "a long statistic of what the other tests run, too";
+  }
   int held = 0, drifts = 0, right_axis = 0;
   constexpr int kSeeds = 20;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {

@@ -148,6 +148,15 @@ TEST(RigMovement, OfDepthsIsThatOfTheAxisThatExplainsMoreOfThePixels) {
   EXPECT_NEAR(either.share.high, 2.0 * rms * slope.head<3>().norm(), 1e-4);
 }
 
+TEST(RigMovement, OfDepthsIsSaidToBeVergenceWhereTheLengthDoesNotCertainlyExplainMore) {
+  const RigParameters theta = testing::world_calibration().theta;
+  std::vector<DepthHalves> blocks = alternating(2.0, 1.0, {1.0, 2.3});
+  const std::vector<DepthHalves> others = alternating(0.5, 1.0, {1.0, 2.3});
+  blocks.insert(blocks.end(), others.begin(), others.end());  // 2.1 and 2.3 on average, 0.25 to 4 by block
+  EXPECT_EQ(depth_movement_of(blocks, theta, 90.0).axis, 1);
+  EXPECT_EQ(depth_movement_of(alternating(1.45, 1.0, {1.0, 2.3}), theta, 90.0).axis, 3);
+}
+
 TEST(RigMovement, IsUnknownOfTooFewFrames) {
   const RigMovement none = movement_of(std::vector<FrameHalves>(5), 1);
   EXPECT_EQ(none.px.high, std::numeric_limits<double>::infinity());

@@ -33,7 +33,8 @@ struct DepthMovement {
 [[nodiscard]] std::array<RigParameters, 2> depth_ways(const RigParameters& theta);
 
 /// @brief From the disparities of frames: as if the cameras turned, or as if the baseline's length changed,
-/// whichever explains more; where neither certainly does (95 %), the interval holds both.
+/// whichever explains more; where neither certainly does (95 %), the interval holds both, and it is said to
+/// be a turn: cameras turn in their mounts, what is between them hardly gets longer.
 /// @param blocks     half a second each; they count as independent
 /// @param theta      the assumed rig
 /// @param baselines  depth at which the share is meant
