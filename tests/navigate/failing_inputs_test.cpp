@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <functional>
 #include <limits>
 
@@ -369,42 +368,6 @@ TEST(FailingInputs, MemoryIsBoundedOverTwentyMinutes) {
     most = std::max(most, navigator.events_kept());
   }
   EXPECT_LE(most, 2U * 11U * 110U);  // two checkpoints, the older up to ten seconds old; 110 events a second
-}
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-/// Going back replays some seconds: a robot at 20 Hz stalled for as long as fifty frames take.
-TEST(FailingInputs, GoingBackTakesNoFrameMuchLongerThanAnother) {
-  SceneOptions scene_options;
-  scene_options.duration_s = 12.0;
-  scene_options.theta_error = [](double t) {
-    return t < 6.0 ? RigParameters(RigParameters::Zero()) : testing::scene_theta_error();
-  };
-  const Scene scene = make_scene(scene_options);
-  Navigator navigator(with_method(scene, Method::kAdaptive), scene.calibration, scene.initial);
-  std::vector<double> ordinary, going_back;
-  std::size_t next = 0;
-  for (std::size_t k = 0; k < scene.frames.size(); ++k) {
-    for (; next < scene.inputs.size() && scene.inputs[next].t_ns <= scene.frames[k].t_ns; ++next) {
-      navigator.add_imu({scene.inputs[next].t_ns, scene.inputs[next].angular, scene.inputs[next].linear});
-    }
-    // While it goes back, the parallel filter answers.
-    const auto parallel_answers = [&] { return navigator.estimate().layout().has_witness; };
-    const bool went_back = parallel_answers();
-    const double begin = cpu_seconds();
-    (void)navigator.process(scene.frames[k]);
-    (went_back || parallel_answers() ? going_back : ordinary).push_back(cpu_seconds() - begin);
-    EXPECT_EQ(navigator.estimate().nav().t_ns, scene.frames[k].t_ns);
-  }
-  ASSERT_GE(going_back.size(), 5U);
-  EXPECT_FALSE(navigator.estimate().layout().has_witness);
-  // Four frames' work instead of two; and of both kinds the longest, for frames differ by a factor of ten.
-  EXPECT_LE(*std::max_element(going_back.begin(), going_back.end()),
-            3.0 * *std::max_element(ordinary.begin(), ordinary.end()));
 }
 
 }  // namespace
