@@ -34,7 +34,7 @@ constexpr int kStepsPerSlice = 4;
 constexpr int kMostLinearisations = 4;
 constexpr double kMost = 0.95;  // of the rows of a kind: larger derivatives than theirs count as much
 constexpr std::size_t kFewestLevers = 20;
-constexpr double kMostMismatched = 0.15;  // of the points of the usual frame
+constexpr double kMostMismatched = 0.15;  // of the points of the usual fifth of a window
 constexpr double kAsGood = 1.0;           // plausible errors from where the rows were made: linear enough
 
 Vector solve(const NormalEquations& normal) { return Cholesky(normal.information).inverse() * normal.vector; }
@@ -269,18 +269,19 @@ bool WindowFit::move_linearisation() {
   return !near_enough;
 }
 
-/// The usual frame has so many points that no rig puts on their lines that a wrong rig may suit some of them:
-/// a sum of bounded influences follows what has no mean. A rig that steps leaves most frames whole.
+/// The usual fifth has so many points that no rig puts on their lines that a wrong rig may suit some of them:
+/// a sum of bounded influences follows what has no mean. A rig that steps leaves most fifths whole.
 bool WindowFit::is_mismatched() const {
-  std::vector<std::array<double, 2>> of_frame(window_.frames.size());  // points, and those without a weight
+  std::array<std::array<double, 2>, kBlocks> of_block{};  // points, and those without a weight
   for (const Row& row : rows_) {
     if (!row.along) {
-      of_frame[row.frame][0] += 1.0;
-      of_frame[row.frame][1] += row.weight > 0.0 ? 0.0 : 1.0;
+      auto& [points, wrong] = of_block[row.frame * kBlocks / window_.frames.size()];
+      points += 1.0;
+      wrong += row.weight > 0.0 ? 0.0 : 1.0;
     }
   }
   std::vector<double> shares;
-  for (const auto& [points, wrong] : of_frame) {
+  for (const auto& [points, wrong] : of_block) {
     if (points > 0.0) {
       shares.push_back(wrong / points);
     }
