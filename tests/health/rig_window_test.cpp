@@ -90,8 +90,6 @@ TEST(RigWindow, MismatchesDoNotMoveIt) {
   EXPECT_LT((found.delta - some_error()).head<3>().cwiseAbs().maxCoeff(), 0.03 * kOneDegree);
 }
 
-/// What moves a point across its line grows with its disparity: a few wrong ones had fitted themselves, and
-/// the rig had followed.
 /// Bounded influences of a third of all points turn a sound rig: of eleven drones four were decalibrated.
 TEST(RigWindow, ThatIsMostlyMismatchedSaysNothing) {
   WorldOptions options;
@@ -112,6 +110,8 @@ TEST(RigWindow, WhoseRigJumpsIsNotMismatched) {
   EXPECT_EQ(windows_of(fly_past(options)).size(), 1u);
 }
 
+/// What moves a point across its line grows with its disparity: a few wrong ones had fitted themselves, and
+/// the rig had followed.
 TEST(RigWindow, AFewWrongMatchesThatStayDoNotTurnIt) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     WorldOptions options;

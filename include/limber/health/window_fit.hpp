@@ -68,8 +68,8 @@ class WindowFit {
   void advance();
   /// Nothing is left to do.
   [[nodiscard]] bool done() const { return stage_ == Stage::kDone; }
-  /// What the window says; nothing with fewer than 100 points, where a seventh of those of the usual frame
-  /// are mismatched, or before it is done.
+  /// What the window says; nothing with fewer than 100 points, where a seventh of those of the usual fifth
+  /// of it are mismatched, or before it is done.
   [[nodiscard]] const std::optional<RigEvidence>& evidence() const { return evidence_; }
 
  private:
