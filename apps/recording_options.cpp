@@ -102,6 +102,11 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
                   "Pixel noise [px], white; default: the recording's, else learned")
       ->check(positive());
   command
+      .add_option("--imu-noise", arguments.imu_noise,
+                  "stated: the recording's alone; learned: as much more as images ask for")
+      ->transform(one_of({"learned", "stated"}))
+      ->capture_default_str();
+  command
       .add_option(
           "--odometry-scale", arguments.odometry_scale,
           "By what share odometry's speeds may be long or short all the time, 1σ: 0.02 is 2 %; default: "
@@ -157,6 +162,7 @@ RunOptions to_run_options(const RecordingArguments& arguments, const Recording& 
     options.softened = parse_parameter_sigmas(arguments.soften, recording.calibration);
   }
   options.sigma_px = arguments.sigma_px;
+  options.learn_imu_noise = arguments.imu_noise == "learned";
   options.odometry_scale = arguments.odometry_scale;
   options.cleaning.clean = options.cleaning.still_points = arguments.clean == "on";
   options.threads = arguments.frontend.threads;

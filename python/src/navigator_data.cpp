@@ -54,8 +54,9 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
                               const OdometryNoise& odometry_noise, double gravity,
                               const RigParameters& theta_sigma, bool gate, std::size_t max_landmarks,
                               std::optional<std::size_t> points_per_update, bool learn_pixel_noise,
-                              bool learn_odometry_noise, bool doubt_odometry_mount, double odometry_scale,
-                              bool carries_scale, std::optional<double> false_alarms_per_hour) {
+                              bool learn_odometry_noise, bool learn_imu_noise, bool doubt_odometry_mount,
+                              double odometry_scale, bool carries_scale,
+                              std::optional<double> false_alarms_per_hour) {
   NavigatorOptions options;
   options.method = method_from_string(method);
   options.constraints = constraint_set_from_string(constraints);
@@ -69,6 +70,7 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
   }
   options.learn_pixel_noise = learn_pixel_noise;
   options.learn_odometry_noise = learn_odometry_noise;
+  options.learn_imu_noise = learn_imu_noise;
   options.doubt_odometry_mount = doubt_odometry_mount;
   options.odometry_scale = odometry_scale;
   options.carries_scale = carries_scale;
@@ -101,6 +103,7 @@ void bind_options(py::module_& module) {
           py::arg("points_per_update") = py::none(),
           py::arg("learn_pixel_noise") = defaults.learn_pixel_noise,
           py::arg("learn_odometry_noise") = defaults.learn_odometry_noise,
+          py::arg("learn_imu_noise") = defaults.learn_imu_noise,
           py::arg("doubt_odometry_mount") = defaults.doubt_odometry_mount,
           py::arg("odometry_scale") = defaults.odometry_scale,
           py::arg("carries_scale") = defaults.carries_scale,
@@ -113,6 +116,8 @@ void bind_options(py::module_& module) {
           "learn_pixel_noise: sigma_px is but where to begin, as in limber.run where a recording states "
           "none\n"
           "learn_odometry_noise: the same of odometry_noise\n"
+          "learn_imu_noise: imu_noise is the least, as in limber.run: as much more as images ask for is "
+          "learned\n"
           "doubt_odometry_mount: the odometer may be turned against the camera by 0.5 deg, otherwise a third "
           "of a second later; as in limber.run where a recording states no noise of odometry\n"
           "odometry_scale: by what share its speeds may be long or short all the time, 1 sigma\n"
@@ -245,6 +250,10 @@ void bind_frame_report(py::module_& module) {
           "What the prediction rested on: 'sound', 'faulty', 'gap', 'contradicted', 'none' or 'not needed'.")
       .def_property_readonly(
           "gap_s", [](const FrameReport& report) { return report.inputs.gap_s; }, DOC(InputReport_gap_s))
+      .def_property_readonly(
+          "imu_noise",
+          [](const FrameReport& report) { return std::pair(report.imu_noise.gyro, report.imu_noise.accel); },
+          "(gyroscope, accelerometer): " DOC(FrameReport_imu_noise))
       .def_property_readonly(
           "inputs_chi2", [](const FrameReport& report) { return report.inputs.chi2; }, DOC(InputReport_chi2))
       .def_readonly("reset", &FrameReport::reset, DOC(FrameReport_reset))

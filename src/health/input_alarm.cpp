@@ -5,14 +5,10 @@
 #include <cmath>
 
 #include "limber/core/chi_square.hpp"
-#include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
 
 namespace limber {
 namespace {
-
-using Vector6 = PoseCorrection::Vector6;
-using Matrix6 = PoseCorrection::Matrix6;
 
 constexpr double kShare = 0.1;  // of one frame in the fading mean
 /// How much larger the variance of the fading mean is than of white corrections. Two thirds of a real pixel
@@ -22,40 +18,18 @@ constexpr double kShare = 0.1;  // of one frame in the fading mean
 constexpr double kPersistence = 8.0;
 /// Variance of real inputs over what their data sheets say, which is no fault yet.
 constexpr double kStatedNoise = 2.0;
-constexpr double kWeakestDirection =
-    1e-4;  // directions that are corrected by less, in correlation, say nothing
 constexpr double kNoiseShare = 0.05;
 constexpr double kDoubtful = 22.46;  // 0.999 quantile of chi-square with 6 degrees of freedom
 constexpr int kYoung = 10;           // frames: the first ones are corrected by what the start did not know
 
-/// The correction in units of its standard deviations; directions that the frame did not see are zero.
-Vector6 whitened(const PoseCorrection& c) {
-  const Vector6 sigma = c.covariance.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Matrix6 correlation =
-      sigma.cwiseInverse().asDiagonal() * c.covariance * sigma.cwiseInverse().asDiagonal();
-  const SymmetricEigen eigen = symmetric_eigen(correlation);
-  Vector6 z = eigen.vectors.transpose() * c.dx.cwiseQuotient(sigma);
-  for (Eigen::Index k = 0; k < 6; ++k) {
-    z(k) = eigen.values(k) > kWeakestDirection ? z(k) / std::sqrt(eigen.values(k)) : 0.0;
-  }
-  return eigen.vectors * z;
-}
-
-/// NIS per degree of freedom of the rest; z: the correction, whitened.
-double scatter_of_rest(const PoseCorrection& c, const Vector6& z) {
-  return std::max(c.nis - z.squaredNorm(), 0.0) / std::max(c.dof - 6.0, 1.0);
-}
-
 }  // namespace
-
-double scatter_beside(const PoseCorrection& c) { return scatter_of_rest(c, whitened(c)); }
 
 bool InputAlarm::judge(const PoseCorrection& c, InputContradiction& found) {
   if (!c.dx.allFinite() || !c.covariance.allFinite() || c.dof <= 0.0) {
     return false;
   }
-  const Vector6 z = whitened(c);
-  const double rest = scatter_of_rest(c, z);
+  const PoseCorrection::Vector6 z = whitened(c);
+  const double rest = scatter_beside(c, z);
   noise_ += kNoiseShare * (rest - noise_);
   const double noise = std::max({noise_, rest, 1.0});
   mean_ = (1.0 - kShare) * mean_ + kShare * z;

@@ -84,8 +84,9 @@ bool same_start(const NavigatorOptions& a, const StereoCalibration& rig_of_a, co
   return rig_of_a == rig_of_b && of_a.right == of_b.right &&
          of_a.directions.cols() == of_b.directions.cols() && of_a.directions == of_b.directions &&
          a.estimated.tail<kMoreParameters>() == b.estimated.tail<kMoreParameters>() && a.motion == b.motion &&
-         a.imu_noise == b.imu_noise && a.constant_velocity_noise == b.constant_velocity_noise &&
-         a.sigma_px == b.sigma_px && a.gravity == b.gravity;
+         a.imu_noise == b.imu_noise && a.learn_imu_noise == b.learn_imu_noise &&
+         a.constant_velocity_noise == b.constant_velocity_noise && a.sigma_px == b.sigma_px &&
+         a.gravity == b.gravity;
 }
 
 SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,

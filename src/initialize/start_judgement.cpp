@@ -115,6 +115,9 @@ StartReport StartWindow::solve_and_judge() {
     out = judged();
     failed = disagrees();
   }
+  if (!failed && out.status != StartStatus::kWaiting && learn_imu_noise()) {
+    out = judged();
+  }
   if (failed) {
     go_back();
     out = judged();
@@ -249,6 +252,7 @@ void StartWindow::go_back() {
 InitialState StartWindow::handed_over() const {
   InitialState out = hand_over(model, *solution, normal, covariance);
   out.scale_told = scale_told;
+  out.imu_noise = model.imu_noise;
   out.body_covariance = seen_from_first(rest_seen_since(), out.nav, out.body_covariance);
   if (leaves_scale_open()) {
     take_noise_from_scale(out);

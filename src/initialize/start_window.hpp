@@ -107,6 +107,8 @@ struct StartWindow {
   void settle_solution();
   void shift_parameters() { shifted = shifted_solutions(model, *solution); }
   void clean_and_cover();
+  /// @return whether the solution is another one, because the IMU is noisier than it was taken for
+  bool learn_imu_noise();
   /// The rig says nothing about how long a metre is.
   [[nodiscard]] bool leaves_scale_open() const {
     return !model.right ||

@@ -80,16 +80,11 @@ void add_motion(const WindowModel& model, const WindowState& state, WindowNormal
   const Index n = model.body_size();
   const Index size = model.frame_size();
   for (std::size_t k = 1; k < state.frames.size(); ++k) {
-    NavigationState predicted = state.frames[k - 1].nav;
-    Transition step = predict_over(model.options, state.frames[k], predicted);
-    step.Q.diagonal().array() += kJitter * kJitter;
-    const VectorXd e = difference(state.frames[k].nav, predicted, model.options.motion);
-    const MatrixXd information = Cholesky(step.Q).inverse();
+    const auto [e, J, F, Q] = motion_residual(model, state, k);
+    const MatrixXd information = Cholesky(Q).inverse();
     const Index a = static_cast<Index>(k - 1) * size;
     const Index b = a + size;
     const VectorXd Ie = information * e;
-    const MatrixXd J = difference_jacobian(e);
-    const MatrixXd F = multiply(difference_jacobian(-e), step.Phi);
     out.A.block(a, a, n, n) += congruence(transposed(F), information);
     add_product(out.A.block(b, a, n, n), -1.0, multiply(transposed(J), information), F);
     out.A.block(b, b, n, n) += congruence(transposed(J), information);
@@ -178,6 +173,18 @@ Transition predict_over(const NavigatorOptions& options, const WindowFrame& fram
     nav.t_ns = step.t_end_ns;
   }
   return {Phi.topLeftCorner(n, n), Q.topLeftCorner(n, n)};
+}
+
+MotionResidual motion_residual(const WindowModel& model, const WindowState& state, std::size_t frame) {
+  NavigationState predicted = state.frames[frame - 1].nav;
+  Transition step = predict_over(model.options, state.frames[frame], predicted);
+  step.Q.diagonal().array() += kJitter * kJitter;
+  MotionResidual out;
+  out.e = difference(state.frames[frame].nav, predicted, model.options.motion);
+  out.J = difference_jacobian(out.e);
+  out.F = multiply(difference_jacobian(-out.e), step.Phi);
+  out.Q = std::move(step.Q);
+  return out;
 }
 
 BodyPoint point_in_body(const WindowState& state, const MountedRig& rig, std::size_t cam,

@@ -38,6 +38,7 @@ struct WindowModel {
   Eigen::MatrixXd directions;  ///< 6×b: what of theta is free in every frame; no column: the rig is trusted
   bool right = true;           ///< the right pixels are used
   WindowPrior prior;
+  ImuNoiseFactors imu_noise;                              ///< of the noise in `options` over what was stated
   Eigen::Matrix3d R_first = Eigen::Matrix3d::Identity();  ///< yaw of the first frame is that of this
 
   [[nodiscard]] Eigen::Index body_size() const { return StateLayout{options.motion}.body_size(); }
@@ -97,6 +98,24 @@ struct WindowNormal {
   std::vector<FrameSpan> seen;  ///< each point: other frames' rows of W are zero
   Eigen::VectorXd g, g_points;
 };
+
+/// How the inputs to a frame disagree with the states on either side of them.
+struct MotionResidual {
+  Eigen::VectorXd e;     ///< the later state without the predicted one
+  Eigen::MatrixXd J, F;  ///< of e: by the later state, and minus that by the earlier one
+  Eigen::MatrixXd Q;     ///< covariance of the inputs' noise
+};
+
+[[nodiscard]] MotionResidual motion_residual(const WindowModel& model, const WindowState& state,
+                                             std::size_t frame);
+
+/// How much noisier the IMU is than assumed, by how far a solution stands off what it measured: squared
+/// residuals over what is expected of them, n - tr(Q^-1 C) with C their covariance in the solution. 1 where
+/// the noise is as stated and what is more may be chance.
+/// @param covariance  of the frames' errors
+/// @param sureness  standard deviations that are no chance
+[[nodiscard]] ImuNoiseFactors misfit_of_imu(const WindowModel& model, const WindowState& state,
+                                            const Eigen::MatrixXd& covariance, double sureness);
 
 /// @param memory normal equations that are of no use any more: what they hold is written over
 [[nodiscard]] WindowNormal linearise(const WindowModel& model, const WindowState& state,

@@ -26,6 +26,10 @@ constexpr double kLongGap = 0.1;
 constexpr double kAccusedByChance = 1e-6;
 constexpr double kMisled = 0.5;
 
+/// Points of which that much noise [px] is learned contradict each other (things that move, mismatches). Who
+/// then believes the inputs less follows the wrong ones.
+constexpr double kPointsQuarrel = 2.5;
+
 /// A speed tells a scale where it is that many of its sigmas: to 5 %, as a start asks for.
 constexpr double kCertainMotion = 20.0;
 
@@ -71,19 +75,31 @@ std::optional<ParameterEvidence> StereoFilter::gathered(const ParameterErrorMode
   return out;
 }
 
-void StereoFilter::learn_pixel_noise(const ParameterErrorModel& model, const UpdateReport& update,
-                                     PoseCorrection correction) {
+/// What is learned of pixels and inputs. Nothing where a filter that trusts the rig is misled by it: what is
+/// off then is neither.
+void StereoFilter::learn_noise(const ParameterErrorModel& model, const UpdateReport& update,
+                               const PoseCorrection& correction, const FrameReport& report) {
+  if (!pixel_noise_ && !imu_noise_) {
+    return;
+  }
+  const Innovations rest = without_rig(model, update);
+  PoseCorrection counted = correction;
+  counted.nis = rest.nis;
+  counted.dof = rest.dof;
+  const double scatter = scatter_beside(counted);
+  if (accuses_rig(rest.explained, scatter)) {
+    rig_accused_ns_ = correction.t_ns;
+  }
+  if (rig_accused_ns_ && seconds_between(*rig_accused_ns_, correction.t_ns) <= kMisled) {
+    return;
+  }
   if (pixel_noise_) {
-    const Innovations rest = without_rig(model, update);
-    correction.nis = rest.nis;
-    correction.dof = rest.dof;
-    const double scatter = scatter_beside(correction);
-    if (accuses_rig(rest.explained, scatter)) {
-      rig_accused_ns_ = correction.t_ns;
-    }
-    if (!rig_accused_ns_ || seconds_between(*rig_accused_ns_, correction.t_ns) > kMisled) {
-      pixel_noise_->learn(scatter * rest.dof, rest.dof);
-    }
+    pixel_noise_->learn(scatter * rest.dof, rest.dof);
+  }
+  const bool quarrels = report.gate_overruled || report.most_move || report.led_astray ||
+                        (pixel_noise_ && pixel_noise_->report().sigma_px > kPointsQuarrel);
+  if (imu_noise_ && !quarrels && !input_alarm_.active(correction.t_ns) && report.inputs.gap_s <= kLongGap) {
+    imu_noise_->learn(counted);
   }
 }
 

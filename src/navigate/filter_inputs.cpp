@@ -73,10 +73,20 @@ std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {
 
 /// The body carried to t_ns by the inputs so far; changes nothing.
 Propagation StereoFilter::propagated(std::int64_t t_ns) const {
-  const bool distrusts = estimate_.nav().t_ns < trusted_again_ns_;
   const OdometryNoise odometry = odometry_noise_ ? odometry_noise_->assumed() : options_.odometry_noise;
   return propagate(estimate_.nav(), steps_to(t_ns), options_, odometry, inputs_.usual_interval_s(),
-                   distrusts ? distrust_ : MoreNoise{});
+                   more_noise());
+}
+
+/// What inputs are noisier by than their samples and what was stated say.
+MoreNoise StereoFilter::more_noise() const {
+  MoreNoise more = estimate_.nav().t_ns < trusted_again_ns_ ? distrust_ : MoreNoise{};
+  if (imu_noise_) {
+    const MoreNoise learned = beside_stated(options_.imu_noise, imu_noise_->factors());
+    more.angular += learned.angular;
+    more.linear += learned.linear;
+  }
+  return more;
 }
 
 void StereoFilter::predict_to(std::int64_t t_ns) {

@@ -108,6 +108,9 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
   if (options_.learn_odometry_noise && options_.motion == MotionModel::kOdometry) {
     odometry_noise_.emplace(options_.odometry_noise);
   }
+  if (options_.learn_imu_noise && options_.motion == MotionModel::kImu) {
+    imu_noise_.emplace(initial.imu_noise);
+  }
   if (options_.learn_pixel_noise) {
     pixel_noise_.emplace(options_.sigma_px, calibration);
   }
@@ -273,8 +276,8 @@ void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorMode
       blind_turn_ = 0.0;
       const PoseCorrection correction{report.t_ns,  dt,          updated.dx.head<6>(),
                                       corrected_by, updated.nis, static_cast<double>(updated.dof)};
+      learn_noise(model, updated, correction, report);
       judge_inputs(correction, report);
-      learn_pixel_noise(model, updated, correction);
       notice_motion();
     }
     if (monitor_) {
@@ -318,6 +321,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   report.t_ns = frame.t_ns;
   report.inputs = report_inputs(frame.t_ns);
   report.sigma_px = 0.5 * sigma_px().norm();
+  report.imu_noise = imu_noise_ ? imu_noise_->factors() : ImuNoiseFactors{};
   if (pixel_noise_) {
     pixel_noise_->see(raw);
   }

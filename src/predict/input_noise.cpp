@@ -19,6 +19,11 @@ double with(double density, double gap, double variance) {
 
 }  // namespace
 
+MoreNoise beside_stated(const ImuNoise& stated, const ImuNoiseFactors& factors) {
+  const auto more = [](double factor, double density) { return (factor * factor - 1.0) * density * density; };
+  return {more(factors.gyro, stated.gyro_density), more(factors.accel, stated.accel_density)};
+}
+
 ImuStep imu_step(const InputStep& step, const NavigationState& body, const ImuNoise& noise, double gravity,
                  const MoreNoise& more) {
   ImuStep out{step.angular, step.linear, noise};

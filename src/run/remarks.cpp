@@ -18,6 +18,7 @@ constexpr std::int64_t kGapNs = 100'000'000;
 constexpr std::int64_t kBlindNs = 1'000'000'000;
 constexpr double kLeastForce = 0.5, kLargestForce = 1.5;  // mean specific force, in gravities
 constexpr double kLargestRate = 10.0;                     // [rad/s] mean, of anything that carries cameras
+constexpr double kNoisyImu = 3.0;                         // times the stated noise
 constexpr double kSuspiciousNis = 3.0;                    // per degree of freedom
 constexpr double kLargeNoise_px = 4.0;                    // rectified tracks need 0.1 to 3.5
 constexpr double kModestNis = 0.4;                        // "
@@ -134,6 +135,18 @@ void remark_on_large_noise(const std::vector<FrameReport>& frames, std::vector<s
   }
 }
 
+/// Where images ask for much more noise than the IMU was said to have.
+void remark_on_noisy_imu(const ImuNoiseFactors& imu, std::vector<std::string>& remarks) {
+  if (std::max(imu.gyro, imu.accel) > kNoisyImu) {
+    remarks.push_back(fmt::format(
+        "the IMU errs more than its stated noise: {:.2g} times that of the gyroscope and {:.2g} times that "
+        "of "
+        "the accelerometer were assumed most of the time; scales or axes that are off (calibrate them), "
+        "vibration, stamps that jitter, or a data sheet that promises too much",
+        imu.gyro, imu.accel));
+  }
+}
+
 }  // namespace
 
 void PointCount::add(const StereoFrame& frame) {
@@ -205,6 +218,9 @@ std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method
         "pixel noise learned: white noise of {:.2g} px is assumed at the end; a point's errors in two frames "
         "that follow each other have a correlation of {:.2g}",
         record.pixel_noise->sigma_px, record.pixel_noise->correlation));
+  }
+  if (record.imu_noise) {
+    remark_on_noisy_imu(*record.imu_noise, remarks);
   }
   if (record.odometry_noise) {
     const auto& [v, omega] = *record.odometry_noise;

@@ -86,6 +86,7 @@ void choose_noise(const SensorData& sensors, const RunOptions& options, RunSetup
   // A recording that states the noise of its pixels is a simulated one: from the truth on, its filter is the
   // paper's.
   navigator.carries_scale = options.start != StartMode::kGroundTruth || !sensors.pixel_noise;
+  navigator.learn_imu_noise = options.learn_imu_noise && navigator.carries_scale;
   if (options.sigma_px) {
     navigator.sigma_px.setConstant(*options.sigma_px);
   } else {

@@ -12,6 +12,7 @@
 
 #include "limber/core/angle.hpp"
 #include "limber/core/divergence_error.hpp"
+#include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/navigate/navigator.hpp"
@@ -98,6 +99,17 @@ bool is_sane(const TrajectoryRow& row) {
          row.v_world_body->allFinite() && row.covariance->allFinite();
 }
 
+/// Of the frames that the filter saw.
+std::optional<ImuNoiseFactors> usual_imu_noise(const RunRecord& record) {
+  std::vector<double> gyro, accel;
+  for (std::size_t k = record.frames_of_start; k < record.frames.size(); ++k) {
+    gyro.push_back(record.frames[k].imu_noise.gyro);
+    accel.push_back(record.frames[k].imu_noise.accel);
+  }
+  return gyro.empty() ? std::nullopt
+                      : std::optional<ImuNoiseFactors>({upper_median(gyro), upper_median(accel)});
+}
+
 void take_end(const Navigator& navigator, RunRecord& record) {
   const bool is_start_alone = record.frames.size() == record.frames_of_start;
   if ((record.stopped || is_start_alone) && !record.frames.empty()) {
@@ -111,6 +123,9 @@ void take_end(const Navigator& navigator, RunRecord& record) {
   record.theta = navigator.estimate().theta();
   if (const LearnedPixelNoise* learned = navigator.pixel_noise()) {
     record.pixel_noise = learned->report();
+  }
+  if (navigator.imu_noise()) {
+    record.imu_noise = usual_imu_noise(record);
   }
   if (const LearnedOdometryNoise* learned = navigator.odometry_noise(); learned && learned->knows()) {
     record.odometry_noise = learned->white();

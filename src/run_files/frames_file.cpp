@@ -9,8 +9,8 @@
 namespace limber {
 namespace {
 
-/// Older files lack the noise of pixels and the test of the inputs.
-constexpr std::size_t kFrameColumnsOfOld = 17, kFrameColumns = 19;
+/// Older files lack the noise of pixels and the test of the inputs, or how noisy an IMU is.
+constexpr std::size_t kFrameColumnsOfOld = 17, kFrameColumnsWithTest = 19, kFrameColumns = 21;
 
 std::size_t count(const detail::TableReader& table, std::size_t column) {
   const std::int64_t value = table.integer(column);
@@ -59,15 +59,33 @@ FrameRow frame_row(const FrameReport& report) {
   row.reset = report.reset;
   row.sigma_px = report.sigma_px;
   row.inputs_chi2 = report.inputs.chi2;
+  row.imu_noise = report.imu_noise;
   return row;
 }
 
 std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
-  detail::TableReader table(
-      path, {.names = {"t_ns", "observed", "used", "initialized", "removed", "refused", "gate_overruled",
-                       "nis [-]", "dof", "constrained_rank", "status", "inputs", "gap_s", "faulty_samples",
-                       "reset", "sigma_px [px]", "inputs_chi2 [-]", "filter_ms", "source_ms"},
-             .counts = {kFrameColumnsOfOld, kFrameColumns}});
+  detail::TableReader table(path, {.names = {"t_ns",
+                                             "observed",
+                                             "used",
+                                             "initialized",
+                                             "removed",
+                                             "refused",
+                                             "gate_overruled",
+                                             "nis [-]",
+                                             "dof",
+                                             "constrained_rank",
+                                             "status",
+                                             "inputs",
+                                             "gap_s",
+                                             "faulty_samples",
+                                             "reset",
+                                             "sigma_px [px]",
+                                             "inputs_chi2 [-]",
+                                             "gyro_noise [-]",
+                                             "accel_noise [-]",
+                                             "filter_ms",
+                                             "source_ms"},
+                                   .counts = {kFrameColumnsOfOld, kFrameColumnsWithTest, kFrameColumns}});
   std::vector<FrameRow> rows;
   while (table.next()) {
     FrameRow row;
@@ -85,9 +103,12 @@ std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path) {
     row.inputs = one_of(kInputs, table, 11);
     row.gap_s = table.number(12);
     row.reset = count(table, 14) != 0;
-    if (table.columns() == kFrameColumns) {
+    if (table.columns() >= kFrameColumnsWithTest) {
       row.sigma_px = table.number(15);
       row.inputs_chi2 = table.number(16);
+    }
+    if (table.columns() == kFrameColumns) {
+      row.imu_noise = {table.number(17), table.number(18)};
     }
     row.filter_ms = table.number(table.columns() - 2);
     row.source_ms = table.number(table.columns() - 1);

@@ -104,6 +104,8 @@ Json to_json(const PixelNoiseReport& report) {
   return {{"sigma_px", report.sigma_px}, {"correlation", report.correlation}};
 }
 
+Json to_json(const ImuNoiseFactors& factors) { return {{"gyro", factors.gyro}, {"accel", factors.accel}}; }
+
 Json to_json(const OdometryNoise& noise) {
   const auto list = [](const Eigen::Vector3d& sigma) {
     return std::vector<double>(sigma.begin(), sigma.end());
@@ -194,6 +196,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["seed"] = options.seed;
   json["options"] = to_json(options);
   json["pixel_noise"] = record.pixel_noise ? to_json(*record.pixel_noise) : Json(nullptr);
+  json["imu_noise"] = record.imu_noise ? to_json(*record.imu_noise) : Json(nullptr);
   json["odometry_noise"] = record.odometry_noise ? to_json(*record.odometry_noise) : Json(nullptr);
   json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start) : Json(nullptr);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
@@ -222,16 +225,18 @@ std::string frames_csv(const RunRecord& record) {
   std::string text =
       "#t_ns,observed,used,initialized,removed,refused,gate_overruled,nis "
       "[-],dof,constrained_rank,status,inputs,gap_s,faulty_samples,reset,sigma_px [px],inputs_chi2 "
-      "[-],filter_ms,source_ms\n";
+      "[-],gyro_noise [-],accel_noise [-],filter_ms,source_ms\n";
   auto out = std::back_inserter(text);
   for (std::size_t k = 0; k < record.frames.size(); ++k) {
     const FrameReport& f = record.frames[k];
     const auto& faults = f.inputs.faults.count;
-    fmt::format_to(out, "{},{},{},{},{},{},{:d},{},{},{},{},{},{:.6g},{},{:d},{:.4g},{:.4g},{:.3f},{:.3f}\n",
-                   f.t_ns, f.observed, f.used, f.initialized, f.removed, f.refused.size(), f.gate_overruled,
-                   f.nis, f.dof, f.rank, to_string(f.status), to_string(f.inputs.status), f.inputs.gap_s,
-                   std::accumulate(faults.begin(), faults.end(), std::size_t{0}), f.reset, f.sigma_px,
-                   f.inputs.chi2, record.frame_ms[k], record.source_ms[k]);
+    fmt::format_to(
+        out,
+        "{},{},{},{},{},{},{:d},{},{},{},{},{},{:.6g},{},{:d},{:.4g},{:.4g},{:.4g},{:.4g},{:.3f},{:.3f}\n",
+        f.t_ns, f.observed, f.used, f.initialized, f.removed, f.refused.size(), f.gate_overruled, f.nis,
+        f.dof, f.rank, to_string(f.status), to_string(f.inputs.status), f.inputs.gap_s,
+        std::accumulate(faults.begin(), faults.end(), std::size_t{0}), f.reset, f.sigma_px, f.inputs.chi2,
+        f.imu_noise.gyro, f.imu_noise.accel, record.frame_ms[k], record.source_ms[k]);
   }
   return text;
 }

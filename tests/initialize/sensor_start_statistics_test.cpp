@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <utility>
+#include <vector>
 
 #include "check_covariance.hpp"
 #include "limber/core/so3.hpp"
@@ -89,6 +92,36 @@ TEST(SensorStart, OfARigThatIsTrustedAfterAllIsAsSureAsItSays) {
 TEST(SensorStart, OfARigThatIsWrongIsAsSureAsItSaysWhereTheMethodDistrustsIt) {
   const auto wrong = [](std::uint64_t seed) { return testing::wrong_rig(seed); };
   EXPECT_EQ(expect_consistent(wrong, Method::kLcekf), 0);
+}
+
+/// The filter is told a tenth of the noise that its gyro has. @return mean NEES of velocity and attitude, and
+/// the factors that were found
+std::pair<double, std::vector<double>> start_with_a_noisy_gyro(bool learn) {
+  constexpr int kRuns = 10;
+  double nees = 0.0;
+  std::vector<double> factors;
+  for (int k = 1; k <= kRuns; ++k) {
+    const Scene scene = make_scene(of_seed(static_cast<std::uint64_t>(k)));
+    NavigatorOptions options = options_of(scene, Method::kLcekf);
+    options.imu_noise.gyro_density *= 0.1;
+    options.learn_imu_noise = learn;
+    const Started started = start(scene, options);
+    const InitialState& initial = started.result.initial;
+    const VectorXd e = body_error(initial.nav, scene.truth[started.frames - 1]).segment(3, 6);
+    nees += e.dot(MatrixXd(initial.body_covariance.block(3, 3, 6, 6)).llt().solve(e)) / 6.0 / kRuns;
+    factors.push_back(initial.imu_noise.gyro);
+  }
+  return {nees, factors};
+}
+
+TEST(SensorStart, FindsHowMuchNoisierThanStatedAnImuIs) {
+  const auto [nees, factors] = start_with_a_noisy_gyro(true);
+  EXPECT_LE(nees, 1.6);
+  EXPECT_GE(*std::ranges::min_element(factors), 5.0);
+  EXPECT_LE(*std::ranges::max_element(factors), 20.0);
+  const auto [believed, ones] = start_with_a_noisy_gyro(false);
+  EXPECT_GT(believed, 2.0 * nees);
+  EXPECT_EQ(ones, std::vector<double>(ones.size(), 1.0));
 }
 
 /// What a rig at the origin sees that turns about its left camera: no way to know how far a point is.

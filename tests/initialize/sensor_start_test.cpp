@@ -127,6 +127,7 @@ TEST(SensorStart, IsTheSameForMethodsThatLeaveTheSameOfTheRigOpenAndForNothingEl
       [](auto& o) { o.constraints.kind = ConstraintSet::Kind::kRotationDirection; },
       [](auto& o) { o.motion = MotionModel::kConstantVelocity; },
       [](auto& o) { o.imu_noise.gyro_walk *= 2.0; },
+      [](auto& o) { o.learn_imu_noise = true; },
       [](auto& o) { o.constant_velocity_noise.acceleration_density *= 2.0; },
       [](auto& o) { o.sigma_px[3] *= 2.0; },
       [](auto& o) { o.gravity = 9.8; }};

@@ -209,6 +209,8 @@ TEST(ReadFramesCsv, GivesBackWhatWasWritten) {
     EXPECT_EQ(rows[k].reset, frame.reset);
     EXPECT_NEAR(rows[k].sigma_px, frame.sigma_px, 1e-3);
     EXPECT_NEAR(rows[k].inputs_chi2, frame.inputs.chi2, 1e-3 * frame.inputs.chi2);
+    EXPECT_NEAR(rows[k].imu_noise.gyro, frame.imu_noise.gyro, 1e-3);
+    EXPECT_NEAR(rows[k].imu_noise.accel, frame.imu_noise.accel, 1e-3);
     EXPECT_NEAR(rows[k].filter_ms, run.record.frame_ms[k], 1e-3);
   }
   EXPECT_EQ(rows.back().sigma_px, 0.5);  // stated
@@ -221,6 +223,18 @@ TEST(ReadFramesCsv, ReadsFilesThatDoNotSayTheNoiseOfPixels) {
                                             "#head\n0,1,1,0,0,0,0,1.5,4,0,updated,sound,0,0,0,0.1,0.2\n");
   const FrameRow row = read_frames_csv(file).at(0);
   EXPECT_EQ(row.sigma_px, 0.0);
+  EXPECT_EQ(row.filter_ms, 0.1);
+  EXPECT_EQ(row.source_ms, 0.2);
+}
+
+TEST(ReadFramesCsv, ReadsFilesThatDoNotSayTheNoiseOfAnImu) {
+  const TemporaryFolder folder;
+  const fs::path file = testing::write_text(
+      folder.path() / "frames.csv", "#head\n0,1,1,0,0,0,0,1.5,4,0,updated,sound,0,0,0,0.5,2.5,0.1,0.2\n");
+  const FrameRow row = read_frames_csv(file).at(0);
+  EXPECT_EQ(row.sigma_px, 0.5);
+  EXPECT_EQ(row.inputs_chi2, 2.5);
+  EXPECT_EQ(row.imu_noise.gyro, 1.0);
   EXPECT_EQ(row.filter_ms, 0.1);
   EXPECT_EQ(row.source_ms, 0.2);
 }

@@ -59,11 +59,12 @@ struct FrameReport {
   UpdateStatus status = UpdateStatus::kEmpty;  ///< unless it is kUpdated, the frame corrected nothing
   /// since the frame before
   InputReport inputs;
-  bool reset = false;     ///< the filter had broken down and began anew, see StereoFilter::process
-  double sigma_px = 0.0;  ///< pixel noise that the frame was taken with, rms of u0, v0, u1, v1 [px]
-  double nis = 0.0;       ///< of the projected rows [-]
-  Eigen::Index dof = 0;   ///< of nis
-  Eigen::Index rank = 0;  ///< constrained directions that this frame's geometry can see
+  bool reset = false;         ///< the filter had broken down and began anew, see StereoFilter::process
+  double sigma_px = 0.0;      ///< pixel noise that the frame was taken with, rms of u0, v0, u1, v1 [px]
+  ImuNoiseFactors imu_noise;  ///< IMU noise that the frame was predicted with, over what was stated
+  double nis = 0.0;           ///< of the projected rows [-]
+  Eigen::Index dof = 0;       ///< of nis
+  Eigen::Index rank = 0;      ///< constrained directions that this frame's geometry can see
   /// points that came with the frame
   std::size_t observed = 0;
   std::size_t used = 0;         ///< points of the update; zero if there was none

@@ -74,6 +74,8 @@ class Navigator {
   [[nodiscard]] const NavigatorOptions& options() const { return filter_.options(); }
   /// What is learned of the pixels; null unless it is asked for. Invalidated by the next call.
   [[nodiscard]] const LearnedPixelNoise* pixel_noise() const { return answering().pixel_noise(); }
+  /// The same of an IMU.
+  [[nodiscard]] const LearnedImuNoise* imu_noise() const { return answering().imu_noise(); }
   /// The same of odometry.
   [[nodiscard]] const LearnedOdometryNoise* odometry_noise() const { return answering().odometry_noise(); }
   /// Samples and frames that are kept to go back in time: some seconds of them, for `adaptive` alone.

@@ -36,6 +36,8 @@ struct NavigatorOptions {
 
   /// kImu: continuous densities
   ImuNoise imu_noise;
+  /// imu_noise is the least: how much more there is is learned from what images say (LearnedImuNoise).
+  bool learn_imu_noise = false;
   OdometryNoise odometry_noise;  ///< per sample
   /// odometry_noise is but where to begin: it is learned from the samples (LearnedOdometryNoise).
   bool learn_odometry_noise = false;

@@ -10,6 +10,7 @@
 
 #include "limber/health/health_monitor.hpp"
 #include "limber/health/input_alarm.hpp"
+#include "limber/health/learned_imu_noise.hpp"
 #include "limber/health/learned_pixel_noise.hpp"
 #include "limber/health/white_size.hpp"
 #include "limber/landmarks/landmark_budget.hpp"
@@ -106,6 +107,8 @@ class StereoFilter {
   [[nodiscard]] const LearnedPixelNoise* pixel_noise() const {
     return pixel_noise_ ? &*pixel_noise_ : nullptr;
   }
+  /// What is learned of an IMU; null unless it is asked for.
+  [[nodiscard]] const LearnedImuNoise* imu_noise() const { return imu_noise_ ? &*imu_noise_ : nullptr; }
   /// What is learned of odometry; null unless it is asked for.
   [[nodiscard]] const LearnedOdometryNoise* odometry_noise() const {
     return odometry_noise_ ? &*odometry_noise_ : nullptr;
@@ -165,6 +168,7 @@ class StereoFilter {
   [[nodiscard]] std::int64_t started_at(std::int64_t t_ns) const;
   [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns) const;
   [[nodiscard]] detail::Propagation propagated(std::int64_t t_ns) const;
+  [[nodiscard]] MoreNoise more_noise() const;
   [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);
   void judge_inputs(const PoseCorrection& correction, FrameReport& report);
   [[nodiscard]] bool is_broken() const;
@@ -209,8 +213,8 @@ class StereoFilter {
   [[nodiscard]] bool tells_length() const { return has_scale(options_.motion) && scale_told_; }
   void learn_from(const ParameterErrorModel& model, const UpdateReport& update, double dt,
                   FrameReport& report);
-  void learn_pixel_noise(const ParameterErrorModel& model, const UpdateReport& update,
-                         PoseCorrection correction);
+  void learn_noise(const ParameterErrorModel& model, const UpdateReport& update,
+                   const PoseCorrection& correction, const FrameReport& report);
   [[nodiscard]] PixelNoise sigma_px() const {
     return pixel_noise_ ? pixel_noise_->sigma_px() : options_.sigma_px;
   }
@@ -239,6 +243,7 @@ class StereoFilter {
   Eigen::Vector3d omega_input_ = Eigen::Vector3d::Zero();  // [rad/s], of the last step: gyro or odometry
   std::optional<LearnedPixelNoise> pixel_noise_;           // where nobody stated it
   std::optional<std::int64_t> rig_accused_ns_;             // by a frame, last: it explains what is off
+  std::optional<LearnedImuNoise> imu_noise_;               // beside what was stated, if that is asked for
   std::optional<LearnedOdometryNoise> odometry_noise_;     // where nobody stated it
   std::optional<HealthMonitor> monitor_;
   std::optional<HealthReport> last_health_;

@@ -17,6 +17,9 @@ struct MoreNoise {
   double angular = 0.0, linear = 0.0;
 };
 
+/// What an IMU's noise is beside the stated one.
+[[nodiscard]] MoreNoise beside_stated(const ImuNoise& stated, const ImuNoiseFactors& factors);
+
 /// The means over a step that predict_imu may use, and their noise.
 struct ImuStep {
   /// angular rate [rad/s] and specific force [m/s^2], in the frame of the IMU

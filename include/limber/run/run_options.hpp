@@ -36,6 +36,9 @@ struct RunOptions {
   std::optional<bool> doubt_odometry_mount;                ///< nothing: where nobody stated odometry's noise
   /// See NavigatorOptions [-]; nothing: 1 % where nobody stated odometry's noise, else none.
   std::optional<double> odometry_scale;
+  /// IMU: what was stated is the least noise, and how much more there is is learned; not where pixels are
+  /// white by the recording and the start is the truth's, as in the paper.
+  bool learn_imu_noise = true;
   std::optional<double> sigma_px;  ///< nothing: the recording's, or the default
   /// sensors or truth
   StartMode start = StartMode::kAuto;

@@ -103,6 +103,9 @@ struct RunRecord {
   /// What was learned of the pixels by the last frame; nothing where their noise was stated.
   std::optional<PixelNoiseReport> pixel_noise;
   std::optional<OdometryNoise> odometry_noise;  ///< the same of odometry: white, per sample
+  /// How much noisier than stated the IMU was taken for, the usual of all frames; nothing where that is not
+  /// learned.
+  std::optional<ImuNoiseFactors> imu_noise;
   CleaningReport cleaning;  ///< what was taken out of the frames before the navigator saw them
   /// that a whole run would have had
   std::size_t frames_of_recording = 0;

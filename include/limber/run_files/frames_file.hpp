@@ -29,6 +29,7 @@ struct FrameRow {
   double filter_ms = 0.0, source_ms = 0.0;  ///< time spent [ms]
   double sigma_px = 0.0;                    ///< see FrameReport::sigma_px; 0 in files of old
   double inputs_chi2 = 0.0;                 ///< see InputReport::chi2; 0 in files of old
+  ImuNoiseFactors imu_noise;                ///< see FrameReport::imu_noise; 1 in files of old
 };
 
 /// What frames.csv says of a frame, but for the times spent.

@@ -72,6 +72,12 @@ struct ImuNoise {
   bool operator==(const ImuNoise&) const = default;
 };
 
+/// How much noisier an IMU is than stated: standard deviations of its white noise over the stated ones [-].
+struct ImuNoiseFactors {
+  double gyro = 1.0;   ///< of gyro_density
+  double accel = 1.0;  ///< of accel_density
+};
+
 /// Odometry noise per sample: standard deviations of body velocity [m/s] and rate [rad/s].
 struct OdometryNoise {
   /// x, y, z of the body [m/s]

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "limber/sensors/calibration.hpp"
 #include "limber/state/estimate.hpp"
 #include "limber/state/initial_sigma.hpp"
 #include "limber/state/state.hpp"
@@ -27,6 +28,8 @@ struct InitialState {
   /// False where nothing had told the scale, with an IMU: the map has the rig's, and what is known of it is
   /// what was known without the rig.
   bool scale_told = true;
+  /// How much noisier the IMU is than stated, by what the start saw of it.
+  ImuNoiseFactors imu_noise = {};
   /// Where the above trusts the rig after all: the same start without that trust. The parallel filter of
   /// `adaptive` begins there, and it goes back there once the rig is proven wrong. Else none.
   std::shared_ptr<const InitialState> distrusting = nullptr;

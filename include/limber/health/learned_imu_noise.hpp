@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "limber/health/pose_correction.hpp"
+#include "limber/sensors/calibration.hpp"
+
+namespace limber {
+
+/// @brief The noise of an IMU beside what its data sheet says.
+///
+/// What an IMU errs by that nobody models (a scale that is off, axes that are askew, vibration, stamps that
+/// jitter) shows in how images correct the prediction. Whitened, and averaged over some ten frames, corrections
+/// have the size that is expected of them, or the inputs are noisier than assumed: then their densities are
+/// raised, slowly, until the size is right, and lowered again where it is small. A fault is larger than any
+/// noise and shows at once: frames in which one is active are not for this class.
+/// @note docs/derivations/faults.md
+class LearnedImuNoise {
+ public:
+  /// @param begin  what a start has learned; not below 1
+  explicit LearnedImuNoise(const ImuNoiseFactors& begin = {});
+
+  /// A correction of a pose that was predicted with the noise that was assumed, `factors()`.
+  void learn(const PoseCorrection& correction);
+
+  /// To be assumed; at least 1.
+  [[nodiscard]] ImuNoiseFactors factors() const { return factors_; }
+
+ private:
+  void adapt(double& factor, double square) const;
+
+  ImuNoiseFactors factors_;
+  PoseCorrection::Vector6 mean_ = PoseCorrection::Vector6::Zero();  // of whitened corrections, fading
+  double weight_ = 0.0;                                             // sum of squared weights of mean_
+  double noise_ = 1.0;                                              // NIS / dof of the rest, smoothed
+  int frames_ = 0;
+};
+
+}  // namespace limber

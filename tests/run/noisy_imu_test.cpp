@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "limber/diagnose/run_summary.hpp"
+#include "limber/run/run_recording.hpp"
+#include "limber/simulate/scenario_file.hpp"
+#include "limber/simulate/scenario_presets.hpp"
+#include "limber/simulate/simulator.hpp"
+#include "source_folder.hpp"
+
+namespace limber {
+namespace {
+
+const Eigen::Vector3d kScales(1.01, 0.99, 1.01);  // of a gyro's axes that nobody calibrated
+
+/// A drone's recording as a user has it.
+Recording flown(std::uint64_t seed) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 10.0;
+  scenario.noise.stated = false;
+  set_pixels(scenario, PixelPreset::kRealistic);
+  return simulate(scenario, seed);
+}
+
+Recording with_scales(Recording recording, const Eigen::Vector3d& scales) {
+  for (ImuSample& sample : recording.imu) {
+    sample.omega_imu = sample.omega_imu.cwiseProduct(scales).eval();
+  }
+  return recording;
+}
+
+struct Flight {
+  RunRecord record;
+  RunSummary summary;
+};
+
+Flight fly(const Recording& recording, Method method, bool learn_imu_noise = true) {
+  RunOptions options;
+  options.method = method;
+  options.learn_imu_noise = learn_imu_noise;
+  Flight out;
+  out.record = run_recording(recording, options, matched_frames(recording));
+  out.summary = summarize(recording, options, out.record);
+  return out;
+}
+
+class NoisyImu : public ::testing::TestWithParam<Method> {};
+
+/// Sigmas of a filter that believes the stated noise are off by a factor of three to ten.
+TEST_P(NoisyImu, OfWhichTheScaleIsOffIsKnownToErr) {
+  constexpr int kRuns = 2;
+  double ratio = 1.0;  // of ANEES, to the power of the runs
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    const Recording recording = with_scales(flown(seed), kScales);
+    const Flight learned = fly(recording, GetParam()), stated = fly(recording, GetParam(), false);
+    ratio *= learned.summary.anees.value() / stated.summary.anees.value();
+    EXPECT_GT(learned.record.imu_noise.value().gyro, 3.0);
+    EXPECT_FALSE(stated.record.imu_noise);
+    EXPECT_THAT(learned.record.notes, ::testing::Contains(::testing::HasSubstr("errs more than its stated")));
+  }
+  EXPECT_LT(std::pow(ratio, 1.0 / kRuns), 0.4);
+}
+
+TEST_P(NoisyImu, IsNoneWhereTheNoiseIsAsStated) {
+  const Recording recording = flown(42);
+  const Flight learned = fly(recording, GetParam()), stated = fly(recording, GetParam(), false);
+  EXPECT_LT(learned.record.imu_noise.value().gyro, 1.5);
+  EXPECT_LT(learned.record.imu_noise.value().accel, 1.5);
+  EXPECT_NEAR(learned.summary.anees.value() / stated.summary.anees.value(), 1.0, 0.2);
+  EXPECT_NEAR(learned.summary.ate_se3_m.value() / stated.summary.ate_se3_m.value(), 1.0, 0.2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, NoisyImu, ::testing::Values(Method::kEkf, Method::kLcekf),
+                         [](const auto& info) { return info.param == Method::kEkf ? "ekf" : "lcekf"; });
+
+/// With the truth's start and pixels of a stated noise the filter is the paper's.
+TEST(NoisyImu, IsNotLookedForInThePapersExperiment) {
+  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  scenario.duration = 1.0;
+  const Recording recording = simulate(scenario, 3);
+  RunOptions options;
+  options.start = StartMode::kGroundTruth;
+  EXPECT_FALSE(run_recording(recording, options, matched_frames(recording)).imu_noise);
+  options.start = StartMode::kAuto;
+  EXPECT_TRUE(set_up_run(recording, options).navigator.learn_imu_noise);
+}
+
+}  // namespace
+}  // namespace limber
