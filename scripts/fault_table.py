@@ -4,12 +4,13 @@
 
     scripts/fault_table.py build/release/limber scenarios/drone_none.yaml --seeds 1 2 3 --methods ekf,lcekf,adaptive
 
-Every fault begins in the middle of the log (or at --at seconds). Figures are the medians over the seeds of the SE(3) ATE
+Every fault begins in the middle of the log (or at --at seconds), but for those of an IMU that errs all along. Figures are the medians over the seeds of the SE(3) ATE
 [m] (with --init groundtruth position RMSE) and ANEES, and the verdicts; with --said what the runs said of their inputs.
 """
 import argparse
 import json
 import random
+import re
 import shutil
 import statistics
 import subprocess
@@ -36,6 +37,39 @@ def imu_rows(edit):
         head, rows = read(log / IMU)
         numbers = [[int(r[0]), [float(x) for x in r[1:]]] for r in rows]
         write(log / IMU, head, [[str(t)] + [repr(x) for x in v] for t, v in edit(numbers, t0, rng)])
+
+    return apply
+
+
+def mixed(gyro, accel, askew=False):
+    """All along: axes of either sensor longer or shorter by that share, or each mixed with the others by up to that."""
+
+    def edit(rows, _, rng):
+        def matrix(share):
+            off = [[rng.uniform(-share, share) if askew else share * rng.choice([-1, 1]) * (i == j) for j in range(3)]
+                   for i in range(3)]
+            return [[off[i][j] + (i == j) for j in range(3)] for i in range(3)]
+
+        of_gyro, of_accel = matrix(gyro), matrix(accel)
+        times = lambda m, v: [sum(m[i][j] * v[j] for j in range(3)) for i in range(3)]
+        return [[t, times(of_gyro, v[:3]) + times(of_accel, v[3:])] for t, v in rows]
+
+    return imu_rows(edit)
+
+
+def noisier(factor):
+    """All along: white noise that many times as large as the recording states."""
+
+    def apply(log, t0, rng):
+        text = (log / IMU).with_name("sensor.yaml").read_text()
+        gyro, accel = (float(re.search(rf"{name}_noise_density: *(\S+)", text)[1]) for name in ("gyroscope", "accelerometer"))
+
+        def edit(rows, _, rng):
+            rate = (len(rows) - 1) / (1e-9 * (rows[-1][0] - rows[0][0]))
+            sigmas = [s * ((factor**2 - 1) * rate) ** 0.5 for s in [gyro] * 3 + [accel] * 3]
+            return [[t, [x + rng.gauss(0.0, s) for x, s in zip(v, sigmas)]] for t, v in rows]
+
+        imu_rows(edit)(log, t0, rng)
 
     return apply
 
@@ -185,6 +219,12 @@ FAULTS = {
     "accelerometer bias step 0.5 m/s^2": accel_step(0.5),
     "IMU clock +0.1 s": clock(0.1),
     "IMU clock -0.1 s": clock(-0.1),
+    "IMU all along: gyroscope's axes off by 0.5 %": mixed(0.005, 0.0),
+    "IMU all along: gyroscope's axes off by 1 %": mixed(0.01, 0.0),
+    "IMU all along: accelerometer's axes off by 1 %": mixed(0.0, 0.01),
+    "IMU all along: all axes askew by up to 1 %": mixed(0.01, 0.01, askew=True),
+    "IMU all along: noise 3 times as stated": noisier(3.0),
+    "IMU all along: noise 10 times as stated": noisier(10.0),
     "2 % right pixels wrong": outliers(0.02, "right"),
     "10 % right pixels wrong": outliers(0.1, "right"),
     "30 % right pixels wrong": outliers(0.3, "right"),
@@ -207,9 +247,11 @@ def saturate_at_peak(log, t0, rng):
 FAULTS["gyroscope saturated at 0.7 of its peak"] = saturate_at_peak
 
 
-def figures(program, log, method, init, out):
+def figures(program, log, method, init, out, more):
     run = subprocess.run(
-        [program, "run", log, "--method", method, "--init", init, "--out", out], capture_output=True, text=True
+        [program, "run", log, "--method", method, "--init", init, "--out", out, *more],
+        capture_output=True,
+        text=True,
     )
     summary = Path(out) / "summary.json"
     if not summary.exists():
@@ -232,6 +274,7 @@ def main():
     parser.add_argument("--pixels", choices=["white", "realistic"], default="realistic")
     parser.add_argument("--at", type=float, default=12.0, help="when the fault begins [s]")
     parser.add_argument("--only", default="", help="faults whose name contains this")
+    parser.add_argument("--run-options", default="", help="of limber run, such as '--imu-noise stated'")
     parser.add_argument("--said", action="store_true", help="print what the runs said, too")
     a = parser.parse_args()
     methods = a.methods.split(",")
@@ -257,7 +300,7 @@ def main():
                     shutil.rmtree(log, ignore_errors=True)
                     shutil.copytree(clean[seed], log)
                     fault(log, int(a.at * 1e9), random.Random(seed))
-                    results.append(figures(a.program, log, method, a.init, f"{folder}/out"))
+                    results.append(figures(a.program, log, method, a.init, f"{folder}/out", a.run_options.split()))
                 rmse = statistics.median(r[0] for r in results)
                 anees = statistics.median(r[1] if r[1] is not None else float("inf") for r in results)
                 codes = sorted({r[2] for r in results if r[2]})

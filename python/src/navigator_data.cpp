@@ -253,7 +253,7 @@ void bind_frame_report(py::module_& module) {
       .def_property_readonly(
           "imu_noise",
           [](const FrameReport& report) { return std::pair(report.imu_noise.gyro, report.imu_noise.accel); },
-          "(gyroscope, accelerometer): " DOC(FrameReport_imu_noise))
+          DOC(FrameReport_imu_noise))
       .def_property_readonly(
           "inputs_chi2", [](const FrameReport& report) { return report.inputs.chi2; }, DOC(InputReport_chi2))
       .def_readonly("reset", &FrameReport::reset, DOC(FrameReport_reset))

@@ -26,7 +26,7 @@ void LearnedImuNoise::adapt(double& factor, double square) const {
   factor = std::clamp(factor * std::exp(kRate * (std::min(square, kMost) - kAllowed)), 1.0, kLargestFactor);
 }
 
-void LearnedImuNoise::learn(const PoseCorrection& c) {
+void LearnedImuNoise::learn(const PoseCorrection& c, bool of_accelerometer) {
   if (!c.dx.allFinite() || !c.covariance.allFinite() || c.dof <= 0.0) {
     return;
   }
@@ -37,7 +37,9 @@ void LearnedImuNoise::learn(const PoseCorrection& c) {
   weight_ = (1.0 - kShare) * (1.0 - kShare) * weight_ + kShare * kShare;
   if (++frames_ > kYoung) {
     const double expected = 3.0 * weight_ * std::max({noise_, rest, 1.0});
-    adapt(factors_.accel, mean_.head<3>().squaredNorm() / expected);
+    if (of_accelerometer) {
+      adapt(factors_.accel, mean_.head<3>().squaredNorm() / expected);
+    }
     adapt(factors_.gyro, mean_.tail<3>().squaredNorm() / expected);
   }
 }

@@ -51,7 +51,8 @@ ImuNoiseFactors bounded(const ImuNoiseFactors& factors) {
 
 }  // namespace
 
-ImuNoiseFactors misfit_of_imu(const WindowModel& model, const WindowState& state, const MatrixXd& covariance, double sureness) {
+ImuNoiseFactors misfit_of_imu(const WindowModel& model, const WindowState& state, const MatrixXd& covariance,
+                              double sureness) {
   Misfit gyro, accel;
   const Index n = model.body_size();
   for (std::size_t k = 1; k < state.frames.size(); ++k) {
@@ -61,9 +62,11 @@ ImuNoiseFactors misfit_of_imu(const WindowModel& model, const WindowState& state
     const MatrixXd C = congruence(motion.F, covariance.block(a, a, n, n).eval()) +
                        congruence(motion.J, covariance.block(b, b, n, n).eval()) -
                        multiply(FP, transposed(motion.J)) - multiply(motion.J, transposed(FP));
-    gyro.add(motion.e.segment<3>(StateLayout::kAttitude), motion.Q.block<3, 3>(StateLayout::kAttitude, StateLayout::kAttitude),
+    gyro.add(motion.e.segment<3>(StateLayout::kAttitude),
+             motion.Q.block<3, 3>(StateLayout::kAttitude, StateLayout::kAttitude),
              C.block<3, 3>(StateLayout::kAttitude, StateLayout::kAttitude));
-    accel.add(motion.e.segment<3>(StateLayout::kVelocity), motion.Q.block<3, 3>(StateLayout::kVelocity, StateLayout::kVelocity),
+    accel.add(motion.e.segment<3>(StateLayout::kVelocity),
+              motion.Q.block<3, 3>(StateLayout::kVelocity, StateLayout::kVelocity),
               C.block<3, 3>(StateLayout::kVelocity, StateLayout::kVelocity));
   }
   return {gyro.factor(model.imu_noise.gyro, sureness), accel.factor(model.imu_noise.accel, sureness)};
@@ -79,8 +82,10 @@ bool StartWindow::learn_imu_noise() {
   bool changed = false;
   for (int round = 0; round < kRounds && solution; ++round) {
     const ImuNoiseFactors misfit = misfit_of_imu(model, *solution, covariance, sureness);
-    const ImuNoiseFactors now = model.imu_noise, next = bounded({now.gyro * misfit.gyro, now.accel * misfit.accel});
-    if (std::abs(std::log(next.gyro / now.gyro)) + std::abs(std::log(next.accel / now.accel)) < kSettledFactor) {
+    const ImuNoiseFactors now = model.imu_noise,
+                          next = bounded({now.gyro * misfit.gyro, now.accel * misfit.accel});
+    if (std::abs(std::log(next.gyro / now.gyro)) + std::abs(std::log(next.accel / now.accel)) <
+        kSettledFactor) {
       break;
     }
     model.options.imu_noise.gyro_density *= next.gyro / now.gyro;

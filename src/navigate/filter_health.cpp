@@ -98,8 +98,9 @@ void StereoFilter::learn_noise(const ParameterErrorModel& model, const UpdateRep
   }
   const bool quarrels = report.gate_overruled || report.most_move || report.led_astray ||
                         (pixel_noise_ && pixel_noise_->report().sigma_px > kPointsQuarrel);
-  if (imu_noise_ && !quarrels && !input_alarm_.active(correction.t_ns) && report.inputs.gap_s <= kLongGap) {
-    imu_noise_->learn(counted);
+  const bool learns = imu_noise_ && options_.method != Method::kAdaptive;  // it is told: share_imu_noise
+  if (learns && !quarrels && !input_alarm_.active(correction.t_ns) && report.inputs.gap_s <= kLongGap) {
+    imu_noise_->learn(counted, is_blind_to_rig() || detail::estimates_theta(options_));
   }
 }
 

@@ -137,15 +137,19 @@ InputReport StereoFilter::report_inputs(std::int64_t t_ns) {
   return report_on(inputs_, faults, estimate_.nav().t_ns, t_ns);
 }
 
+/// No calibration can lead it astray.
+bool StereoFilter::is_blind_to_rig() const {
+  return (constrains(options_) && options_.constraints.kind == ConstraintSet::Kind::kFull) ||
+         options_.method == Method::kMonoLeft;
+}
+
 /// chi^2 of the inputs against the images: what the frame corrected, beside what it could have had to
 /// correct.
 void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& report) {
   if (options_.motion == MotionModel::kConstantVelocity || correction.dt <= 0.0) {
     return;
   }
-  const bool blind_to_rig =
-      (constrains(options_) && options_.constraints.kind == ConstraintSet::Kind::kFull) ||
-      options_.method == Method::kMonoLeft;
+  const bool blind_to_rig = is_blind_to_rig();
   PoseCorrection counted = correction;
   if (!blind_to_rig) {
     counted.covariance *= kTrustingFactor;

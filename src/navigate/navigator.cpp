@@ -251,6 +251,7 @@ FrameReport Navigator::process(const StereoFrame& frame) {
   watch(frame, s.parallel, parallel);
   parallel.calibration = known_calibration();
   log(frame);
+  filter_.share_imu_noise(s.parallel);
   if (s.replay && parallel.inputs.contradiction) {
     // What is replayed has an input in it that fails, which the parallel filter saw and this one would
     // follow.

@@ -164,6 +164,7 @@ Recalibration recalibrate_recording(const Recording& recording, const Recalibrat
         fmt::format("{} of {} windows left out: the camera moved by less than a baseline ({:.3g} m)", still,
                     still + windows.size(), out.given.baseline()));
   }
+  detail::take_imu_noise(guess.record.imu_noise, how, out.notes);
   if (guess.record.pixel_noise && !windows.empty()) {
     how.sigma_px.setConstant(guess.record.pixel_noise->sigma_px);
     how.sigma_px *= detail::noise_in_residuals(windows, recording, out.given, how);

@@ -285,6 +285,7 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
     notes.push_back(
         fmt::format("pixel noise learned by the filter of the first guess: {:.2g} px", learned->sigma_px));
   }
+  detail::take_imu_noise(guess.record.imu_noise, how, notes);
   const std::vector<StereoFrame> frames = kept.from(guess.record.trajectory.front().t_ns);
   SmootherResult result = solve(recording, frames, guess, options, how, setup.calibration, told);
   if (!result.converged) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "run/smooth_setup.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 
@@ -11,6 +13,7 @@ namespace {
 
 using L = StateLayout;
 
+constexpr double kWorthANote = 1.2;  // times the stated noise
 constexpr int kMaxIterations = 100;
 // What is known of an automatic start beforehand: where the world's origin and axes are, and plausible
 // biases.
@@ -129,6 +132,20 @@ SmootherOptions smoother_options(const SensorData& sensors, const SmoothOptions&
   out.max_iterations = kMaxIterations;
   out.threads = options.threads;
   return out;
+}
+
+void take_imu_noise(const std::optional<ImuNoiseFactors>& learned, SmootherOptions& how,
+                    std::vector<std::string>& notes) {
+  if (!learned || std::max(learned->gyro, learned->accel) < kWorthANote) {
+    return;
+  }
+  how.noise.imu.gyro_density *= learned->gyro;
+  how.noise.imu.accel_density *= learned->accel;
+  notes.push_back(
+      fmt::format("the IMU errs more than its stated noise: {:.2g} times that of the gyroscope and {:.2g} "
+                  "times that of the "
+                  "accelerometer are assumed, as the filter of the first guess learned",
+                  learned->gyro, learned->accel));
 }
 
 }  // namespace limber::detail

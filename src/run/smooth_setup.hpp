@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,5 +41,9 @@ class KeptFrames {
 
 [[nodiscard]] SmootherOptions smoother_options(const SensorData& sensors, const SmoothOptions& options,
                                                const RunSetup& setup, std::vector<std::string>& notes);
+
+/// Makes a smoother's IMU as noisy as a filter has learned that it is, with a note where that is worth one.
+void take_imu_noise(const std::optional<ImuNoiseFactors>& learned, SmootherOptions& how,
+                    std::vector<std::string>& notes);
 
 }  // namespace limber::detail

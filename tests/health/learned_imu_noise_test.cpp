@@ -15,8 +15,8 @@ using Vector6 = PoseCorrection::Vector6;
 using Matrix6 = PoseCorrection::Matrix6;
 using testing::Generator;
 
-/// A pose that walks by `true_noise` from frame to frame, followed by a filter that takes what was learned, in
-/// units of the stated noise, for that.
+/// A pose that walks by `true_noise` from frame to frame, followed by a filter that takes what was learned,
+/// in units of the stated noise, for that.
 class Followed {
  public:
   explicit Followed(unsigned seed) : generator_(seed) {}
@@ -34,7 +34,8 @@ class Followed {
       P_ -= P_ * S.inverse() * P_;
       error_ -= dx;
       const double others = 100.0;  // rows of points: the pose's are among them
-      learned.learn({0, 0.05, dx, before - P_, innovation.dot(S.inverse() * innovation) + others, 6.0 + others});
+      learned.learn(
+          {0, 0.05, dx, before - P_, innovation.dot(S.inverse() * innovation) + others, 6.0 + others});
       gyro += 2 * k >= frames ? 2.0 / frames * std::log(learned.factors().gyro) : 0.0;
       accel += 2 * k >= frames ? 2.0 / frames * std::log(learned.factors().accel) : 0.0;
     }

@@ -9,10 +9,10 @@ namespace limber {
 /// @brief The noise of an IMU beside what its data sheet says.
 ///
 /// What an IMU errs by that nobody models (a scale that is off, axes that are askew, vibration, stamps that
-/// jitter) shows in how images correct the prediction. Whitened, and averaged over some ten frames, corrections
-/// have the size that is expected of them, or the inputs are noisier than assumed: then their densities are
-/// raised, slowly, until the size is right, and lowered again where it is small. A fault is larger than any
-/// noise and shows at once: frames in which one is active are not for this class.
+/// jitter) shows in how images correct the prediction. Whitened, and averaged over some ten frames,
+/// corrections have the size that is expected of them, or the inputs are noisier than assumed: then their
+/// densities are raised, slowly, until the size is right, and lowered again where it is small. A fault is
+/// larger than any noise and shows at once: frames in which one is active are not for this class.
 /// @note docs/derivations/faults.md
 class LearnedImuNoise {
  public:
@@ -20,7 +20,9 @@ class LearnedImuNoise {
   explicit LearnedImuNoise(const ImuNoiseFactors& begin = {});
 
   /// A correction of a pose that was predicted with the noise that was assumed, `factors()`.
-  void learn(const PoseCorrection& correction);
+  /// @param of_accelerometer  whether the position's tells the accelerometer's: not where a length of the
+  /// baseline that is wrong and trusted moves it, too
+  void learn(const PoseCorrection& correction, bool of_accelerometer = true);
 
   /// To be assumed; at least 1.
   [[nodiscard]] ImuNoiseFactors factors() const { return factors_; }

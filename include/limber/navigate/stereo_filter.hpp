@@ -134,6 +134,9 @@ class StereoFilter {
   /// it astray. Theta stays what it was.
   void follow(const StereoFilter& constrained);
 
+  /// adaptive: the IMU is as noisy as such a filter has learned, which no rig can lead astray.
+  void share_imu_noise(const StereoFilter& constrained) { imu_noise_ = constrained.imu_noise_; }
+
   /// adaptive: an epoch of the map does not end in the next frame, because that of the filter beside ends
   /// then.
   void postpone_epoch() { postpones_epoch_ = true; }
@@ -170,6 +173,7 @@ class StereoFilter {
   [[nodiscard]] detail::Propagation propagated(std::int64_t t_ns) const;
   [[nodiscard]] MoreNoise more_noise() const;
   [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);
+  [[nodiscard]] bool is_blind_to_rig() const;
   void judge_inputs(const PoseCorrection& correction, FrameReport& report);
   [[nodiscard]] bool is_broken() const;
   void begin_anew();
