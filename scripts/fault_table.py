@@ -4,8 +4,9 @@
 
     scripts/fault_table.py build/release/limber scenarios/drone_none.yaml --seeds 1 2 3 --methods ekf,lcekf,adaptive
 
-Every fault begins in the middle of the log (or at --at seconds), but for those of an IMU that errs all along. Figures are the medians over the seeds of the SE(3) ATE
-[m] (with --init groundtruth position RMSE) and ANEES, and the verdicts; with --said what the runs said of their inputs.
+Every fault begins in the middle of the log (or at --at seconds), but for those of an IMU that errs all along. Figures are the
+medians over the seeds of the SE(3) ATE [m] (with --init groundtruth position RMSE) and ANEES, and the verdicts; with --said
+what the runs said of their inputs.
 """
 import argparse
 import json

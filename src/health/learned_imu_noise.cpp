@@ -16,15 +16,16 @@ constexpr double kRate = 0.03;        // of the factor's logarithm, per frame an
 constexpr double kLargestFactor = 100.0;
 constexpr int kYoung = 10;  // frames: the first ones are corrected by what the start did not know
 
+/// What a factor is multiplied by. @param square  of three numbers, over the expected one
+double step(double square) { return std::exp(kRate * (std::min(square, kMost) - kAllowed)); }
+
 }  // namespace
 
-LearnedImuNoise::LearnedImuNoise(const ImuNoiseFactors& begin)
-    : factors_{std::clamp(begin.gyro, 1.0, kLargestFactor), std::clamp(begin.accel, 1.0, kLargestFactor)} {}
-
-/// @param square  of three numbers, over the expected one
-void LearnedImuNoise::adapt(double& factor, double square) const {
-  factor = std::clamp(factor * std::exp(kRate * (std::min(square, kMost) - kAllowed)), 1.0, kLargestFactor);
+ImuNoiseFactors LearnedImuNoise::bounded(const ImuNoiseFactors& factors) {
+  return {std::clamp(factors.gyro, 1.0, kLargestFactor), std::clamp(factors.accel, 1.0, kLargestFactor)};
 }
+
+LearnedImuNoise::LearnedImuNoise(const ImuNoiseFactors& begin) : factors_(bounded(begin)) {}
 
 void LearnedImuNoise::learn(const PoseCorrection& c, bool of_accelerometer) {
   if (!c.dx.allFinite() || !c.covariance.allFinite() || c.dof <= 0.0) {
@@ -37,10 +38,9 @@ void LearnedImuNoise::learn(const PoseCorrection& c, bool of_accelerometer) {
   weight_ = (1.0 - kShare) * (1.0 - kShare) * weight_ + kShare * kShare;
   if (++frames_ > kYoung) {
     const double expected = 3.0 * weight_ * std::max({noise_, rest, 1.0});
-    if (of_accelerometer) {
-      adapt(factors_.accel, mean_.head<3>().squaredNorm() / expected);
-    }
-    adapt(factors_.gyro, mean_.tail<3>().squaredNorm() / expected);
+    const double of_accel = of_accelerometer ? step(mean_.head<3>().squaredNorm() / expected) : 1.0,
+                 of_gyro = step(mean_.tail<3>().squaredNorm() / expected);
+    factors_ = bounded({factors_.gyro * of_gyro, factors_.accel * of_accel});
   }
 }
 

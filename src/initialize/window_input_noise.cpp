@@ -2,8 +2,10 @@
 // How noisy an IMU is, by how far a solution stands off what it measured: docs/derivations/start.md.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "limber/core/factors.hpp"
+#include "limber/health/learned_imu_noise.hpp"
 #include "start_window.hpp"
 
 namespace limber::detail {
@@ -19,7 +21,6 @@ constexpr double kFewest = 2.0;  // degrees of freedom that images leave to the 
 // Standard deviations by which more noise than stated has to be certain: else, and where images and inputs
 // contradicted each other before.
 constexpr double kSureness = 4.0, kSurenessInDoubt = 1.0;
-constexpr double kLargestFactor = 100.0;
 constexpr double kSettledFactor = 0.1;  // of the logarithm
 constexpr int kRounds = 6;
 
@@ -45,10 +46,6 @@ struct Misfit {
   }
 };
 
-ImuNoiseFactors bounded(const ImuNoiseFactors& factors) {
-  return {std::clamp(factors.gyro, 1.0, kLargestFactor), std::clamp(factors.accel, 1.0, kLargestFactor)};
-}
-
 }  // namespace
 
 ImuNoiseFactors misfit_of_imu(const WindowModel& model, const WindowState& state, const MatrixXd& covariance,
@@ -73,25 +70,30 @@ ImuNoiseFactors misfit_of_imu(const WindowModel& model, const WindowState& state
 }
 
 /// The noise in the model becomes as large as the solution says. The rig has to be free: a wrong one would be
-/// taken for noise of the IMU.
+/// taken for noise of the IMU. A solution that is lost with more noise stays what it was.
 bool StartWindow::learn_imu_noise() {
   if (!model.options.learn_imu_noise || !is_over_by_motion() || !solution || !unused.empty()) {
     return false;
   }
   const double sureness = stepped_before_ns ? kSurenessInDoubt : kSureness;
   bool changed = false;
-  for (int round = 0; round < kRounds && solution; ++round) {
+  for (int round = 0; round < kRounds; ++round) {
     const ImuNoiseFactors misfit = misfit_of_imu(model, *solution, covariance, sureness);
-    const ImuNoiseFactors now = model.imu_noise,
-                          next = bounded({now.gyro * misfit.gyro, now.accel * misfit.accel});
-    if (std::abs(std::log(next.gyro / now.gyro)) + std::abs(std::log(next.accel / now.accel)) <
-        kSettledFactor) {
+    const ImuNoiseFactors now = model.imu_noise;
+    const ImuNoiseFactors next = LearnedImuNoise::bounded({now.gyro * misfit.gyro, now.accel * misfit.accel});
+    const ImuNoiseFactors by{next.gyro / now.gyro, next.accel / now.accel};
+    if (std::abs(std::log(by.gyro)) + std::abs(std::log(by.accel)) < kSettledFactor) {
       break;
     }
-    model.options.imu_noise.gyro_density *= next.gyro / now.gyro;
-    model.options.imu_noise.accel_density *= next.accel / now.accel;
-    model.imu_noise = next;
-    settle_solution();
+    StartWindow noisier = *this;
+    noisier.model.options.imu_noise.gyro_density *= by.gyro;
+    noisier.model.options.imu_noise.accel_density *= by.accel;
+    noisier.model.imu_noise = next;
+    noisier.settle_solution();
+    if (!noisier.solution) {
+      break;
+    }
+    *this = std::move(noisier);
     changed = true;
   }
   return changed;

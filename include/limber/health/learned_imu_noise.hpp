@@ -16,7 +16,10 @@ namespace limber {
 /// @note docs/derivations/faults.md
 class LearnedImuNoise {
  public:
-  /// @param begin  what a start has learned; not below 1
+  /// From 1 to 100: no IMU is better than stated, and what is worse is broken.
+  [[nodiscard]] static ImuNoiseFactors bounded(const ImuNoiseFactors& factors);
+
+  /// @param begin  what a start has learned
   explicit LearnedImuNoise(const ImuNoiseFactors& begin = {});
 
   /// A correction of a pose that was predicted with the noise that was assumed, `factors()`.
@@ -28,8 +31,6 @@ class LearnedImuNoise {
   [[nodiscard]] ImuNoiseFactors factors() const { return factors_; }
 
  private:
-  void adapt(double& factor, double square) const;
-
   ImuNoiseFactors factors_;
   PoseCorrection::Vector6 mean_ = PoseCorrection::Vector6::Zero();  // of whitened corrections, fading
   double weight_ = 0.0;                                             // sum of squared weights of mean_
