@@ -21,10 +21,8 @@ mkdir -p "$results"
 limber=${LIMBER_PROGRAM:-}
 if [[ -z "$limber" ]]; then
   limber=$PWD/build/release/limber
-  scripts/install_dependencies.sh
   echo "Building build/release/limber (the first time takes some minutes)"
-  cmake --preset release >/dev/null
-  cmake --build --preset release --target limber
+  scripts/build.sh limber
 fi
 
 runs=${LIMBER_DEMO_RUNS:-6}

@@ -1,11 +1,29 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs what limber is built from and is not there yet (Debian 12 packages). Says nothing when all is there.
+#
+#   scripts/install_dependencies.sh [--filter | --packaging | --check]
+#
+# --filter     no more than limber::filter is built from, and scripts/check_format.sh needs
+# --packaging  what scripts/package.sh and scripts/test_packages.sh need, too
+# --check      installs nothing; fails if something is missing
 set -euo pipefail
 
-packages=(
-  g++ cmake ninja-build ccache    # build
-  libeigen3-dev                   # the filter
+usage="usage: scripts/install_dependencies.sh [--filter | --packaging | --check]"
+what=${1:-}
+case "$what" in
+  "" | --filter | --packaging | --check) ;;
+  -h | --help) echo "$usage"; exit 0 ;;
+  *) echo "$usage" >&2; exit 2 ;;
+esac
+
+filter=(
+  g++ cmake ninja-build ccache
+  clang libclang-rt-14-dev lld    # compiles the presets `release` and `asan`; GCC the other ones, and users' projects
+  libeigen3-dev
+  clang-format python3            # scripts/
+)
+rest=(
   libceres-dev  # the smoother
   libyaml-cpp-dev libfmt-dev nlohmann-json3-dev libcli11-dev  # datasets, simulator, program
   libopencv-dev libpng-dev libspng-dev libtiff-dev libturbojpeg0-dev libdeflate-dev  # image front end
@@ -14,14 +32,18 @@ packages=(
   libsqlitecpp-dev libtbb-dev libopenmpi-dev openmpi-bin  # studies
   nodejs npm chromium             # the page of reports, and a browser to test it
   libgtest-dev libgmock-dev libbenchmark-dev  # tests and benchmarks
-  clang libclang-rt-14-dev lld    # compiles the presets `release` and `asan`; GCC the other ones, and users' projects
-  clang-format python3            # scripts/
   doxygen libjs-mathjax           # the docs site
   pybind11-dev python3-dev python3-numpy python3-matplotlib python3-pytest  # the Python module
-  help2man dpkg-dev file lintian  # manual pages and Debian packages
-  debootstrap  # scripts/test_packages.sh
+  help2man dpkg-dev file          # manual pages and Debian packages
   python3-pip python3-setuptools python3-wheel python3-venv python3-build   # its wheel
 )
+packaging=(lintian debootstrap)
+
+case "$what" in
+  --filter) packages=("${filter[@]}") ;;
+  --packaging) packages=("${filter[@]}" "${rest[@]}" "${packaging[@]}") ;;
+  *) packages=("${filter[@]}" "${rest[@]}") ;;
+esac
 
 # npm may have come with another nodejs than Debian's, which the Debian package would not go with.
 is_installed() {
@@ -35,6 +57,8 @@ for package in "${packages[@]}"; do
 done
 if ((${#missing[@]} == 0)); then
   exit 0
+elif [[ "$what" == --check ]]; then
+  exit 1
 fi
 
 if ! command -v apt-get >/dev/null; then

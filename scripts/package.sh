@@ -6,6 +6,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=${1:-build/package}
+scripts/install_dependencies.sh --packaging
 cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DLIMBER_BUILD_TESTS=OFF \
   -DLIMBER_BUILD_EXAMPLES=OFF -DLIMBER_ARCH="${LIMBER_ARCH:-}" >/dev/null
 cmake --build "$folder"

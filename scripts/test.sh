@@ -37,11 +37,8 @@ if $full; then
   released=()
 fi
 
-scripts/install_dependencies.sh
-
 echo "== Release"
-cmake --preset release >/dev/null
-cmake --build --preset release
+scripts/build.sh
 if $full; then
   cmake --build --preset release --target benchmarks
 fi

@@ -7,6 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=${1:-build/package}
 root=${2:-build/package-root}
+scripts/install_dependencies.sh --packaging
 if [[ ! -x $root/bin/sh ]]; then
   debootstrap --variant=minbase bookworm "$root" "${LIMBER_MIRROR:-http://deb.debian.org/debian}" >/dev/null
 fi

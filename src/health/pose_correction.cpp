@@ -12,6 +12,8 @@ namespace {
 
 /// Directions that are corrected by less, in correlation, say nothing.
 constexpr double kWeakestDirection = 1e-4;
+constexpr double kShare = 0.1;  // of one frame in the fading mean
+constexpr double kNoiseShare = 0.05;
 
 }  // namespace
 
@@ -33,5 +35,25 @@ double scatter_beside(const PoseCorrection& c, const PoseCorrection::Vector6& z)
 }
 
 double scatter_beside(const PoseCorrection& c) { return scatter_beside(c, whitened(c)); }
+
+bool RecentCorrections::add(const PoseCorrection& c) {
+  if (!c.dx.allFinite() || !c.covariance.allFinite() || c.dof <= 0.0) {
+    return false;
+  }
+  last_ = whitened(c);
+  rest_ = scatter_beside(c, last_);
+  smoothed_ += kNoiseShare * (rest_ - smoothed_);
+  mean_ = (1.0 - kShare) * mean_ + kShare * last_;
+  weight_ = (1.0 - kShare) * (1.0 - kShare) * weight_ + kShare * kShare;
+  ++frames_;
+  return true;
+}
+
+void RecentCorrections::restart_mean() {
+  mean_.setZero();
+  weight_ = 0.0;
+}
+
+double RecentCorrections::noise() const { return std::max({smoothed_, rest_, 1.0}); }
 
 }  // namespace limber

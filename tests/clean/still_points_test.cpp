@@ -7,10 +7,7 @@
 #include <random>
 
 #include "clean/cleaned_frames.hpp"
-#include "limber/simulate/scenario_file.hpp"
-#include "limber/simulate/scenario_presets.hpp"
-#include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -24,13 +21,6 @@ using testing::cleaned;
 using testing::Frames;
 
 constexpr std::int64_t kDirt = 1'000'000;
-
-Recording driven(const char* scenario_name, std::uint64_t seed) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / scenario_name);
-  scenario.duration = 10.0;
-  set_pixels(scenario, PixelPreset::kRealistic);
-  return simulate(scenario, seed);
-}
 
 /// So many points that both cameras see at places of their own, up to noise of 0.3 px; before all others.
 Frames dirty(Frames frames, std::int64_t points) {
@@ -56,7 +46,7 @@ std::size_t dirt_in(const StereoFrame& frame) {
 }
 
 TEST(StillPoints, AreFoundWhenTheViewHasTurned) {
-  const Recording recording = driven("drone_none.yaml", 31);
+  const Recording recording = testing::realistic("drone_none", 10.0, 31);
   for (const std::int64_t points : {5, 60}) {
     const auto [frames, report] = cleaned(dirty(recording.frames, points), recording.calibration);
     EXPECT_EQ(report.still_tracks, static_cast<std::size_t>(points));
@@ -67,7 +57,7 @@ TEST(StillPoints, AreFoundWhenTheViewHasTurned) {
 }
 
 TEST(StillPoints, AreWithdrawnFromTheFramesBefore) {
-  const Recording recording = driven("drone_none.yaml", 32);
+  const Recording recording = testing::realistic("drone_none", 10.0, 32);
   Frames kept;
   for (const StereoFrame& frame : cleaned(dirty(recording.frames, 5), recording.calibration).frames) {
     withdraw_from(kept, frame);
@@ -79,7 +69,7 @@ TEST(StillPoints, AreWithdrawnFromTheFramesBefore) {
 }
 
 TEST(StillPoints, AreLeftAloneOnRequest) {
-  const Recording recording = driven("drone_none.yaml", 33);
+  const Recording recording = testing::realistic("drone_none", 10.0, 33);
   CleaningOptions options;
   options.still_points = false;
   EXPECT_EQ(cleaned(dirty(recording.frames, 5), recording.calibration, options).report.still_tracks, 0U);
@@ -87,9 +77,9 @@ TEST(StillPoints, AreLeftAloneOnRequest) {
 
 /// Far points of a car that drives straight on, and all points of a body at rest.
 TEST(StillPoints, AreNoneOfTheWorld) {
-  for (const char* const name : {"drone_none.yaml", "drone_moving.yaml", "drone_rotation.yaml",
-                                 "paper_i.yaml", "rover_walk.yaml", "walk.yaml", "creeping.yaml"}) {
-    const Recording recording = driven(name, 34);
+  for (const char* const name :
+       {"drone_none", "drone_moving", "drone_rotation", "paper_i", "rover_walk", "walk", "creeping"}) {
+    const Recording recording = testing::realistic(name, 10.0, 34);
     EXPECT_EQ(cleaned(recording.frames, recording.calibration).report.still_tracks, 0U) << name;
   }
 }

@@ -3,8 +3,7 @@
 #include "cli/small_log.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/rig_files/write_rig_files.hpp"
-#include "limber/simulate/scenario_file.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -74,8 +73,7 @@ TEST_F(CalibrationOption, ThatIsInvertedIsNamedOnceAndInTheResults) {
 }
 
 TEST_F(CalibrationOption, ThatSitsOnTheImuTheWrongWayRoundIsNamedWhereTheRigTurns) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml");
-  scenario.duration = 10.0;
+  Scenario scenario = testing::shipped("drone_moving", 10.0);
   const Recording drone = simulate(scenario, 3);
   write_track_log(drone, folder() / "drone");
   const auto said_of = [&](const StereoCalibration& calibration) {

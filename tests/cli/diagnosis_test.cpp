@@ -10,9 +10,8 @@
 #include "diagnose_recording.hpp"
 #include "limber/core/angle.hpp"
 #include "limber/core/divergence_error.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber::app {
 namespace {
@@ -114,8 +113,7 @@ Diagnosis lost_early(const Recording& recording) {
 
 /// A mistake may leave nothing to navigate with: the frames behind are looked at all the same.
 TEST(Diagnosis, NamesTheMistakesOfARunThatWasLost) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 8.0;
+  Scenario scenario = testing::shipped("drone_none", 8.0);
   const Recording sound = simulate(scenario, 3);
   EXPECT_THROW((void)lost_early(sound), DivergenceError);
   Recording late = sound, in_degrees = sound;

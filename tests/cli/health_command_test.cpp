@@ -3,8 +3,7 @@
 
 #include "cli/small_log.hpp"
 #include "limber/run_files/health_file.hpp"
-#include "limber/simulate/scenario_file.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -49,8 +48,7 @@ Recording with_a_blind_right_camera() {
 }
 
 TEST_F(HealthCommand, EndsWithZeroOnASoundRig) {
-  Scenario drone = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  drone.duration = 8.0;
+  Scenario drone = testing::shipped("drone_none", 8.0);
   write(simulate(drone, 1));
   const ProgramResult result = health();
   EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
@@ -108,8 +106,7 @@ TEST_F(HealthCommand, KeepsTheRunWhereItIsTold) {
 
 /// A drone with a sound rig, and one that is bent by that much.
 Recording drone_bent_by(const RigParameters& error, std::uint64_t seed) {
-  Scenario drone = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  drone.duration = 8.0;
+  Scenario drone = testing::shipped("drone_none", 8.0);
   drone.decalibration = {{error, ConstantShape{}}};
   return simulate(drone, seed);
 }

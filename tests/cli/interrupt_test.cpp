@@ -4,8 +4,7 @@
 
 #include "cli/child_process.hpp"
 #include "cli/small_log.hpp"
-#include "limber/simulate/scenario_file.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -21,8 +20,7 @@ using testing::read_text;
 class Interrupted : public ::testing::Test {
  protected:
   Interrupted() {
-    Scenario drone = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-    drone.duration = 60.0;
+    Scenario drone = testing::shipped("drone_none", 60.0);
     write_track_log(simulate(drone, 1), folder_.path() / "log");
   }
   [[nodiscard]] std::string log() const { return (folder_.path() / "log").string(); }

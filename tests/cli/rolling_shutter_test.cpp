@@ -3,9 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/small_log.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "rolling_rows.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -17,8 +16,7 @@ using ::testing::StartsWith;
 class RollingShutterLog : public testing::SmallLog {
  protected:
   RollingShutterLog() {
-    Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-    scenario.duration = 12.0;
+    Scenario scenario = testing::shipped("drone_none", 12.0);
     scenario.world.points = 120;
     scenario.noise.pixel = 0.15;  // as a tracker has it
     write_track_log(testing::with_rolling_rows(scenario, 0.025, 5), log(), true);

@@ -9,10 +9,9 @@
 #include "limber/datasets/read_recording.hpp"
 #include "limber/diagnose/calibration_mistakes.hpp"
 #include "limber/diagnose/depth_effect.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "real_data.hpp"
 #include "run/short_recording.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -174,8 +173,7 @@ TEST(CalibrationMistakes, AreNoneInRealRigsThatHaveTurnedByDegrees) {
 
 /// Most points of this flight are so far that they agree whichever way the baseline points.
 TEST(CalibrationMistakes, NameWhatNearPointsAloneCanTell) {
-  const Recording recording =
-      simulate(read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml"), 3);
+  const Recording recording = simulate(testing::shipped("drone_moving"), 3);
   const StereoCalibration& rig = recording.calibration;
   const Pose T_imu_cam1 = rig.T_body_cam0 * pose_from_rig(rig.theta).inverse();
   StereoCalibration wrong = rig;
@@ -222,8 +220,7 @@ TEST(CalibrationMistakes, NameAWrongResolution) {
 
 /// A drone: it turns, and with that shows its lens.
 Recording flight(const Distortion& distortion) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 10.0;
+  Scenario scenario = testing::shipped("drone_none", 10.0);
   scenario.rig.cam0.distortion = scenario.rig.cam1.distortion = distortion;
   return simulate(scenario, 2);
 }

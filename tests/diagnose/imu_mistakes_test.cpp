@@ -10,9 +10,8 @@
 #include <variant>
 
 #include "limber/core/so3.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -22,11 +21,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-Recording drone() {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml");
-  scenario.duration = 10.0;
-  return simulate(scenario, 3);
-}
+Recording drone() { return simulate(testing::shipped("drone_moving", 10.0), 3); }
 
 std::vector<std::string> mistakes_after(const std::function<void(Recording&)>& change) {
   Recording recording = drone();
@@ -57,8 +52,7 @@ TEST(ImuMistakes, NameTheUnit) {
 
 /// A rover on mostly straight ways: half of the time it turns by less than 2 deg/s.
 TEST(ImuMistakes, NameTheUnitOfAGyroThatTurnsLittle) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml");
-  scenario.duration = 10.0;
+  Scenario scenario = testing::shipped("drone_moving", 10.0);
   std::get<RandomSplineTrajectory>(scenario.trajectory).max_angular_rate = 0.06;
   Recording rover = simulate(scenario, 3);
   EXPECT_THAT(imu_mistakes(rover.calibration, rover.frames, rover.imu, 9.81), IsEmpty());
@@ -88,7 +82,7 @@ class AccelerometerMistakes : public ::testing::Test {
  protected:
   static std::vector<std::string> after(const std::function<void(Eigen::Vector3d&)>& change) {
     static const Recording sound = [] {
-      Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "walk.yaml");
+      Scenario scenario = testing::shipped("walk");
       Recording out = simulate(scenario, 11);
       out.calibration.theta(1) += std::numbers::pi / 180.0;
       return out;
@@ -135,7 +129,7 @@ TEST_F(AccelerometerMistakes, NameGravityThatIsMissing) {
 
 /// A body that hardly accelerates could have any.
 TEST_F(AccelerometerMistakes, AreNotInventedWhereNothingAccelerates) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "creeping.yaml");
+  Scenario scenario = testing::shipped("creeping");
   for (const std::uint64_t seed : {1U, 2U}) {
     const Recording recording = simulate(scenario, seed);
     EXPECT_THAT(imu_mistakes(recording.calibration, recording.frames, recording.imu, 9.81), IsEmpty());

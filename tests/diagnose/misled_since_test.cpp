@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "limber/diagnose/misled_since.hpp"
+#include "shipped_scenario.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
-
-#include "limber/simulate/scenario_file.hpp"
-#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -104,11 +102,7 @@ TEST(MisledSince, LosesARunWithoutAnImuSinceItsBodyLeapt) {
 }
 
 /// A drone of sixteen seconds.
-Recording drone(std::uint64_t seed) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 16.0;
-  return simulate(scenario, seed);
-}
+Recording drone(std::uint64_t seed) { return simulate(testing::shipped("drone_none", 16.0), seed); }
 
 std::int64_t eighth_second(const Recording& log) { return log.frames.front().t_ns + 8'000'000'000; }
 
@@ -165,7 +159,7 @@ TEST(MisledSince, LeavesOpenThatTheRigIsOffWhereItMayBe) {
     EXPECT_TRUE(summary.inputs.lost_since_ns);
     return record.notes.back();
   };
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_baseline.yaml");
+  Scenario scenario = testing::shipped("drone_baseline");
   scenario.duration = 28.0;  // eleven windows: enough to know 6 mm of the baseline by 3.5 sigmas
   EXPECT_THAT(lost_note(simulate(scenario, 7)), ::testing::HasSubstr(", or the rig is off, by tx +"));
   EXPECT_THAT(lost_note(pushed(drone(132), 0.12)), ::testing::Not(::testing::HasSubstr("or the rig")));

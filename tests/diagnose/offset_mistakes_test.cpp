@@ -11,10 +11,7 @@
 
 #include "limber/core/angle.hpp"
 #include "limber/core/so3.hpp"
-#include "limber/simulate/scenario_file.hpp"
-#include "limber/simulate/scenario_presets.hpp"
-#include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -23,13 +20,6 @@ using enum HealthVerdict;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-Recording flown(const char* scenario_name, double duration, std::uint64_t seed) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / scenario_name);
-  scenario.duration = duration;
-  set_pixels(scenario, PixelPreset::kRealistic);
-  return simulate(scenario, seed);
-}
 
 /// Stamps of the IMU are moved by that.
 void move_imu(Recording& recording, double seconds) {
@@ -45,7 +35,7 @@ std::vector<std::string> mistakes_in(const Recording& recording) {
 TEST(ClockMistakes, AreNamedFromEightSecondsThatTurn) {
   for (const std::uint64_t seed : {51u, 52u, 53u}) {
     for (const double seconds : {0.02, -0.1}) {
-      Recording recording = flown("drone_none.yaml", 8.0, seed);
+      Recording recording = testing::realistic("drone_none", 8.0, seed);
       move_imu(recording, seconds);
       EXPECT_THAT(mistakes_in(recording), ElementsAre(HasSubstr("beside the IMU, the cameras are taken")))
           << seed << ' ' << seconds;
@@ -55,8 +45,8 @@ TEST(ClockMistakes, AreNamedFromEightSecondsThatTurn) {
 
 /// The sigma of an offset from few seconds is itself a guess, the more where one of them alone turns.
 TEST(ClockMistakes, AreNoneOfSoundClocksInPiecesOfFewSeconds) {
-  for (const char* const name : {"drone_none.yaml", "drone_moving.yaml"}) {
-    const Recording recording = flown(name, 30.0, 61);
+  for (const char* const name : {"drone_none", "drone_moving"}) {
+    const Recording recording = testing::realistic(name, 30.0, 61);
     for (const double length : {4.0, 6.0}) {
       const auto frames =
           static_cast<std::size_t>(length * static_cast<double>(recording.frames.size()) / 30.0);
@@ -71,7 +61,7 @@ TEST(ClockMistakes, AreNoneOfSoundClocksInPiecesOfFewSeconds) {
 
 /// What the calibration says of the clock is no mistake.
 TEST(ClockMistakes, AreNoneWhereTheCalibrationKnowsTheOffset) {
-  Recording recording = flown("drone_none.yaml", 8.0, 54);
+  Recording recording = testing::realistic("drone_none", 8.0, 54);
   move_imu(recording, 0.02);
   recording.calibration.time_offset_s = {0.02, 0.02};
   EXPECT_THAT(mistakes_in(recording), IsEmpty());
@@ -145,7 +135,7 @@ SensorOffsets beside_turned_mount(Recording recording, const Eigen::Vector3d& de
 
 TEST(MountMistake, IsNamedByItsSize) {
   for (const std::uint64_t seed : {55u, 56u}) {
-    const Recording recording = flown("drone_none.yaml", 20.0, seed);
+    const Recording recording = testing::realistic("drone_none", 20.0, seed);
     for (const Eigen::Vector3d& degrees :
          {Eigen::Vector3d(0.6, 0, 0), Eigen::Vector3d(0, -0.6, 0), Eigen::Vector3d(0.4, 0.4, 0.3)}) {
       const SensorOffsets offsets = beside_turned_mount(recording, degrees);
@@ -162,9 +152,10 @@ TEST(MountMistake, IsNamedByItsSize) {
 
 /// Lens errors of 0.2 px rms look like up to 0.3 deg, more where the view is narrow.
 TEST(MountMistake, IsNoneOfSoundMounts) {
-  for (const char* const name : {"drone_none.yaml", "drone_moving.yaml", "paper_i.yaml", "creeping.yaml"}) {
+  for (const char* const name : {"drone_none", "drone_moving", "paper_i", "creeping"}) {
     for (const std::uint64_t seed : {61u, 62u, 63u}) {
-      const SensorOffsets offsets = beside_turned_mount(flown(name, 15.0, seed), Eigen::Vector3d::Zero());
+      const SensorOffsets offsets =
+          beside_turned_mount(testing::realistic(name, 15.0, seed), Eigen::Vector3d::Zero());
       EXPECT_THAT(offset_mistakes(offsets), IsEmpty()) << name << ' ' << seed;
     }
   }
@@ -181,7 +172,7 @@ Recording with_gyro_step(Recording recording, double second, const Eigen::Vector
 
 /// They were: a mount that is turned by 1 deg, and a gyro's axis whose scale is off by 19 to 28 %.
 TEST(MountMistake, IsNoneOfAGyroWhoseBiasSteps) {
-  const Recording sound = flown("drone_none.yaml", 20.0, 64);
+  const Recording sound = testing::realistic("drone_none", 20.0, 64);
   const Recording twice = with_gyro_step(sound, 7.0, {-0.01, 0.02, 0.01});
   for (const Eigen::Vector3d& step :
        {Eigen::Vector3d(0.05, 0, 0), Eigen::Vector3d(0, 0.02, 0), Eigen::Vector3d(0.01, 0, -0.05)}) {
@@ -195,7 +186,8 @@ TEST(MountMistake, IsNoneOfAGyroWhoseBiasSteps) {
 }
 
 TEST(MountMistake, IsNamedByItsSizeBesideAGyroWhoseBiasSteps) {
-  const Recording recording = with_gyro_step(flown("drone_none.yaml", 20.0, 65), 11.2, {0.03, -0.03, 0.02});
+  const Recording recording =
+      with_gyro_step(testing::realistic("drone_none", 20.0, 65), 11.2, {0.03, -0.03, 0.02});
   const SensorOffsets offsets = beside_turned_mount(recording, {0.0, -0.8, 0.0});
   ASSERT_TRUE(offsets.mount);
   EXPECT_NEAR(kToDegrees * offsets.mount->turn.y(), 0.8, 0.15);
@@ -234,7 +226,7 @@ SensorOffsets beside_scaled_gyro(Recording recording, const Eigen::Vector3d& fac
 
 TEST(TurnScaleMistake, NamesAFocalLength) {
   for (const std::uint64_t seed : {57u, 58u}) {
-    const Recording recording = flown("walk.yaml", 20.0, seed);
+    const Recording recording = testing::realistic("walk", 20.0, seed);
     for (const double factor : {1.02, 0.98}) {
       const SensorOffsets offsets = beside_focal_lengths(recording, factor);
       const auto scale = surest_scale(offsets);
@@ -249,7 +241,7 @@ TEST(TurnScaleMistake, NamesAFocalLength) {
 }
 
 TEST(TurnScaleMistake, NamesAGyroAndItsAxis) {
-  const Recording recording = flown("drone_none.yaml", 20.0, 59);
+  const Recording recording = testing::realistic("drone_none", 20.0, 59);
   const auto all = turn_scale_mistake(beside_scaled_gyro(recording, {1.03, 1.03, 1.03}));
   ASSERT_TRUE(all);
   EXPECT_THAT(all->words, HasSubstr("a scale of the gyro that is too large"));

@@ -9,11 +9,10 @@
 
 #include "limber/datasets/read_recording.hpp"
 #include "limber/diagnose/run_summary.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "real_data.hpp"
 #include "rolling_rows.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -21,8 +20,7 @@ namespace {
 using ::testing::HasSubstr;
 
 Scenario turning_drone(const std::string& name, double seconds) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / (name + ".yaml"));
-  scenario.duration = seconds;
+  Scenario scenario = testing::shipped(name, seconds);
   scenario.noise.pixel = 0.15;  // as a tracker has it
   return scenario;
 }

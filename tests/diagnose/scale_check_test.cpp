@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "limber/diagnose/judge_run.hpp"
-#include "limber/simulate/scenario_file.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -23,11 +22,7 @@ using ::testing::Not;
 constexpr std::size_t kAlong = 3;  // the axis of the baseline, tx
 
 /// The first 26 s of a scenario.
-Recording rover(const char* name, std::uint64_t seed) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / name);
-  scenario.duration = 26.0;
-  return simulate(scenario, seed);
-}
+Recording rover(const char* name, std::uint64_t seed) { return simulate(testing::shipped(name, 26.0), seed); }
 
 struct JudgedRun {
   RunRecord record;
@@ -47,7 +42,7 @@ const auto kSaysTheScale = HasSubstr("its trajectory is");
 
 /// 5 % of 2 m. The filter follows the length: its own windows have no idea, and were `ok`.
 TEST(ScaleCheck, NamesABaselineThatEkfFollows) {
-  const JudgedRun run = run_judged(rover("rover_baseline.yaml", 81), Method::kEkf);
+  const JudgedRun run = run_judged(rover("rover_baseline", 81), Method::kEkf);
   ASSERT_TRUE(run.summary.scale_check);
   const TrajectoryScale& scale = run.summary.scale_check->scale;
   EXPECT_NEAR(scale.too_long, 0.05, 3.0 * scale.sigma);
@@ -66,7 +61,7 @@ TEST(ScaleCheck, NamesABaselineThatEkfFollows) {
 }
 
 TEST(ScaleCheck, LeavesASoundRigAlone) {
-  const Recording recording = rover("paper_i.yaml", 81);
+  const Recording recording = rover("paper_i", 81);
   const JudgedRun run = run_judged(recording, Method::kEkf);
   ASSERT_TRUE(run.summary.scale_check);
   EXPECT_NEAR(run.summary.scale_check->scale.too_long, 0.0, 2.0 * run.summary.scale_check->scale.sigma);
@@ -85,8 +80,7 @@ TEST(ScaleCheck, LeavesASoundRigAlone) {
 }
 
 TEST(ScaleCheck, IsOfMethodsThatTakeTheLengthForExact) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 8.0;
+  Scenario scenario = testing::shipped("drone_none", 8.0);
   const Recording recording = simulate(scenario, 3);
   const JudgedRun blind = run_judged(recording, Method::kLcekf);
   EXPECT_TRUE(blind.record.last_frames.empty());
@@ -99,8 +93,7 @@ TEST(ScaleCheck, IsOfMethodsThatTakeTheLengthForExact) {
 }
 
 TEST(ScaleCheck, IsNoneOfVisionAloneWhosePositionsRestOnTheLength) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 8.0;
+  Scenario scenario = testing::shipped("drone_none", 8.0);
   Recording recording = simulate(scenario, 3);
   recording.imu.clear();
   const JudgedRun run = run_judged(recording, Method::kLcekf);
@@ -110,8 +103,7 @@ TEST(ScaleCheck, IsNoneOfVisionAloneWhosePositionsRestOnTheLength) {
 
 /// `ok` would be about a length that nobody has seen.
 TEST(ScaleCheck, WithoutOneTheLengthIsNotKnown) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 12.0;
+  Scenario scenario = testing::shipped("drone_none", 12.0);
   const Recording recording = simulate(scenario, 3);
   RunOptions options;
   options.method = Method::kEkf;

@@ -9,9 +9,8 @@
 #include "limber/diagnose/health_summary.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/run/shared_starts.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -20,7 +19,7 @@ constexpr double kJolt = 5.3;  // [s]
 
 /// A slow drone whose right camera is knocked by 0.3 deg while the start still waits for an acceleration.
 Recording knocked_drone() {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml");
+  Scenario scenario = testing::shipped("drone_moving");
   auto& flight = std::get<RandomSplineTrajectory>(scenario.trajectory);
   flight.half_extent = {20.0, 20.0, 4.0};
   flight.max_speed = 2.0;

@@ -12,11 +12,10 @@
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
 #include "limber/diagnose/cameras_beside_imu.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "measure/two_views.hpp"
 #include "run/short_recording.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -52,8 +51,7 @@ TEST(TimeOffset, OfCam1IsFoundBesideAWrongCalibration) {
 /// clocks of 16 ms at ten sigmas, and a picture that is a frame late was found with 52 ± 29 ms of 104 beside
 /// a rig that had taken it for its own.
 TEST(TimeOffset, OfCam1IsTheSameWhateverRigIsAssumed) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml");
-  scenario.duration = 8.0;
+  Scenario scenario = testing::shipped("drone_moving", 8.0);
   const Recording recording = simulate(scenario, 31);
   const double frame = seconds_between(recording.frames[0].t_ns, recording.frames[1].t_ns);
   const std::vector<StereoFrame> a_frame_late = with_late_cam1(recording, frame);
@@ -74,7 +72,7 @@ TEST(TimeOffset, OfCam1IsTheSameWhateverRigIsAssumed) {
 /// With one rig for the whole recording a rig that was another one for a while looked like milliseconds,
 /// eleven sigmas and more of them.
 TEST(TimeOffset, OfCam1IsNothingWhereTheRigJumpsAndComesBack) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  Scenario scenario = testing::shipped("drone_none");
   DecalibrationSignal pulse;
   pulse.amplitude << 0.004, 0.0, 0.0, 0.0, 0.0, 0.0;
   pulse.shape = StepsShape{{{0.3 * scenario.duration, 1.0}, {0.6 * scenario.duration, 0.0}}};
@@ -95,8 +93,7 @@ TEST(TimeOffset, OfCam1IsNothingWhereTheRigJumpsAndComesBack) {
 /// Bearings at the rim of a wide lens are noisy, and so are the derivatives by the rig there: an offset of up
 /// to twelve sigmas was seen.
 TEST(TimeOffset, OfCam1IsNothingThroughAWideLens) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml");
-  scenario.duration = 12.0;
+  Scenario scenario = testing::shipped("drone_moving", 12.0);
   Camera& camera = scenario.rig.cam0;
   camera.fu = camera.fv = 300.0;
   camera.distortion = Equidistant{};
@@ -132,9 +129,7 @@ TEST(TimeOffset, OfTheCamerasIsFoundAgainstTheGyro) {
 /// Pixels with constants per track made depths wrong for as long as the track lives; a motion sideways then
 /// looked like a turn, and that like milliseconds with a sigma of 0.3 ms.
 TEST(TimeOffset, OfASoundClockIsNothingWithRealisticPixels) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 20.0;
-  set_pixels(scenario, PixelPreset::kRealistic);
+  Scenario scenario = testing::shipped("drone_none", 20.0, PixelPreset::kRealistic);
   double normalized_squared = 0.0;
   constexpr int kRuns = 6;
   for (int seed = 41; seed < 41 + kRuns; ++seed) {

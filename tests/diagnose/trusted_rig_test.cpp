@@ -10,9 +10,8 @@
 
 #include "limber/core/angle.hpp"
 #include "limber/run/trusted_axes.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -170,8 +169,7 @@ const auto kSaysSo = HasSubstr("sigmas of ekf take the rig for exact");
 
 /// 0.04 deg of roll: the verdict is ok, and ekf is too sure.
 TEST(TrustedRig, IsSaidOfEkfWhereTheRigIsGoodEnoughAndNotExact) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 15.0;
+  Scenario scenario = testing::shipped("drone_none", 15.0);
   const Recording exact = simulate(scenario, 2);
   Recording off = exact;
   off.calibration.theta(2) += 0.04 / kToDegrees;

@@ -9,8 +9,7 @@
 #include "limber/frontend/stereo_tracker.hpp"
 #include "limber/measure/rig.hpp"
 #include "limber/render/picture_truth.hpp"
-#include "limber/simulate/scenario_file.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -62,7 +61,7 @@ Slid follow(const PictureTruth& truth, double rate, double duration, int frames)
 // Followed from view to view, points slid along the edges of things by and by (here 10 %), and the filter
 // took that for motion.
 TEST(LongTracks, StayWhereTheyBegan) {
-  const Scenario scenario = read_scenario(testing::source_folder() / "scenarios/paper_i.yaml");
+  const Scenario scenario = testing::shipped("paper_i");
   const PictureTruth truth(scenario, {.scene = SceneKind::kHall}, 22, 0);
   const Slid found = follow(truth, scenario.stereo_rate, 2.5, 30);
   std::printf("%d points, %d beyond a pixel\n", found.old, found.beyond);

@@ -8,7 +8,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "limber/simulate/scenario_file.hpp"
+#include "shipped_scenario.hpp"
 #include "source_folder.hpp"
 
 namespace limber {
@@ -48,7 +48,7 @@ TEST(PaperPlan, IsMadeOfTheShippedScenariosAndUsesThemAll) {
   for (const StudyCase& study_case : plan.cases) {
     const std::string& name = study_case.scenario.name;
     used.insert(name);
-    const Scenario file = read_scenario(testing::source_folder() / "scenarios" / (name + ".yaml"));
+    const Scenario file = testing::shipped(name);
     EXPECT_EQ(format_scenario(study_case.scenario), format_scenario(file));
   }
   EXPECT_EQ(used, shipped);

@@ -5,18 +5,16 @@
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/run/shared_starts.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
 
 /// A drone with realistic pixels, on a rig that is sound.
 Recording drone_with(const char* fault, std::uint64_t seed) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  set_pixels(scenario, PixelPreset::kRealistic);
+  Scenario scenario = testing::shipped("drone_none", {}, PixelPreset::kRealistic);
   scenario.faults.push_back(fault_from_string(fault));
   scenario.duration = 16.0;
   return simulate(scenario, seed);
@@ -50,8 +48,7 @@ TEST(FullAdaptiveAndFailingInputs, ABiasThatStepsCostsNoMoreThanItCostsLcekf) {
 /// Nobody had looked at the rig when the IMU failed, and nobody does while it fails: adaptive trusted a rig
 /// that was 1 deg off and went 1 m away (7 m after a start that ended in such a gap).
 TEST(AdaptiveAndFailingInputs, ARigThatWasOffBeforeTheFaultIsNotTrustedThroughIt) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  set_pixels(scenario, PixelPreset::kRealistic);
+  Scenario scenario = testing::shipped("drone_none", {}, PixelPreset::kRealistic);
   scenario.faults.push_back(fault_from_string("imu-gap=0.02:1"));
   scenario.duration = 4.0;
   scenario.decalibration.push_back(decalibration_from_string("ay=1", 0.12));

@@ -8,9 +8,8 @@
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/initialize/online_navigator.hpp"
 #include "limber/run/run_recording.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -19,9 +18,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 Recording drone(std::int64_t offset_ns) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  set_pixels(scenario, PixelPreset::kRealistic);
-  scenario.duration = 16.0;
+  Scenario scenario = testing::shipped("drone_none", 16.0, PixelPreset::kRealistic);
   Recording recording = simulate(scenario, 45);
   const std::int64_t at_ns = recording.frames.front().t_ns + 2'000'000'000;
   std::vector<ImuSample> imu;

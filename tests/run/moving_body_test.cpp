@@ -12,10 +12,9 @@
 #include "limber/measure/rig.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/sensors/camera.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -27,10 +26,7 @@ using ::testing::Field;
 constexpr std::int64_t kFirstId = 10'000'000;
 
 Recording drone(std::uint64_t seed) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  set_pixels(scenario, PixelPreset::kRealistic);
-  scenario.duration = 12.0;
-  return simulate(scenario, seed);
+  return simulate(testing::shipped("drone_none", 12.0, PixelPreset::kRealistic), seed);
 }
 
 /// Where the body is beside the camera: it comes near and goes, by some tenths of a metre a second.

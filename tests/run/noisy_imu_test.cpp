@@ -7,24 +7,13 @@
 
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
-#include "limber/simulate/scenario_file.hpp"
-#include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
 
 const Eigen::Vector3d kScales(1.01, 0.99, 1.01);  // of a gyro's axes that nobody calibrated
-
-/// A drone's recording as a user has it.
-Recording flown(std::uint64_t seed) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 10.0;
-  scenario.noise.stated = false;
-  set_pixels(scenario, PixelPreset::kRealistic);
-  return simulate(scenario, seed);
-}
 
 Recording with_scales(Recording recording, const Eigen::Vector3d& scales) {
   for (ImuSample& sample : recording.imu) {
@@ -53,7 +42,7 @@ void expect_known_to_err(Method method) {
   constexpr int kRuns = 2;
   double ratio = 1.0;  // of ANEES, to the power of the runs
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
-    const Recording recording = with_scales(flown(seed), kScales);
+    const Recording recording = with_scales(testing::realistic("drone_none", 10.0, seed), kScales);
     const Flight learned = fly(recording, method), stated = fly(recording, method, false);
     ratio *= learned.summary.anees.value() / stated.summary.anees.value();
     EXPECT_GT(learned.record.imu_noise.value().gyro, 3.0);
@@ -73,7 +62,7 @@ TEST(FullNoisyImu, OfWhichTheScaleIsOffIsKnownToErr) {
 class NoisyImuOfAMethod : public ::testing::TestWithParam<Method> {};
 
 TEST_P(NoisyImuOfAMethod, IsNoneWhereTheNoiseIsAsStated) {
-  const Recording recording = flown(42);
+  const Recording recording = testing::realistic("drone_none", 10.0, 42);
   const Flight learned = fly(recording, GetParam()), stated = fly(recording, GetParam(), false);
   EXPECT_LT(learned.record.imu_noise.value().gyro, 1.5);
   EXPECT_LT(learned.record.imu_noise.value().accel, 1.5);
@@ -86,8 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, NoisyImuOfAMethod, ::testing::Values(Method::k
 
 /// With the truth's start and pixels of a stated noise the filter is the paper's.
 TEST(NoisyImu, IsNotLookedForInThePapersExperiment) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 1.0;
+  Scenario scenario = testing::shipped("drone_none", 1.0);
   const Recording recording = simulate(scenario, 3);
   RunOptions options;
   options.start = StartMode::kGroundTruth;

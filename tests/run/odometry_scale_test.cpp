@@ -6,9 +6,8 @@
 
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -16,8 +15,7 @@ namespace {
 /// A drone with odometry in the place of an IMU, of which nobody states how good it is; true speeds are 1.5 %
 /// larger.
 Recording with_wrong_scale(std::uint64_t seed) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 15.0;
+  Scenario scenario = testing::shipped("drone_none", 15.0);
   scenario.use_imu = false;
   scenario.odometry = OdometryScenario{20.0, 0.03, 0.01};
   scenario.noise.stated = false;

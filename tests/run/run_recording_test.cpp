@@ -9,12 +9,11 @@
 #include <utility>
 
 #include "limber/datasets/interpolate.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "message_of.hpp"
 #include "run/recorded_run.hpp"
 #include "run/short_recording.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -113,8 +112,7 @@ TEST(RunRecording, SmoothsItsStartByTheFramesBehindItOnAnyNumberOfThreads) {
 }
 
 TEST(RunRecording, SmoothsASharedStartAnewWhereTheRunBeforeFailed) {
-  Scenario sound = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  sound.duration = 4.5;
+  Scenario sound = testing::shipped("drone_none", 4.5);
   const Recording recording = simulate(sound, 1);
   SharedStarts starts;
   RunOptions options;
@@ -130,8 +128,7 @@ TEST(RunRecording, SmoothsASharedStartAnewWhereTheRunBeforeFailed) {
 }
 
 TEST(RunRecording, OfAdaptiveWhichTrustsTheRigSharesItsStartWithThoseThatDoNot) {
-  Scenario sound = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  sound.duration = 4.5;
+  Scenario sound = testing::shipped("drone_none", 4.5);
   const Recording recording = simulate(sound, 1);
   const RunRecord lcekf = run_alone(recording, Method::kLcekf);
   const RunRecord adaptive = run_alone(recording, Method::kAdaptive);

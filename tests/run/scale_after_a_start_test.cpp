@@ -8,10 +8,9 @@
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/run/shared_starts.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -19,11 +18,7 @@ namespace {
 using ::testing::Each;
 using ::testing::Lt;
 
-Scenario paper_i() {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "paper_i.yaml");
-  set_pixels(scenario, PixelPreset::kRealistic);
-  return scenario;
-}
+Scenario paper_i() { return testing::shipped("paper_i", {}, PixelPreset::kRealistic); }
 
 /// Of each method the mean over three recordings of NEES of the scale, each the mean over its frames. Methods
 /// share their starts, which are bit by bit their own (run_recording_test.cpp).

@@ -2,10 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "limber/run/smooth_recording.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -15,9 +14,7 @@ TEST(SmoothedRig, IsAsSureAsItsErrorsOnRealisticPixels) {
   double squares = 0.0;
   constexpr int kRuns = 2;
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
-    Scenario scenario = read_scenario(testing::source_folder() / "scenarios/drone_none.yaml");
-    scenario.duration = 8.0;
-    set_pixels(scenario, PixelPreset::kRealistic);
+    Scenario scenario = testing::shipped("drone_none", 8.0, PixelPreset::kRealistic);
     const Recording recording = simulate(scenario, seed);
     SmoothOptions options;
     options.rig = RigModel::kConstant;

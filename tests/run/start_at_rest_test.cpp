@@ -6,11 +6,10 @@
 #include <variant>
 
 #include "limber/diagnose/run_summary.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "recorded_run.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -19,8 +18,7 @@ constexpr double kRest = 12.0;  // [s]
 
 /// A drone that takes off slowly, with realistic pixels.
 Recording drone_at_rest(std::uint64_t seed) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_moving.yaml");
-  set_pixels(scenario, PixelPreset::kRealistic);
+  Scenario scenario = testing::shipped("drone_moving", {}, PixelPreset::kRealistic);
   scenario.stereo_rate = 10.0;
   std::get<RandomSplineTrajectory>(scenario.trajectory).rest = kRest;
   scenario.duration = kRest + 14.0;
@@ -53,8 +51,7 @@ TEST(StartAtRest, WaitsForTheMotionThatTellsTheScale) {
 
 /// A robot that creeps, its accelerometer as noisy as what it gains in half a second.
 Recording creeping(std::uint64_t seed) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "creeping.yaml");
-  scenario.duration = 15.0;
+  Scenario scenario = testing::shipped("creeping", 15.0);
   scenario.stereo_rate = 10.0;
   scenario.world.points = 120;
   std::get<RandomSplineTrajectory>(scenario.trajectory).max_speed = 0.3;
@@ -75,8 +72,7 @@ TEST(StartAtRest, OfABodyThatCreepsKeepsAMapThatIsSmall) {
 
 /// A drone that nobody flies, with realistic pixels.
 Recording drone_on_the_ground(double half_extent, double duration) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  set_pixels(scenario, PixelPreset::kRealistic);
+  Scenario scenario = testing::shipped("drone_none", {}, PixelPreset::kRealistic);
   RandomSplineTrajectory motion;
   motion.half_extent = Eigen::Vector3d(half_extent, half_extent, half_extent / 3.0);
   motion.max_speed = 0.03;

@@ -7,17 +7,15 @@
 
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
 
 /// A run over a drone's recording that does not state the noise of its pixels.
 RunRecord unstated_run(Method method, double white_px, const PixelScenario& pixels = {}) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 10.0;
+  Scenario scenario = testing::shipped("drone_none", 10.0);
   scenario.noise.pixel = white_px;
   scenario.noise.stated = false;
   scenario.pixels = pixels;
@@ -78,8 +76,7 @@ TEST(FullUnstatedPixelNoise, IsRemarkedOnWhereItIsMoreThanTracksHave) { expect_r
 /// What a wrong rig leaves in the innovations of a filter that trusts it is no noise, until that is lost
 /// altogether.
 TEST(UnstatedPixelNoise, IsNotWhatATrustedRigIsOffBy) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 6.0;
+  Scenario scenario = testing::shipped("drone_none", 6.0);
   scenario.noise.pixel = 0.25;
   scenario.noise.stated = false;
   RunOptions options;
@@ -99,8 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, FullUnstatedPixelNoise, kTrustingOrNot, name_o
 
 /// A drone with odometry in the place of an IMU.
 Scenario with_odometry(double duration, double velocity, double angular_rate, bool stated = false) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = duration;
+  Scenario scenario = testing::shipped("drone_none", duration);
   scenario.use_imu = false;
   scenario.odometry = OdometryScenario{20.0, velocity, angular_rate};
   scenario.noise.stated = stated;
@@ -152,8 +148,7 @@ TEST(UnstatedOdometryMount, LeavesALcekfFreeOfARigThatIsBent) {
 TEST(StatedOdometryNoise, IsTakenForWhatItIs) { (void)learned_odometry(0.03, 0.01, true); }
 
 TEST(StatedPixelNoise, IsTakenForWhatItIs) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 3.0;
+  Scenario scenario = testing::shipped("drone_none", 3.0);
   const Recording recording = simulate(scenario, 3);
   EXPECT_FALSE(run_recording(recording, {}, matched_frames(recording)).pixel_noise);
 }

@@ -7,9 +7,8 @@
 #include "limber/core/angle.hpp"
 #include "limber/core/time.hpp"
 #include "limber/run/run_recording.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 namespace limber {
 namespace {
@@ -18,8 +17,7 @@ constexpr double kFastest = 4.0;  // [m/s], the figure eight is flown at 2 to 3
 
 /// A small drone whose rig is off by three degrees and a fifth of its baseline all the time.
 Recording bent_drone() {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 5.0;
+  Scenario scenario = testing::shipped("drone_none", 5.0);
   RigParameters error;
   error << 1.2 / kToDegrees, 3.0 / kToDegrees, 1.2 / kToDegrees, 0.024, 0.0024, 0.0024;
   scenario.decalibration = {{error, ConstantShape{}}};

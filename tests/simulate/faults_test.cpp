@@ -8,12 +8,11 @@
 #include <stdexcept>
 #include <string>
 
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
 #include "message_of.hpp"
+#include "shipped_scenario.hpp"
 #include "simulate/recordings.hpp"
-#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -25,8 +24,7 @@ constexpr std::int64_t kOneSecond = 1'000'000'000;
 constexpr double kStandardGravity = 9.80665;
 
 Scenario sound_drone() {
-  Scenario s = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  s.duration = 4.0;
+  Scenario s = testing::shipped("drone_none", 4.0);
   return s;
 }
 

@@ -8,11 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
+#include "shipped_scenario.hpp"
 #include "simulate/recordings.hpp"
-#include "source_folder.hpp"
 
 namespace limber {
 namespace {
@@ -23,7 +22,7 @@ using testing::same;
 
 /// The drone without white noise.
 Scenario drone(double duration = 10.0) {
-  Scenario s = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
+  Scenario s = testing::shipped("drone_none");
   s.noise.pixel = 0.0;
   s.duration = duration;
   return s;

@@ -2,18 +2,12 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 
 #include "limber/datasets/recording.hpp"
-#include "limber/simulate/scenario_file.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 /// Scenarios of the tests of the simulator, and what is counted in its recordings.
 namespace limber::testing {
-
-inline Scenario shipped(const std::string& name) {
-  return read_scenario(source_folder() / "scenarios" / (name + ".yaml"));
-}
 
 /// A few seconds of the paper's case (i).
 inline Scenario brief(double duration = 3.0) {

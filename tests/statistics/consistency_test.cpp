@@ -7,9 +7,8 @@
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/evaluate/consistency.hpp"
 #include "limber/run/run_recording.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 
 /// A small version of docs/evidence/results.md: runs of ten seconds of each case.
 namespace limber {
@@ -21,8 +20,7 @@ struct Outcome {
 };
 
 Outcome outcome(const std::string& name, Method method, std::uint64_t runs) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / (name + ".yaml"));
-  scenario.duration = 10.0;
+  Scenario scenario = testing::shipped(name, 10.0);
   RunOptions options;
   options.method = method;
   options.start = StartMode::kGroundTruth;

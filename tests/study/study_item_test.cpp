@@ -8,9 +8,8 @@
 #include <map>
 
 #include "limber/diagnose/run_summary.hpp"
-#include "limber/simulate/scenario_file.hpp"
 #include "limber/simulate/simulator.hpp"
-#include "source_folder.hpp"
+#include "shipped_scenario.hpp"
 #include "study/tiny_study.hpp"
 
 namespace limber {
@@ -222,8 +221,7 @@ TEST(ItemResult, GoesThroughBytesAndBack) {
 
 /// A run that goes on after its gyroscope stepped is none that `limber run` would end with exit code 0.
 TEST(ComputeItem, SaysSinceWhenARunWasLost) {
-  Scenario scenario = read_scenario(testing::source_folder() / "scenarios" / "drone_none.yaml");
-  scenario.duration = 14.0;
+  Scenario scenario = testing::shipped("drone_none", 14.0);
   scenario.faults = {GyroBiasStep{.at = 7.0, .size = 0.05}};
   scenario.filter.gate = true;  // what is refused is part of the evidence
   StudyPlan plan;

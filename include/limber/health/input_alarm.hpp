@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <limits>
 
@@ -41,11 +40,8 @@ class InputAlarm {
   static constexpr double kFalseAlarms = 1e-7;  ///< per frame and test
 
  private:
-  Eigen::Matrix<double, 6, 1> mean_ = Eigen::Matrix<double, 6, 1>::Zero();  // of whitened corrections, fading
-  double weight_ = 0.0;                                                     // sum of squared weights of mean_
-  double noise_ = 1.0;                                                      // NIS / dof, smoothed
+  RecentCorrections corrections_;
   double statistic_ = 0.0;
-  int frames_ = 0;
   bool doubtful_ = false;
   std::int64_t last_ns_ = std::numeric_limits<std::int64_t>::min();
 };

@@ -32,10 +32,7 @@ class LearnedImuNoise {
 
  private:
   ImuNoiseFactors factors_;
-  PoseCorrection::Vector6 mean_ = PoseCorrection::Vector6::Zero();  // of whitened corrections, fading
-  double weight_ = 0.0;                                             // sum of squared weights of mean_
-  double noise_ = 1.0;                                              // NIS / dof of the rest, smoothed
-  int frames_ = 0;
+  RecentCorrections corrections_;
 };
 
 }  // namespace limber

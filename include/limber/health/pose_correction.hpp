@@ -32,4 +32,33 @@ struct PoseCorrection {
 /// The same.
 [[nodiscard]] double scatter_beside(const PoseCorrection& correction);
 
+/// @brief How the last frames corrected the pose: the fading mean of some ten whitened corrections, beside
+/// the noise that their other rows show. White noise of size one has a mean square of `expected_square()`.
+class RecentCorrections {
+ public:
+  /// @return false, and nothing is added, where the correction tells nothing: it is not finite or has no rows
+  bool add(const PoseCorrection& correction);
+
+  /// Forgets the mean, not the noise.
+  void restart_mean();
+
+  /// Of the last frame, whitened.
+  [[nodiscard]] const PoseCorrection::Vector6& last() const { return last_; }
+  /// Fading.
+  [[nodiscard]] const PoseCorrection::Vector6& mean() const { return mean_; }
+  /// Of each number of the mean, were corrections white and of size one.
+  [[nodiscard]] double expected_square() const { return weight_; }
+  /// NIS / dof of other rows: smoothed or of the last frame, whichever is larger, and at least 1.
+  [[nodiscard]] double noise() const;
+  /// How many were added.
+  [[nodiscard]] int frames() const { return frames_; }
+
+ private:
+  PoseCorrection::Vector6 last_ = PoseCorrection::Vector6::Zero(), mean_ = PoseCorrection::Vector6::Zero();
+  double weight_ = 0.0;    // sum of squared weights of mean_
+  double smoothed_ = 1.0;  // NIS / dof of other rows
+  double rest_ = 1.0;      // that of the last frame
+  int frames_ = 0;
+};
+
 }  // namespace limber
