@@ -134,6 +134,7 @@ StartReport StartWindow::solve_and_judge() {
 /// The same window, not solved yet, where theta is free along some of its directions alone.
 StartWindow StartWindow::with_open(const std::vector<Index>& open) const {
   StartWindow out = *this;
+  out.agreed.reset();
   out.model.directions = model.directions(Eigen::all, open);
   for (std::vector<WindowFrame>* some : {&out.frames, &out.solution->frames}) {
     for (WindowFrame& frame : *some) {

@@ -28,6 +28,7 @@ constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its 
 constexpr double kUnseenWay = 1.0;       // [m] that a body goes while no point shows it
 constexpr double kMuchBetter = 2.0;      // by the cost
 constexpr double kFits = 1.0;            // cost over the expected one
+constexpr double kFewestKept = 0.1;      // of the points of a solution
 constexpr double kFitsUnstated = 0.15;   // of pixels whose noise nobody stated: less than 0.4 px rms
 
 /// What of theta a method leaves free: nothing if it trusts the rig and the lenses.
@@ -164,19 +165,16 @@ StartWindow::Frames StartWindow::kept() const {
   return out;
 }
 
-/// The last solution carried on to frames and points that came since.
-std::optional<WindowState> StartWindow::continued(const Frames& now) const {
-  if (!solution) {
-    return std::nullopt;
-  }
+/// A solution carried on to frames and points that came since.
+WindowState StartWindow::continued(const WindowState& from, const Frames& now) const {
   WindowState out{now.frames, points_of(model, now.raw)};
-  auto known = solution->frames.begin();
+  auto known = from.frames.begin();
   for (std::size_t k = 0; k < out.frames.size(); ++k) {
     WindowFrame& frame = out.frames[k];
-    while (known != solution->frames.end() && known->nav.t_ns < frame.nav.t_ns) {
+    while (known != from.frames.end() && known->nav.t_ns < frame.nav.t_ns) {
       ++known;
     }
-    if (known != solution->frames.end() && known->nav.t_ns == frame.nav.t_ns) {
+    if (known != from.frames.end() && known->nav.t_ns == frame.nav.t_ns) {
       frame.nav = known->nav;
       frame.theta = known->theta;
     } else if (k > 0) {
@@ -189,6 +187,19 @@ std::optional<WindowState> StartWindow::continued(const Frames& now) const {
     point.landmark.value.setZero();
   }
   fill_depths_from_motion(model, out);
+  drop_unreachable(model, out);
+  return out;
+}
+
+/// The last solution, and the last one that images and inputs agreed upon, if that is another one.
+std::vector<WindowState> StartWindow::continuations(const Frames& now) const {
+  std::vector<WindowState> out;
+  if (solution) {
+    out.push_back(continued(*solution, now));
+  }
+  if (agreed && (failed_before || !solution)) {
+    out.push_back(continued(agreed->solution, now));
+  }
   return out;
 }
 
@@ -225,11 +236,8 @@ void StartWindow::solve() {
   if (clock_step) {
     read_inputs_anew();  // samples that are stamped late came after their frames
   }
-  std::vector<WindowState> starts;
   const Frames now = kept();
-  if (std::optional<WindowState> on = continued(now)) {
-    starts.push_back(std::move(*on));
-  }
+  std::vector<WindowState> starts = continuations(now);
   if (model.options.motion == MotionModel::kConstantVelocity) {
     model.R_first = assumed_attitude();
   }
@@ -266,13 +274,14 @@ void StartWindow::settle_solution() {
   clean_and_cover();
 }
 
-/// Takes mismatches out of the solution; what it knows then.
+/// Takes mismatches out of the solution; what it knows then. One that leaves hardly a point is none.
 void StartWindow::clean_and_cover() {
+  const auto fewest = kFewestKept * static_cast<double>(solution->points.size());
   for (int round = 0; round < kCleanings && drop_mismatches(model, *solution) > 0; ++round) {
     normal = settled(*solution);
   }
   covariance = frame_covariance(normal);
-  if (covariance.size() == 0) {
+  if (covariance.size() == 0 || static_cast<double>(solution->points.size()) < fewest) {
     solution.reset();
   }
 }

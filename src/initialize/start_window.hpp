@@ -95,7 +95,8 @@ struct StartWindow {
     std::vector<StereoFrame> raw;
   };
   [[nodiscard]] Frames kept() const;
-  [[nodiscard]] std::optional<WindowState> continued(const Frames& now) const;
+  [[nodiscard]] WindowState continued(const WindowState& from, const Frames& now) const;
+  [[nodiscard]] std::vector<WindowState> continuations(const Frames& now) const;
   /// A body's covariance, which is one against the window's origin.
   [[nodiscard]] Eigen::MatrixXd seen_from_first(const RestSeenSince& since, const NavigationState& nav,
                                                 const Eigen::MatrixXd& P) const;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace {
 constexpr double kGross = 6.0;
 constexpr double kMedianOfNorm = 1.1774;  // of a two-dimensional Gaussian of unit variance
 constexpr double kNotProjected = 1e9;
+constexpr double kFewBeyond = 0.1;  // of all pixels
 // Inverse depths times the baseline: nearer than it, or that far behind the camera, is no point.
 constexpr double kNearestPoint = 1.0, kFarBehind = -0.1;
 /// Baselines to the usual point, at least: a map whose scale nothing tells may have shrunk to any size.
@@ -79,6 +81,20 @@ double median_inverse_depth(const WindowState& state) {
     rho.push_back(point.landmark.value.z());
   }
   return upper_median(std::move(rho));
+}
+
+void drop_unreachable(const WindowModel& model, WindowState& state) {
+  const Camera& camera = model.calibration.cam0;
+  const double limit = std::hypot(camera.width, camera.height) / model.options.sigma_px.minCoeff();
+  const std::vector<View> all = views(model, state);
+  const auto is_beyond = [&](const View& view) { return view.norm > limit; };
+  const auto beyond = std::ranges::count_if(all, is_beyond);
+  if (static_cast<double>(beyond) > kFewBeyond * static_cast<double>(all.size())) {
+    return;  // the guess is wrong, not the points
+  }
+  for (const View& view : all) {
+    *view.used = *view.used && !is_beyond(view);
+  }
 }
 
 std::size_t drop_mismatches(const WindowModel& model, WindowState& state) {

@@ -133,6 +133,10 @@ struct MotionResidual {
 /// @return how many pixels and points
 std::size_t drop_mismatches(const WindowModel& model, WindowState& state);
 
+/// @brief Takes out of a guess the pixels that are off by more than an image: a camera that is guessed to
+/// pass a point sees it anywhere, and along such residuals no step is short enough. Not where many are.
+void drop_unreachable(const WindowModel& model, WindowState& state);
+
 /// A solution in which the biases step once.
 struct BiasStep {
   std::int64_t before_ns = 0;  ///< the frame after it

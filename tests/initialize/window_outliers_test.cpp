@@ -3,6 +3,7 @@
 
 #include "initialize/window_guess.hpp"
 #include "initialize/window_problem.hpp"
+#include "limber/core/so3.hpp"
 #include "navigate/scene.hpp"
 
 namespace limber::detail {
@@ -73,6 +74,32 @@ TEST(WindowOutliers, APointThatIsNowhereIsDropped) {
     EXPECT_GT(drop_mismatches(seen.model, state), 0u) << nowhere;
     EXPECT_EQ(state.points.size(), seen.state.points.size() - 1) << nowhere;
   }
+}
+
+/// One sighting of a point that the camera is guessed to have passed left a residual of 1e8 pixels, along
+/// which no step of the solver was short enough; the start was lost.
+TEST(WindowOutliers, AGuessIsRidOfPixelsThatNoStepReaches) {
+  const Seen seen = seen_from_truth();
+  const auto pixels = [](const WindowState& state) {
+    std::size_t out = 0;
+    for (const WindowPoint& point : state.points) {
+      for (const WindowSighting& sighting : point.seen) {
+        out += (sighting.observation.in_cam0 ? 1 : 0) + (sighting.observation.in_cam1 ? 1 : 0);
+      }
+    }
+    return out;
+  };
+  WindowState state = seen.state;
+  state.points.front().seen.front().observation.uv_cam0.x() += 1e4;
+  drop_unreachable(seen.model, state);
+  EXPECT_EQ(pixels(state), pixels(seen.state) - 1);
+  EXPECT_FALSE(state.points.front().seen.front().observation.in_cam0);
+
+  Eigen::Matrix3d& R = state.frames.back().nav.T_world_body.R;
+  R = so3_exp(Eigen::Vector3d(0.0, 3.0, 0.0)) * R;  // a guess that is wrong altogether
+  const std::size_t before = pixels(state);
+  drop_unreachable(seen.model, state);
+  EXPECT_EQ(pixels(state), before);
 }
 
 /// A rig that is open in every frame takes all that it says.
