@@ -21,6 +21,7 @@ namespace {
 /// Misfit over the least of all solutions, of one that contradicts it.
 constexpr double kDisagrees = 3.0;
 constexpr double kLeastAtRest = 0.1;   // of the misfits that later ones are compared to
+constexpr double kFinePixels = 0.15;   // [px], rms: patches that fit better drift until they are as far off
 constexpr double kFitsAsWell = 1.1;    // of a rig that is trusted, which has fewer unknowns
 constexpr double kFitsTheSame = 1.05;  // where it gives the scale; 0.1 deg of vergence pass, 0.3 do not
 constexpr double kRefines = 0.9;       // of the scale's sigma, from one solution to the next
@@ -223,14 +224,16 @@ bool StartWindow::explain_by_step() {
 }
 
 /// Whatever pixels are worth, they are worth the same later on: a fault of the inputs makes the misfit grow.
-/// At rest points take on what lasts of a pixel's error, of which a motion shows more. No solution at all is
-/// none that agrees.
+/// At rest points take on what lasts of a pixel's error, of which a motion shows more; tracks of a second are
+/// finer than older ones. No solution at all is none that agrees.
 bool StartWindow::disagrees() {
   if (!solution) {
     return agreed.has_value();
   }
   const double misfit = normal.cost / expected_cost(model, *solution);
-  least_misfit = std::min(least_misfit, moves() ? misfit : std::max(misfit, kLeastAtRest));
+  const double fine = kFinePixels * kFinePixels / (model.options.sigma_px.squaredNorm() / 4.0);
+  const double least = moves() ? fine : std::max(fine, kLeastAtRest);
+  least_misfit = std::min(least_misfit, std::max(misfit, least));
   if (misfit <= kAgrees * least_misfit) {
     agreed = Agreed{frames.size(), *solution, normal, covariance};
   }
