@@ -21,7 +21,6 @@ namespace {
 /// Misfit over the least of all solutions, of one that contradicts it.
 constexpr double kDisagrees = 3.0;
 constexpr double kLeastAtRest = 0.1;   // of the misfits that later ones are compared to
-constexpr double kFinePixels = 0.15;   // [px], rms: patches that fit better drift until they are as far off
 constexpr double kFitsAsWell = 1.1;    // of a rig that is trusted, which has fewer unknowns
 constexpr double kFitsTheSame = 1.05;  // where it gives the scale; 0.1 deg of vergence pass, 0.3 do not
 constexpr double kRefines = 0.9;       // of the scale's sigma, from one solution to the next
@@ -231,7 +230,7 @@ bool StartWindow::disagrees() {
     return agreed.has_value();
   }
   const double misfit = normal.cost / expected_cost(model, *solution);
-  const double fine = kFinePixels * kFinePixels / (model.options.sigma_px.squaredNorm() / 4.0);
+  const double fine = fine_pixels(model) * fine_pixels(model);
   const double least = moves() ? fine : std::max(fine, kLeastAtRest);
   least_misfit = std::min(least_misfit, std::max(misfit, least));
   if (misfit <= kAgrees * least_misfit) {

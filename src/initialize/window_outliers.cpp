@@ -17,7 +17,8 @@ namespace {
 constexpr double kGross = 6.0;
 constexpr double kMedianOfNorm = 1.1774;  // of a two-dimensional Gaussian of unit variance
 constexpr double kNotProjected = 1e9;
-constexpr double kFewBeyond = 0.1;  // of all pixels
+constexpr double kFinePixels = 0.15;  // [px]
+constexpr double kFewBeyond = 0.1;    // of all pixels
 // Inverse depths times the baseline: nearer than it, or that far behind the camera, is no point.
 constexpr double kNearestPoint = 1.0, kFarBehind = -0.1;
 /// Baselines to the usual point, at least: a map whose scale nothing tells may have shrunk to any size.
@@ -83,6 +84,10 @@ double median_inverse_depth(const WindowState& state) {
   return upper_median(std::move(rho));
 }
 
+double fine_pixels(const WindowModel& model) {
+  return kFinePixels / std::sqrt(model.options.sigma_px.squaredNorm() / 4.0);
+}
+
 void drop_unreachable(const WindowModel& model, WindowState& state) {
   const Camera& camera = model.calibration.cam0;
   const double limit = std::hypot(camera.width, camera.height) / model.options.sigma_px.minCoeff();
@@ -106,7 +111,8 @@ std::size_t drop_mismatches(const WindowModel& model, WindowState& state) {
   for (const View& view : all) {
     norms.push_back(view.norm);
   }
-  const double limit = kGross * std::max(upper_median(norms) / kMedianOfNorm, 1.0);
+  const double least = model.options.learn_pixel_noise ? std::min(fine_pixels(model), 1.0) : 1.0;
+  const double limit = kGross * std::max(upper_median(norms) / kMedianOfNorm, least);
   std::size_t dropped = 0;
   for (const View& view : all) {
     if (view.norm > limit) {

@@ -128,6 +128,10 @@ struct MotionResidual {
 /// Of all points [1/m], 0 without any.
 [[nodiscard]] double median_inverse_depth(const WindowState& state);
 
+/// What any pixels come to err by, in standard deviations of those that are assumed: 0.15 px, rms. Patches
+/// that fit better at first drift.
+[[nodiscard]] double fine_pixels(const WindowModel& model);
+
 /// @brief Takes out of a solution the pixels that are mismatched: the robust loss bounds what each pulls, but
 /// they still pull, and count as information. Points of which nothing is left go, and those that can be none.
 /// @return how many pixels and points
