@@ -8,23 +8,21 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 target=${1:-all}
 
-all_but_filter=()
-switch() {  # <ON or OFF>
-  all_but_filter=()
-  for option in BUILD_DATASETS BUILD_SMOOTH BUILD_FRONTEND BUILD_TESTS BUILD_EXAMPLES BUILD_BENCHMARKS WITH_REPORT; do
-    all_but_filter+=("-DLIMBER_$option=$1")
+configure() {  # <ON or OFF: all but the filter>
+  local options=()
+  for part in BUILD_DATASETS BUILD_SMOOTH BUILD_FRONTEND BUILD_TESTS BUILD_EXAMPLES BUILD_BENCHMARKS WITH_REPORT; do
+    options+=("-DLIMBER_$part=$1")
   done
+  cmake --preset release "${options[@]}" >/dev/null
 }
 
 if ! scripts/install_dependencies.sh --check; then
   scripts/install_dependencies.sh --filter
   scripts/install_dependencies.sh &
   installing=$!
-  switch OFF
-  cmake --preset release "${all_but_filter[@]}" >/dev/null
+  configure OFF
   cmake --build --preset release --target limber_filter
   wait "$installing"
-  switch ON
 fi
-cmake --preset release "${all_but_filter[@]}" >/dev/null
+configure ON
 cmake --build --preset release --target "$target"
