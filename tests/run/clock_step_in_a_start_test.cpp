@@ -8,7 +8,6 @@
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/initialize/online_navigator.hpp"
 #include "limber/run/run_recording.hpp"
-#include "limber/simulate/scenario_presets.hpp"
 #include "shipped_scenario.hpp"
 
 namespace limber {
@@ -18,8 +17,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 Recording drone(std::int64_t offset_ns) {
-  Scenario scenario = testing::shipped("drone_none", 16.0, PixelPreset::kRealistic);
-  Recording recording = simulate(scenario, 45);
+  Recording recording = testing::realistic("drone_none", 16.0, 45);
   const std::int64_t at_ns = recording.frames.front().t_ns + 2'000'000'000;
   std::vector<ImuSample> imu;
   for (ImuSample sample : recording.imu) {

@@ -12,8 +12,6 @@
 #include "limber/measure/rig.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/sensors/camera.hpp"
-#include "limber/simulate/scenario_presets.hpp"
-#include "limber/simulate/simulator.hpp"
 #include "shipped_scenario.hpp"
 
 namespace limber {
@@ -25,9 +23,7 @@ using ::testing::Field;
 
 constexpr std::int64_t kFirstId = 10'000'000;
 
-Recording drone(std::uint64_t seed) {
-  return simulate(testing::shipped("drone_none", 12.0, PixelPreset::kRealistic), seed);
-}
+Recording drone(std::uint64_t seed) { return testing::realistic("drone_none", 12.0, seed); }
 
 /// Where the body is beside the camera: it comes near and goes, by some tenths of a metre a second.
 Vector3d place_of_body(double seconds) {

@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "limber/run/smooth_recording.hpp"
-#include "limber/simulate/scenario_presets.hpp"
-#include "limber/simulate/simulator.hpp"
 #include "shipped_scenario.hpp"
 
 namespace limber {
@@ -14,8 +12,7 @@ TEST(SmoothedRig, IsAsSureAsItsErrorsOnRealisticPixels) {
   double squares = 0.0;
   constexpr int kRuns = 2;
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
-    Scenario scenario = testing::shipped("drone_none", 8.0, PixelPreset::kRealistic);
-    const Recording recording = simulate(scenario, seed);
+    const Recording recording = testing::realistic("drone_none", 8.0, seed);
     SmoothOptions options;
     options.rig = RigModel::kConstant;
     options.guess = Method::kLcekf;
