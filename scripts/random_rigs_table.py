@@ -6,10 +6,11 @@
 
 A seed draws baseline, lenses, rates, mount, IMU, flight, points and, of nearly half of the rigs, how they bend. --faults adds
 mismatches, missing pixels, frames and samples, and to half of the recordings a fault of the IMU or of the images; --images
-renders them. Cells: SE(3) ATE [m] (ANEES) verdict, and the exit code if it is not 0. The last lines count.
+renders them, --motion leaves the IMU out. Cells: SE(3) ATE [m] (ANEES) verdict, and the exit code if it is not 0. The last lines count.
 """
 import argparse
 import collections
+import contextlib
 import json
 import math
 import random
@@ -18,6 +19,7 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+OF_IMAGES = ["right_late", "frame_gap", "frames_repeated"]
 AXES = [0, 0, 1, -1, 0, 0, 0, -1, 0]  # of a camera that looks along x of the body, row by row
 
 
@@ -126,6 +128,24 @@ def scenario(rng, images, faults):
     return out, kind, name
 
 
+def without_imu(out, motion, rng):
+    """The same with odometry, or with nothing but points."""
+    out["use_imu"] = False
+    out["rates"].pop("imu")
+    flown = out["trajectory"]
+    flown["max_speed"] = min(flown["max_speed"], 3)
+    if "min_speed" in flown:
+        flown["min_speed"] = min(flown["min_speed"], flown["max_speed"] / 1.5)
+    if motion == "odometry":
+        out["odometry"] = {"rate": rng.choice([20, 50]), "velocity": between(rng, 0.01, 0.1),
+                           "angular_rate": between(rng, 0.005, 0.05)}
+    out.get("dropout", {}).pop("imu_samples", None)
+    of_images = [f for f in out.get("faults", []) if f["kind"] in OF_IMAGES]
+    out.pop("faults", None)
+    if of_images:
+        out["faults"] = of_images
+
+
 def switches(rng):
     """Of pictures."""
     out = ["--images", "--scene", rng.choice(["room", "hall", "street"]), "--image-noise", f"{rng.uniform(0, 4):.1f}",
@@ -138,13 +158,21 @@ def switches(rng):
 def run_seed(arguments, seed):
     rng = random.Random(seed)
     drawn, kind, name = scenario(rng, arguments.images, arguments.faults)
+    if arguments.motion != "imu":
+        without_imu(drawn, arguments.motion, rng)
     cells = {}
-    with tempfile.TemporaryDirectory() as folder:
-        folder = Path(folder)
+    with contextlib.ExitStack() as stack:
+        if arguments.keep:
+            folder = arguments.keep / str(seed)
+            folder.mkdir(parents=True)
+        else:
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         (folder / f"seed_{seed}.yaml").write_text(json.dumps(drawn))
         of_images = switches(rng) if arguments.images else []
-        subprocess.run([arguments.limber, "simulate", folder / f"seed_{seed}.yaml", "--seed", str(seed), "--out", folder / "log",
-                        *of_images], check=True, capture_output=True)
+        made = subprocess.run([arguments.limber, "simulate", folder / f"seed_{seed}.yaml", "--seed", str(seed), "--out",
+                               folder / "log", *of_images], capture_output=True, text=True)
+        if made.returncode:  # no room for moving objects, say
+            return seed, kind, made.stderr.strip(), cells
         for method in arguments.methods:
             done = subprocess.run([arguments.limber, "run", folder / "log", "--method", method, "--out", folder / method],
                                   capture_output=True)
@@ -166,8 +194,10 @@ def main():
     parser.add_argument("--seeds", type=int, nargs=2, default=[1, 20], metavar=("FIRST", "LAST"))
     parser.add_argument("--methods", type=lambda text: text.split(","), default=["ekf", "lcekf", "adaptive"])
     parser.add_argument("--faults", action="store_true")
+    parser.add_argument("--motion", choices=["imu", "odometry", "vision"], default="imu", help="what drives the prediction")
     parser.add_argument("--images", action="store_true")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--keep", type=Path, metavar="FOLDER", help="leave scenarios, recordings and results there, by seed")
     arguments = parser.parse_args()
     print("| seed | rig | " + " | ".join(f"`{method}`" for method in arguments.methods) + " |")
     print("| --- | --- |" + " --- |" * len(arguments.methods))
@@ -175,7 +205,8 @@ def main():
     with ThreadPoolExecutor(arguments.jobs) as pool:
         for seed, kind, name, cells in pool.map(lambda s: run_seed(arguments, s),
                                                 range(arguments.seeds[0], arguments.seeds[1] + 1)):
-            print(f"| {seed} | {name} | " + " | ".join(cell(*cells[method]) for method in arguments.methods) + " |", flush=True)
+            row = (cell(*cells[method]) if method in cells else "" for method in arguments.methods)
+            print(f"| {seed} | {name} | " + " | ".join(row) + " |", flush=True)
             for method, (_, summary) in cells.items():
                 verdicts[method, kind, summary and summary["health"]["verdict"]] += 1
                 if summary and (kind == "sound" or method != "ekf"):  # ekf is not made for rigs that bend

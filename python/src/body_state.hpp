@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "limber/state/estimate.hpp"
+#include "limber/state/state.hpp"
 
 namespace limber::python {
 
@@ -12,10 +12,5 @@ struct State {
   NavigationState nav;
   Eigen::MatrixXd covariance;
 };
-
-inline Eigen::MatrixXd body_covariance(const Estimate& estimate) {
-  const Eigen::Index size = estimate.layout().body_size();
-  return estimate.P().block(0, 0, size, size);
-}
 
 }  // namespace limber::python

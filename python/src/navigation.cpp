@@ -129,8 +129,8 @@ void bind_state_of(py::class_<Guarded<T>>& bound) {
           "estimate",
           [](Owner& self) {
             return self.with([](const T& navigator) {
-              const Estimate& estimate = navigator.estimate();
-              return State{estimate.nav(), body_covariance(estimate)};
+              const PredictedState now = navigator.predict(navigator.estimate().nav().t_ns);
+              return State{now.nav, now.body_covariance};
             });
           },
           "The body after the last frame, with its covariance.")

@@ -85,7 +85,12 @@ std::string pose_in_words(const RunRecord& record, const RunSummary& s) {
 std::string trust_in_words(const RunRecord& record, const RunSummary& s) {
   const std::string rest = "positions rest on the length of the baseline, which ";
   if (!s.scale_check) {
-    return rest + "nothing here shows beside it: they are wrong by as many per cent as it is";
+    const bool doubts_lenses = !has_scale(record.motion) && record.pixel_noise;
+    return rest + "nothing here shows beside it: they are wrong by as many per cent as it is" +
+           (doubts_lenses ? fmt::format("; sigmas count {:.2g} % (1σ) for what lenses may do, and a rig that "
+                                        "is right",
+                                        100.0 * record.pixel_noise->length_sigma)
+                          : "");
   }
   const auto from_start = [&](const TrajectoryRow& row) {
     return (row.T_world_body.p - record.trajectory.front().T_world_body.p).norm();

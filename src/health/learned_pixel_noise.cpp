@@ -34,6 +34,8 @@ constexpr double kLearningShare = 0.05, kBegin = 5.0;
 constexpr double kOwnShare = 0.02;
 constexpr double kLargestStep = 4.0;
 constexpr double kFewestRows = 20.0;
+/// Of a disparity over what lasts of u0: both cameras err, and half of the variance is common to all points.
+constexpr double kShared = 1.0;
 constexpr Index kTerms = 6;  // of a quadratic in two variables
 constexpr std::size_t kFewestForAFit = 4 * kTerms;
 constexpr double kFarOff = 3.0;         // of the errors' size: mismatched
@@ -111,10 +113,21 @@ VectorXd without_quadratic(const std::vector<StereoBearings>& points, const Vect
   return errors - A * pseudo_inverse(A, errors).x;
 }
 
-/// Each point's distance from its epipolar line, of the rig that explains the frame best and without what a
-/// quadratic over the image explains, in units of the frame's own size; without mismatches.
-std::map<std::int64_t, double> epipolar_errors(const StereoFrame& frame,
-                                               const StereoCalibration& calibration) {
+/// Between the directions in which the cameras see a point [rad].
+double parallax(const StereoBearings& pair, const Pose& rig) {
+  const Eigen::Vector3d turned = rig.R * pair.cam0;
+  return std::atan2(turned.cross(pair.cam1).norm(), turned.dot(pair.cam1));
+}
+
+/// What the pairs of a frame say.
+struct SeenPairs {
+  /// Each point's distance from its epipolar line, of the rig that explains the frame best and without what a
+  /// quadratic over the image explains, in units of the frame's own size; without mismatches.
+  std::map<std::int64_t, double> errors;
+  double parallaxes = 0.0, squared_parallaxes = 0.0;  // sums [px], [px^2]
+};
+
+SeenPairs seen_pairs(const StereoFrame& frame, const StereoCalibration& calibration) {
   std::vector<std::int64_t> ids;
   std::vector<StereoBearings> points;
   for (const StereoObservation& o : frame.observations) {
@@ -123,7 +136,7 @@ std::map<std::int64_t, double> epipolar_errors(const StereoFrame& frame,
       points.push_back(*pair);
     }
   }
-  std::map<std::int64_t, double> out;
+  SeenPairs out;
   if (points.size() < kFewestForAFit) {
     return out;
   }
@@ -133,7 +146,10 @@ std::map<std::int64_t, double> epipolar_errors(const StereoFrame& frame,
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const double error = rest(static_cast<Index>(k));
     if (size > 0.0 && std::abs(error) <= kFarOff * size) {
-      out[ids[k]] = error / size;
+      out.errors[ids[k]] = error / size;
+      const double pixels = calibration.cam1.fu * parallax(points[k], rig);
+      out.parallaxes += pixels;
+      out.squared_parallaxes += pixels * pixels;
     }
   }
   return out;
@@ -148,8 +164,10 @@ LearnedPixelNoise::LearnedPixelNoise(const PixelNoise& begin, const StereoCalibr
       squares_(kPriorPairs) {}
 
 void LearnedPixelNoise::see(const StereoFrame& frame) {
-  std::map<std::int64_t, double> now = epipolar_errors(frame, calibration_);
-  for (const auto& [id, error] : now) {
+  SeenPairs now = seen_pairs(frame, calibration_);
+  parallaxes_ += now.parallaxes;
+  squared_parallaxes_ += now.squared_parallaxes;
+  for (const auto& [id, error] : now.errors) {
     ++seen_;
     if (const auto known = before_.find(id); known == before_.end()) {
       ++tracks_;
@@ -158,7 +176,7 @@ void LearnedPixelNoise::see(const StereoFrame& frame) {
       squares_ += 0.5 * (error * error + known->second * known->second);
     }
   }
-  before_ = std::move(now);
+  before_ = std::move(now.errors);
 }
 
 double LearnedPixelNoise::correlation() const { return std::clamp(products_ / squares_, 0.0, 1.0); }
@@ -170,7 +188,18 @@ double LearnedPixelNoise::persistence() const {
   return 1.0 - lasting + lasting * (1.0 + alike) / (1.0 - alike);
 }
 
-PixelNoiseReport LearnedPixelNoise::report() const { return {root_mean_square(sigma_px()), correlation()}; }
+double LearnedPixelNoise::length_sigma() const {
+  if (!(squared_parallaxes_ > 0.0)) {
+    return 0.0;
+  }
+  const double lasting =
+      root_mean_square(sigma_px()) * std::sqrt(std::min(correlation() / kLasting, 1.0) / persistence());
+  return kShared * lasting * parallaxes_ / squared_parallaxes_;
+}
+
+PixelNoiseReport LearnedPixelNoise::report() const {
+  return {root_mean_square(sigma_px()), correlation(), length_sigma()};
+}
 
 void LearnedPixelNoise::learn(double nis, double dof) {
   if (dof < kFewestRows || !(nis >= 0.0)) {

@@ -29,6 +29,7 @@ constexpr double kMisled = 0.5;
 /// Points of which that much noise [px] is learned contradict each other (things that move, mismatches). Who
 /// then believes the inputs less follows the wrong ones.
 constexpr double kPointsQuarrel = 2.5;
+constexpr double kContested = 0.15;  // of the points: so many are on another body, say
 
 /// A speed tells a scale where it is that many of its sigmas: to 5 %, as a start asks for.
 constexpr double kCertainMotion = 20.0;
@@ -96,8 +97,10 @@ void StereoFilter::learn_noise(const ParameterErrorModel& model, const UpdateRep
   if (pixel_noise_) {
     pixel_noise_->learn(scatter * rest.dof, rest.dof);
   }
-  const bool quarrels = report.gate_overruled || report.most_move || report.led_astray ||
-                        (pixel_noise_ && pixel_noise_->report().sigma_px > kPointsQuarrel);
+  const bool quarrels =
+      report.gate_overruled || report.most_move || report.led_astray ||
+      static_cast<double>(report.refused.size()) > kContested * static_cast<double>(report.observed) ||
+      (pixel_noise_ && pixel_noise_->report().sigma_px > kPointsQuarrel);
   const bool learns = imu_noise_ && options_.method != Method::kAdaptive;  // it is told: share_imu_noise
   if (learns && !quarrels && !input_alarm_.active(correction.t_ns) && report.inputs.gap_s <= kLongGap) {
     imu_noise_->learn(counted, is_blind_to_rig() || detail::estimates_theta(options_));

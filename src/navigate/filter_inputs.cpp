@@ -16,6 +16,7 @@ namespace limber {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 using namespace detail;
 
 namespace {
@@ -107,12 +108,25 @@ void StereoFilter::predict_to(std::int64_t t_ns) {
   walk_parameters(dt);
 }
 
+/// What lenses do to lengths that nothing but the baseline tells: all grow by a share, which no update shows.
+PredictedState StereoFilter::with_doubtful_lengths(PredictedState state) const {
+  if (!pixel_noise_ || has_scale(options_.motion) || options_.method == Method::kMonoLeft) {
+    return state;
+  }
+  VectorXd growth = VectorXd::Zero(state.body_covariance.rows());
+  growth.segment<3>(StateLayout::kPosition) = state.nav.T_world_body.p - estimate_.centre_of_growth();
+  growth.segment<3>(StateLayout::kVelocity) = state.nav.v_world_body;
+  growth *= pixel_noise_->report().length_sigma;
+  state.body_covariance += growth * growth.transpose();
+  return state;
+}
+
 PredictedState StereoFilter::predict(std::int64_t t_ns) const {
   const StateLayout& layout = estimate_.layout();
   const Index k = layout.body_size();
   const MatrixXd P = estimate_.P().block(0, 0, k, k);
   if (t_ns <= estimate_.nav().t_ns) {
-    return {estimate_.nav(), P};
+    return with_doubtful_lengths({estimate_.nav(), P});
   }
   const Propagation to = propagated(t_ns);
   PredictedState out{to.nav, to.whole.Phi * P * to.whole.Phi.transpose() + to.whole.Q};
@@ -124,7 +138,7 @@ PredictedState StereoFilter::predict(std::int64_t t_ns) const {
     out.body_covariance.topRows<3>() += with_body.transpose();
     out.body_covariance.topLeftCorner<3, 3>() += estimate_.P().block(at, at, 1, 1)(0) * way * way.transpose();
   }
-  return out;
+  return with_doubtful_lengths(std::move(out));
 }
 
 /// What the prediction from the state to t_ns will rest on.

@@ -82,9 +82,11 @@ std::size_t first_frame(const Recording& recording, const RunOptions& options, M
 TrajectoryRow row_of(const Navigator& navigator) {
   const Estimate& estimate = navigator.estimate();
   constexpr Eigen::Index kPose = StateLayout::kPoseSize;
-  const Eigen::Index rest = estimate.layout().body_size() - kPose;
-  return trajectory_row(estimate.nav(), estimate.layout().motion, estimate.P().diagonal_block<kPose>(0),
-                        estimate.P().block(kPose, kPose, rest, rest));
+  const PredictedState body = navigator.predict(estimate.nav().t_ns);
+  const Eigen::Index rest = body.body_covariance.rows() - kPose;
+  return trajectory_row(body.nav, estimate.layout().motion,
+                        body.body_covariance.topLeftCorner<kPose, kPose>(),
+                        body.body_covariance.bottomRightCorner(rest, rest));
 }
 
 void keep_calibration(const Navigator& navigator, RunRecord& record) {
@@ -283,10 +285,18 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   const RunSetup setup = set_up_run(recording, options);
   const MotionModel motion = setup.navigator.motion;
   FrameCleaner cleaner(setup.calibration, options.cleaning);
-  const FrameSource frames = [&](std::size_t n) { return cleaner.clean(source(n)); };
+  const bool asks_for_scale =
+      options.watch && motion == MotionModel::kImu && trusts_length(options, motion, setup.calibration.theta);
+  RunRecord record;
+  const FrameSource frames = [&](std::size_t n) {
+    StereoFrame frame = cleaner.clean(source(n));
+    if (asks_for_scale) {
+      keep(frame, record.last_frames);
+    }
+    return frame;
+  };
   const std::size_t first = first_frame(recording, options, motion);
   const bool from_truth = options.start == StartMode::kGroundTruth;
-  RunRecord record;
   SensorWindow window;
   if (from_truth) {
     record.start = detail::start_from_truth(recording, options, setup, frame_time(recording, first));
@@ -330,8 +340,6 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   }
   detail::PointCount points = window.points;
   InputFeed feed(recording, window.result.clock_step);
-  const bool asks_for_scale =
-      options.watch && motion == MotionModel::kImu && trusts_length(options, motion, record.theta_assumed);
   for (std::size_t n = first + record.frames.size(); n < frame_count(recording); ++n) {
     if (record.stopped || (callbacks.stop && callbacks.stop())) {
       record.stopped = true;
@@ -371,9 +379,6 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
       record.frames.back().calibration = navigator.calibration_report();
     }
     smoother.add(frame);
-    if (asks_for_scale) {
-      keep(frame, record.last_frames);
-    }
     done(record.frames.size() - 1, &frame);
   }
   write_states(smoother.states(), record);

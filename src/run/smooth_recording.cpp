@@ -98,9 +98,9 @@ FrameReport frame_report(const SmoothedFrame& frame, double dof_per_row) {
   return out;
 }
 
-/// @param odometry_scale  NavigatorOptions::odometry_scale, zero where something else drives the motion
+/// @param length_sigma  by what share all lengths may be wrong, 1σ
 RunRecord to_record(const SmootherResult& result, const StereoCalibration& given,
-                    const SmootherOptions& options, double odometry_scale) {
+                    const SmootherOptions& options, double length_sigma) {
   RunRecord out;
   out.motion = options.motion;
   double rows = 0.0, squares = 0.0;
@@ -114,8 +114,8 @@ RunRecord to_record(const SmootherResult& result, const StereoCalibration& given
   const Eigen::Vector3d first = result.frames.front().nav.T_world_body.p;
   for (const SmoothedFrame& frame : result.frames) {
     out.trajectory.push_back(row_of(frame, options.motion));
-    if (out.trajectory.back().covariance) {  // lengths are known no better than odometry's scale
-      const Eigen::Vector3d by_scale = odometry_scale * (frame.nav.T_world_body.p - first);
+    if (out.trajectory.back().covariance) {  // which no frame tells
+      const Eigen::Vector3d by_scale = length_sigma * (frame.nav.T_world_body.p - first);
       out.trajectory.back().covariance->topLeftCorner<3, 3>() += by_scale * by_scale.transpose();
     }
     out.frames.push_back(frame_report(frame, dof_per_row));
@@ -285,6 +285,9 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
     notes.push_back(
         fmt::format("pixel noise learned by the filter of the first guess: {:.2g} px", learned->sigma_px));
   }
+  const double length_sigma = has_scale(how.motion) || !guess.record.pixel_noise
+                                  ? setup.navigator.odometry_scale
+                                  : guess.record.pixel_noise->length_sigma;
   detail::take_imu_noise(guess.record.imu_noise, how, notes);
   const std::vector<StereoFrame> frames = kept.from(guess.record.trajectory.front().t_ns);
   SmootherResult result = solve(recording, frames, guess, options, how, setup.calibration, told);
@@ -292,7 +295,7 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
     throw std::runtime_error(fmt::format("smooth: no solution after {} iterations", result.iterations));
   }
   count_cells(setup.calibration, result);
-  RunRecord record = to_record(result, setup.calibration, how, setup.navigator.odometry_scale);
+  RunRecord record = to_record(result, setup.calibration, how, length_sigma);
   record.recording_partial = recording.partial;
   record.frames_of_recording = frame_count(recording);
   notes.push_back(fmt::format("smoothed over {}, theta {}: {} iterations", frames_at_once(frames, options),

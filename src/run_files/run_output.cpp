@@ -101,7 +101,9 @@ Json to_json(const StartReport& report) {
 }
 
 Json to_json(const PixelNoiseReport& report) {
-  return {{"sigma_px", report.sigma_px}, {"correlation", report.correlation}};
+  return {{"sigma_px", report.sigma_px},
+          {"correlation", report.correlation},
+          {"length_sigma", report.length_sigma}};
 }
 
 Json to_json(const ImuNoiseFactors& factors) { return {{"gyro", factors.gyro}, {"accel", factors.accel}}; }

@@ -2,6 +2,7 @@
 #include "limber/update/gate.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -29,6 +30,8 @@ constexpr double kWidestOffset = 10.0;
 
 /// Groups that agree with the prediction are no chance, and carry the state.
 constexpr std::size_t kEnoughAgree = 5;
+
+constexpr double kRankCut = 1e-9;  // of the largest singular value
 
 constexpr Index kPose = 6;  // rows of the state: it comes first
 
@@ -225,13 +228,23 @@ bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, std::size_t mo
   return true;
 }
 
+/// The directions of a column space, each of a pixel's noise a row: how well a pose is known makes none weak.
+MatrixXd pixels_in_each_direction(const MatrixXd& columns) {
+  const RightSingular svd = right_singular(householder_qr(columns).R());
+  const Index rank = (svd.values.array() > kRankCut * svd.values.maxCoeff()).count();
+  const VectorXd scale =
+      std::sqrt(static_cast<double>(columns.rows())) * svd.values.head(rank).cwiseInverse();
+  return multiply(columns, svd.V.leftCols(rank)) * scale.asDiagonal();
+}
+
 /// What is judged, where the pose may be off by anything.
 Judged with_free_pose(const Judged& judged, const Innovation& innovation) {
   Judged out = judged;
   const Index pose = std::min<Index>(kPose, innovation.PHt.rows()), m = judged.S.rows();
-  out.DC.conservativeResize(Eigen::NoChange, judged.DC.cols() + pose);
-  out.DC.rightCols(pose).setZero();
-  out.DC.topRightCorner(m, pose) = innovation.PHt.topRows(pose).transpose();
+  const MatrixXd by_pose = pixels_in_each_direction(innovation.PHt.topRows(pose).transpose());
+  out.DC.conservativeResize(Eigen::NoChange, judged.DC.cols() + by_pose.cols());
+  out.DC.rightCols(by_pose.cols()).setZero();
+  out.DC.topRightCorner(m, by_pose.cols()) = by_pose;
   return out;
 }
 
@@ -311,6 +324,13 @@ GateReport gate_robustly(const Judged& judged, const GateReport& flagged, std::s
   if (stands && leaves_enough(judge, rest.groups, most, inner)) {
     GateReport minority = with_inner(flagged, inner);
     if (stands(minority)) {
+      return minority;
+    }
+  }
+  if (stands) {  // what most agree upon, and those flagged do not, may be the other body
+    Judge of_all(judged, thresholds);
+    GateReport minority = nothing_refused(judged.groups.size());
+    if (leaves_enough(of_all, judged.groups, 0, minority) && stands(minority)) {
       return minority;
     }
   }

@@ -77,6 +77,11 @@ TEST(RunAnswer, SaysWhatPositionsRestOnWhereTheLengthOfTheBaselineIsTrusted) {
       said.answer().sentences.back(),
       "positions rest on the length of the baseline, which nothing here shows beside it: they are wrong "
       "by as many per cent as it is");
+  said.record.motion = MotionModel::kConstantVelocity;
+  said.record.pixel_noise = PixelNoiseReport{1.0, 0.9, 0.014};
+  EXPECT_THAT(said.answer().sentences.back(),
+              HasSubstr("as many per cent as it is; sigmas count 1.4 % (1σ) for what lenses may do"));
+  said.record.motion = MotionModel::kImu;
   said.summary.scale_check = ScaleCheck{0, 0, {0.003, 0.012}};
   EXPECT_EQ(said.answer().sentences.back(),
             "positions rest on the length of the baseline, which the IMU shows to 1.2 % (1σ): 0.24 m at 20 m "

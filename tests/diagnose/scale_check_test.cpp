@@ -89,6 +89,7 @@ TEST(ScaleCheck, IsOfMethodsThatTakeTheLengthForExact) {
   const JudgedRun trusting = run_judged(recording, Method::kEkf);
   EXPECT_TRUE(trusting.summary.rests_on_length);
   ASSERT_TRUE(trusting.summary.scale_check);
+  EXPECT_EQ(trusting.summary.scale_check->from_ns, recording.frames.front().t_ns);  // of the start, too
   EXPECT_EQ(trusting.summary.scale_check->to_ns, recording.frames.back().t_ns);
 }
 

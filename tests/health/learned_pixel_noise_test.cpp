@@ -89,6 +89,25 @@ TEST(LearnedPixelNoise, AssumesMoreWhereErrorsLast) {
   EXPECT_LT(lasting.report().sigma_px, 1.2);
 }
 
+TEST(LearnedPixelNoise, DoubtsLengthsByWhatLastsOverParallaxesHoweverManyFramesThereAre) {
+  const auto doubt = [](double per_track_px, double seconds) {
+    WorldOptions options;
+    options.white_px = 0.1;
+    options.per_track_px = per_track_px;
+    options.seconds = seconds;
+    LearnedPixelNoise noise = after_seeing(fly_past(options));
+    learn_white(noise, 0.1 + 0.5 * per_track_px, 300);
+    return noise.report().length_sigma;
+  };
+  EXPECT_EQ(LearnedPixelNoise(PixelNoise::Constant(1.0), testing::world_calibration()).report().length_sigma,
+            0.0);
+  const double of_lasting = doubt(0.4, 10.0);
+  EXPECT_GT(of_lasting, 0.004);
+  EXPECT_LT(of_lasting, 0.04);
+  EXPECT_LT(doubt(0.0, 10.0), 0.2 * of_lasting);
+  EXPECT_NEAR(doubt(0.4, 40.0) / of_lasting, 1.0, 0.1);
+}
+
 TEST(LearnedPixelNoise, WhatLastsWeighsAsLongAsPointsAreSeen) {
   WorldOptions options;
   options.white_px = 0.1;

@@ -14,6 +14,10 @@ namespace limber {
 struct PixelNoiseReport {
   double sigma_px = 0.0;     ///< assumed, of white noise that would be as bad
   double correlation = 0.0;  ///< of a point's errors in two frames that follow each other, 0 to 1
+  /// By what share lengths may be wrong that rest on the baseline alone, 1σ: half of the variance of what
+  /// lasts is taken for common to all points (lenses), over their parallaxes. More frames do not average it
+  /// out.
+  double length_sigma = 0.0;
 };
 
 /// @brief The pixel noise that a filter has to assume where nobody stated it.
@@ -44,14 +48,16 @@ class LearnedPixelNoise {
 
  private:
   [[nodiscard]] double correlation() const;
+  [[nodiscard]] double length_sigma() const;
 
   PixelNoise begin_;
   StereoCalibration calibration_;
   double share_ = 1.0;  // of begin_
   double updates_ = 0.0;
   double products_, squares_;
-  double seen_ = 0.0, tracks_ = 0.0;       // stereo points of all frames, and how many of them were new
-  std::map<std::int64_t, double> before_;  // each track's error in the last frame, in its rms
+  double seen_ = 0.0, tracks_ = 0.0;  // stereo points of all frames, and how many of them were new
+  double parallaxes_ = 0.0, squared_parallaxes_ = 0.0;  // their sums [px], [px^2]
+  std::map<std::int64_t, double> before_;               // each track's error in the last frame, in its rms
 };
 
 }  // namespace limber

@@ -210,6 +210,7 @@ class StereoFilter {
   void renew_mount(double dt);
   void walk_parameters(double dt);
   void notice_motion();
+  [[nodiscard]] PredictedState with_doubtful_lengths(PredictedState state) const;
   /// Of the map's scale as it is, where what tells it is noise, or of odometry's speeds: what pixels say of
   /// them are errors of lenses and of linearising. Else nothing.
   [[nodiscard]] std::optional<Estimate::Considered> scale_to_hold() const;

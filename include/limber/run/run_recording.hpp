@@ -97,8 +97,9 @@ struct RunRecord {
   MotionModel motion = MotionModel::kImu;
   InitialState start;                       ///< what the filter was told of its first state
   std::optional<StartReport> sensor_start;  ///< StartMode::kAuto: what was known by then, and when that was
-  /// Frames of the last 30 s, as the navigator saw them, where the method takes the length of the baseline
-  /// for exact (trusts_length) although an IMU knows a metre: enough to ask what that shows alone.
+  /// Frames of the last 30 s, of those of the start as well, as the navigator saw them, where the method
+  /// takes the length of the baseline for exact (trusts_length) although an IMU knows a metre: enough to ask
+  /// what that shows alone.
   std::deque<StereoFrame> last_frames;
   /// What was learned of the pixels by the last frame; nothing where their noise was stated.
   std::optional<PixelNoiseReport> pixel_noise;

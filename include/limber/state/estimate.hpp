@@ -96,6 +96,8 @@ class Estimate {
 
   /// Where lengths grow about, a position in the world [m]: its origin until this is called.
   void set_centre_of_growth(const Eigen::Vector3d& centre) { centre_of_growth_ = centre; }
+  /// The same, read [m].
+  [[nodiscard]] const Eigen::Vector3d& centre_of_growth() const { return centre_of_growth_; }
 
   /// @brief Takes the map's scale anew from the landmarks that are active: the mean error of their log
   /// depths, those that are known best before others; nil without landmarks. Nothing without has_map_scale.
