@@ -36,7 +36,8 @@ constexpr double kLargestStep = 4.0;
 constexpr double kFewestRows = 20.0;
 /// Of a disparity over what lasts of u0: both cameras err, and half of the variance is common to all points.
 constexpr double kShared = 1.0;
-constexpr Index kTerms = 6;  // of a quadratic in two variables
+constexpr double kSteady = 0.2;  // of a parallax, from frame to frame
+constexpr Index kTerms = 6;      // of a quadratic in two variables
 constexpr std::size_t kFewestForAFit = 4 * kTerms;
 constexpr double kFarOff = 3.0;         // of the errors' size: mismatched
 constexpr int kFits = 4;                // of the rig to a frame: 10 degrees are settled after three
@@ -119,15 +120,12 @@ double parallax(const StereoBearings& pair, const Pose& rig) {
   return std::atan2(turned.cross(pair.cam1).norm(), turned.dot(pair.cam1));
 }
 
-/// What the pairs of a frame say.
-struct SeenPairs {
-  /// Each point's distance from its epipolar line, of the rig that explains the frame best and without what a
-  /// quadratic over the image explains, in units of the frame's own size; without mismatches.
-  std::map<std::int64_t, double> errors;
-  double parallaxes = 0.0, squared_parallaxes = 0.0;  // sums [px], [px^2]
-};
+}  // namespace
 
-SeenPairs seen_pairs(const StereoFrame& frame, const StereoCalibration& calibration) {
+/// Each point's distance from its epipolar line, of the rig that explains the frame best and without what a
+/// quadratic over the image explains, in units of the frame's own size; without mismatches.
+std::map<std::int64_t, LearnedPixelNoise::SeenPair> LearnedPixelNoise::seen_pairs(
+    const StereoFrame& frame, const StereoCalibration& calibration) {
   std::vector<std::int64_t> ids;
   std::vector<StereoBearings> points;
   for (const StereoObservation& o : frame.observations) {
@@ -136,7 +134,7 @@ SeenPairs seen_pairs(const StereoFrame& frame, const StereoCalibration& calibrat
       points.push_back(*pair);
     }
   }
-  SeenPairs out;
+  std::map<std::int64_t, SeenPair> out;
   if (points.size() < kFewestForAFit) {
     return out;
   }
@@ -146,16 +144,11 @@ SeenPairs seen_pairs(const StereoFrame& frame, const StereoCalibration& calibrat
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const double error = rest(static_cast<Index>(k));
     if (size > 0.0 && std::abs(error) <= kFarOff * size) {
-      out.errors[ids[k]] = error / size;
-      const double pixels = calibration.cam1.fu * parallax(points[k], rig);
-      out.parallaxes += pixels;
-      out.squared_parallaxes += pixels * pixels;
+      out[ids[k]] = {error / size, calibration.cam1.fu * parallax(points[k], rig)};
     }
   }
   return out;
 }
-
-}  // namespace
 
 LearnedPixelNoise::LearnedPixelNoise(const PixelNoise& begin, const StereoCalibration& calibration)
     : begin_(begin),
@@ -164,19 +157,23 @@ LearnedPixelNoise::LearnedPixelNoise(const PixelNoise& begin, const StereoCalibr
       squares_(kPriorPairs) {}
 
 void LearnedPixelNoise::see(const StereoFrame& frame) {
-  SeenPairs now = seen_pairs(frame, calibration_);
-  parallaxes_ += now.parallaxes;
-  squared_parallaxes_ += now.squared_parallaxes;
-  for (const auto& [id, error] : now.errors) {
+  std::map<std::int64_t, SeenPair> now = seen_pairs(frame, calibration_);
+  for (const auto& [id, pair] : now) {
     ++seen_;
     if (const auto known = before_.find(id); known == before_.end()) {
       ++tracks_;
     } else {
-      products_ += error * known->second;
-      squares_ += 0.5 * (error * error + known->second * known->second);
+      const SeenPair& before = known->second;
+      products_ += pair.error * before.error;
+      squares_ += 0.5 * (pair.error * pair.error + before.error * before.error);
+      if (std::abs(pair.parallax - before.parallax) <
+          kSteady * pair.parallax) {  // no mismatch along the line
+        parallaxes_ += pair.parallax;
+        squared_parallaxes_ += pair.parallax * pair.parallax;
+      }
     }
   }
-  before_ = std::move(now.errors);
+  before_ = std::move(now);
 }
 
 double LearnedPixelNoise::correlation() const { return std::clamp(products_ / squares_, 0.0, 1.0); }

@@ -47,6 +47,12 @@ class LearnedPixelNoise {
   [[nodiscard]] double persistence() const;
 
  private:
+  struct SeenPair {
+    double error = 0.0;     // off its epipolar line, in rms of the frame
+    double parallax = 0.0;  // [px]
+  };
+  [[nodiscard]] static std::map<std::int64_t, SeenPair> seen_pairs(const StereoFrame& frame,
+                                                                   const StereoCalibration& calibration);
   [[nodiscard]] double correlation() const;
   [[nodiscard]] double length_sigma() const;
 
@@ -57,7 +63,7 @@ class LearnedPixelNoise {
   double products_, squares_;
   double seen_ = 0.0, tracks_ = 0.0;  // stereo points of all frames, and how many of them were new
   double parallaxes_ = 0.0, squared_parallaxes_ = 0.0;  // their sums [px], [px^2]
-  std::map<std::int64_t, double> before_;               // each track's error in the last frame, in its rms
+  std::map<std::int64_t, SeenPair> before_;             // by track, of the last frame
 };
 
 }  // namespace limber
