@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "output_folder.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -29,6 +30,27 @@ std::uint64_t hash_of(std::string_view text) {
   return hash;
 }
 
+/// What of a path is there already: itself, or the folder that would hold the rest.
+fs::path existing_part(const fs::path& path) {
+  fs::path out = (fs::absolute(path) / "").parent_path();
+  while (!fs::exists(fs::symlink_status(out))) {
+    out = out.parent_path();
+  }
+  return out;
+}
+
+/// Writes a file without a name, of which nothing stays however the program ends. @return false where that
+/// fails, or no such files exist
+bool takes_nameless_file(const fs::path& folder) {
+  const int descriptor = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+  if (descriptor < 0) {
+    return false;
+  }
+  const bool written = write(descriptor, " ", 1) == 1;
+  close(descriptor);
+  return written;
+}
+
 }  // namespace
 
 void require_writable_folder(const fs::path& path) {
@@ -36,7 +58,10 @@ void require_writable_folder(const fs::path& path) {
     throw DataError(path.string(), 0, "a folder that can be made and written", found);
   };
   try {
-    const FolderUnlessEmpty folder(path);
+    if (takes_nameless_file(existing_part(path))) {
+      return;
+    }
+    const FolderUnlessEmpty folder(path);  // by its name, and what is wrong is said
     if (!fs::is_directory(path)) {
       refuse("something that is no folder");
     }

@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: MIT
 """Rigs, scenes and flights that nobody chose: draws scenarios at random, runs them with default options, prints a table.
 
-    scripts/random_rigs_table.py build/release/limber --seeds 1 40 --methods ekf,lcekf,adaptive [--faults] [--images]
+    scripts/random_rigs_table.py build/release/limber --seeds 1 40 --methods ekf,lcekf,adaptive [--faults] [--images] [--motion vision]
 
 A seed draws baseline, lenses, rates, mount, IMU, flight, points and, of nearly half of the rigs, how they bend. --faults adds
-mismatches, missing pixels, frames and samples, and to half of the recordings a fault of the IMU or of the images; --images
-renders them, --motion leaves the IMU out. Cells: SE(3) ATE [m] (ANEES) verdict, and the exit code if it is not 0. The last lines count.
+mismatches, missing pixels, frames and samples, and to half of the recordings a fault of the IMU or of the images; --motion
+leaves the IMU out; --images renders them.
+
+Cells: SE(3) ATE [m] (ANEES) verdict, and the exit code if it is not 0. The last lines count.
 """
 import argparse
 import collections

@@ -87,8 +87,8 @@ std::string trust_in_words(const RunRecord& record, const RunSummary& s) {
   if (!s.scale_check) {
     const bool doubts_lenses = !has_scale(record.motion) && record.pixel_noise;
     return rest + "nothing here shows beside it: they are wrong by as many per cent as it is" +
-           (doubts_lenses ? fmt::format("; sigmas count {:.2g} % (1σ) for what lenses may do, and a rig that "
-                                        "is right",
+           (doubts_lenses ? fmt::format("; sigmas count {:.2g} % (1σ) for what lenses may do, and nothing "
+                                        "for the rig",
                                         100.0 * record.pixel_noise->length_sigma)
                           : "");
   }

@@ -34,10 +34,10 @@ constexpr double kLearningShare = 0.05, kBegin = 5.0;
 constexpr double kOwnShare = 0.02;
 constexpr double kLargestStep = 4.0;
 constexpr double kFewestRows = 20.0;
-/// Of a disparity over what lasts of u0: both cameras err, and half of the variance is common to all points.
-constexpr double kShared = 1.0;
-constexpr double kSteady = 0.2;  // of a parallax, from frame to frame
-constexpr Index kTerms = 6;      // of a quadratic in two variables
+constexpr double kShared = 0.5;   // of the variance of what lasts: common to all points
+constexpr double kCameras = 2.0;  // err, in a disparity
+constexpr double kSteady = 0.2;   // of a parallax, from frame to frame
+constexpr Index kTerms = 6;       // of a quadratic in two variables
 constexpr std::size_t kFewestForAFit = 4 * kTerms;
 constexpr double kFarOff = 3.0;         // of the errors' size: mismatched
 constexpr int kFits = 4;                // of the rig to a frame: 10 degrees are settled after three
@@ -189,9 +189,9 @@ double LearnedPixelNoise::length_sigma() const {
   if (!(squared_parallaxes_ > 0.0)) {
     return 0.0;
   }
-  const double lasting =
-      root_mean_square(sigma_px()) * std::sqrt(std::min(correlation() / kLasting, 1.0) / persistence());
-  return kShared * lasting * parallaxes_ / squared_parallaxes_;
+  const double lasting = std::min(correlation() / kLasting, 1.0) / persistence();
+  return std::sqrt(kCameras * kShared * lasting) * root_mean_square(sigma_px()) * parallaxes_ /
+         squared_parallaxes_;
 }
 
 PixelNoiseReport LearnedPixelNoise::report() const {

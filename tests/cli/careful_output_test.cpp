@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What is there stays there: results, too, are replaced only with --force.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "cli/child_process.hpp"
 #include "cli/small_log.hpp"
@@ -219,6 +221,19 @@ TEST_F(CarefulOutput, ReplacesNothingOfOthersInARecordingOfItsOwn) {
     fs::remove(log() / "mav0/cam2");
     fs::remove(log() / "mav0/cam0/data");
   }
+}
+
+/// A program that is killed while it asks whether results could be written had left an empty folder.
+TEST_F(CarefulOutput, AsksWhetherAPlaceCanBeWrittenWithoutMakingIt) {
+  const int nameless = open(folder().c_str(), O_TMPFILE | O_WRONLY, 0600);
+  if (nameless < 0) {
+    GTEST_SKIP() << "this file system has no files without names";
+  }
+  close(nameless);
+  const auto before = fs::last_write_time(folder());
+  EXPECT_THAT(run_limber({"run", "no-recording", "--out", (folder() / "new" / "results").string()}).err,
+              HasSubstr("expected the folder of a recording"));
+  EXPECT_EQ(fs::last_write_time(folder()), before);
 }
 
 TEST_F(CarefulOutput, PutsNoResultsBesideARecording) {

@@ -57,7 +57,8 @@ class Navigator {
   /// @throws std::invalid_argument if shapes disagree or the state is not finite; nothing has changed then
   void reset(const InitialState& initial);
 
-  /// The body at t_ns with the inputs so far, for instance at the rate of the IMU; changes nothing.
+  /// The body at t_ns with the inputs so far, for instance at the rate of the IMU; changes nothing. The state
+  /// itself if t_ns is not later. Its covariance is as StereoFilter::predict has it.
   [[nodiscard]] PredictedState predict(std::int64_t t_ns) const { return answering().predict(t_ns); }
 
   /// The door of `oracle`, and of nobody else: the rig as it is from now on, which the filter takes for true.

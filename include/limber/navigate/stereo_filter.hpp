@@ -74,7 +74,9 @@ class StereoFilter {
   /// Advances the state to t_ns with the inputs so far; nothing happens if t_ns is not later.
   void predict_to(std::int64_t t_ns);
 
-  /// The body at t_ns with the inputs so far; changes nothing. The state itself if t_ns is not later.
+  /// The body at t_ns with the inputs so far; changes nothing. The state itself if t_ns is not later. Where
+  /// nothing but the baseline tells lengths and the noise of the pixels is learned, its covariance is that of
+  /// estimate() and what lenses may do to all lengths: PixelNoiseReport::length_sigma.
   [[nodiscard]] PredictedState predict(std::int64_t t_ns) const;
 
   /// @brief One stereo frame.
