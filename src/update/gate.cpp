@@ -327,13 +327,6 @@ GateReport gate_robustly(const Judged& judged, const GateReport& flagged, std::s
       return minority;
     }
   }
-  if (stands) {  // what most agree upon, and those flagged do not, may be the other body
-    Judge of_all(judged, thresholds);
-    GateReport minority = nothing_refused(judged.groups.size());
-    if (leaves_enough(of_all, judged.groups, 0, minority) && stands(minority)) {
-      return minority;
-    }
-  }
   GateReport out = with_inner(flagged, all);
   out.overruled = true;
   return out;
