@@ -142,10 +142,7 @@ def without_imu(out, motion, rng):
         out["odometry"] = {"rate": rng.choice([20, 50]), "velocity": between(rng, 0.01, 0.1),
                            "angular_rate": between(rng, 0.005, 0.05)}
     out.get("dropout", {}).pop("imu_samples", None)
-    of_images = [f for f in out.get("faults", []) if f["kind"] in OF_IMAGES]
-    out.pop("faults", None)
-    if of_images:
-        out["faults"] = of_images
+    out["faults"] = [f for f in out.get("faults", []) if f["kind"] in OF_IMAGES]
 
 
 def switches(rng):

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "limber/core/angle.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
@@ -167,7 +168,7 @@ StereoSights LeapingMatches::sights_of(const StereoFrame& frame) const {
     const auto d1 = unproject(assumed_.cam1, point.uv_cam1);
     if (d0 && d1) {
       const Vector3d turned = T_cam1_cam0_.R * *d0;
-      out[point.track_id] = {turned, *d1, std::atan2(turned.cross(*d1).norm(), turned.dot(*d1))};
+      out[point.track_id] = {turned, *d1, angle_between(turned, *d1)};
     }
   }
   return out;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "diagnose/directions.hpp"
+#include "limber/core/angle.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
@@ -91,7 +92,7 @@ Shares compare_rigs(const RigView& given, const RigView& other, double focal_px)
   return {of_given / left, of_other / left, left / all};
 }
 
-double angle_between(const Matrix3d& a, const Matrix3d& b) {
+double turn_between(const Matrix3d& a, const Matrix3d& b) {
   return so3_log(Matrix3d(a * b.transpose())).norm();
 }
 
@@ -99,8 +100,7 @@ double angle_between(const Matrix3d& a, const Matrix3d& b) {
 bool has_only_turned(const Pose& given, const Pose& without, const std::vector<StereoBearings>& pairs,
                      double focal_px) {
   const Pose refined = turned_by_lines(without, pairs, focal_px), turned{refined.R, -refined.p};
-  const double between = std::atan2(turned.p.cross(given.p).norm(), turned.p.dot(given.p));
-  if (angle_between(turned.R, given.R) > kTurned || between > kTurned) {
+  if (turn_between(turned.R, given.R) > kTurned || angle_between(turned.p, given.p) > kTurned) {
     return false;
   }
   const Shares shares = compare_rigs({pairs, turned}, {pairs, refined}, focal_px);

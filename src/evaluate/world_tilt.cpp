@@ -8,14 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "limber/core/angle.hpp"
+
 namespace limber {
 namespace {
 
 constexpr double kNoMean = 1e-3;  // length of the mean of unit vectors that point everywhere
-
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 /// Variance of the two tilts about horizontal axes, summed [rad²]; the attitude's error is in the body frame.
 double tilt_variance(const MatchedPose& pose, const PoseCovariance& P) {

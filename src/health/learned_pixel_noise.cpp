@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "limber/core/angle.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
@@ -114,12 +115,6 @@ VectorXd without_quadratic(const std::vector<StereoBearings>& points, const Vect
   return errors - A * pseudo_inverse(A, errors).x;
 }
 
-/// Between the directions in which the cameras see a point [rad].
-double parallax(const StereoBearings& pair, const Pose& rig) {
-  const Eigen::Vector3d turned = rig.R * pair.cam0;
-  return std::atan2(turned.cross(pair.cam1).norm(), turned.dot(pair.cam1));
-}
-
 }  // namespace
 
 /// Each point's distance from its epipolar line, of the rig that explains the frame best and without what a
@@ -144,7 +139,8 @@ std::map<std::int64_t, LearnedPixelNoise::SeenPair> LearnedPixelNoise::seen_pair
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const double error = rest(static_cast<Index>(k));
     if (size > 0.0 && std::abs(error) <= kFarOff * size) {
-      out[ids[k]] = {error / size, calibration.cam1.fu * parallax(points[k], rig)};
+      out[ids[k]] = {error / size,
+                     calibration.cam1.fu * angle_between(rig.R * points[k].cam0, points[k].cam1)};
     }
   }
   return out;
