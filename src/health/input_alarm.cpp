@@ -18,7 +18,6 @@ constexpr double kPersistence = 8.0;
 /// Variance of real inputs over what their data sheets say, which is no fault yet.
 constexpr double kStatedNoise = 2.0;
 constexpr double kDoubtful = 22.46;  // 0.999 quantile of chi-square with 6 degrees of freedom
-constexpr int kYoung = 10;           // frames: the first ones are corrected by what the start did not know
 
 }  // namespace
 
@@ -33,7 +32,7 @@ bool InputAlarm::judge(const PoseCorrection& c, InputContradiction& found) {
                lasting = square_of_mean / (kPersistence * corrections_.expected_square() * noise);
   statistic_ = std::max(now, lasting);
   doubtful_ = statistic_ > kDoubtful;
-  if (corrections_.frames() <= kYoung || statistic_ <= threshold) {
+  if (corrections_.are_of_a_start() || statistic_ <= threshold) {
     return false;
   }
   const double share = now > threshold ? 1.0 : std::min(std::sqrt(square_of_mean / square), 1.0);

@@ -12,7 +12,6 @@ constexpr double kAllowed = 1.5;  // of the expected square: sound corrections a
 constexpr double kMost = 8.0;     // of it: what is larger raises no faster
 constexpr double kRate = 0.03;    // of the factor's logarithm, per frame and expected square
 constexpr double kLargestFactor = 100.0;
-constexpr int kYoung = 10;  // frames: the first ones are corrected by what the start did not know
 
 /// What a factor is multiplied by. @param square  of three numbers, over the expected one
 double step(double square) { return std::exp(kRate * (std::min(square, kMost) - kAllowed)); }
@@ -26,7 +25,7 @@ ImuNoiseFactors LearnedImuNoise::bounded(const ImuNoiseFactors& factors) {
 LearnedImuNoise::LearnedImuNoise(const ImuNoiseFactors& begin) : factors_(bounded(begin)) {}
 
 void LearnedImuNoise::learn(const PoseCorrection& c, bool of_accelerometer) {
-  if (corrections_.add(c) && corrections_.frames() > kYoung) {
+  if (corrections_.add(c) && !corrections_.are_of_a_start()) {
     const PoseCorrection::Vector6& mean = corrections_.mean();
     const double expected = 3.0 * corrections_.expected_square() * corrections_.noise();
     const double of_accel = of_accelerometer ? step(mean.head<3>().squaredNorm() / expected) : 1.0,

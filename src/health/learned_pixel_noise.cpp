@@ -11,6 +11,7 @@
 #include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
+#include "limber/health/bounded_influence.hpp"
 #include "limber/measure/epipolar.hpp"
 
 namespace limber {
@@ -41,16 +42,20 @@ constexpr double kSteady = 0.2;   // of a parallax, from frame to frame
 constexpr Index kTerms = 6;       // of a quadratic in two variables
 constexpr std::size_t kFewestForAFit = 4 * kTerms;
 constexpr double kFarOff = 3.0;         // of the errors' size: mismatched
-constexpr int kFits = 4;                // of the rig to a frame: 10 degrees are settled after three
+constexpr int kFits = 3;                // each: 10 degrees of the rig are settled after them
 constexpr Index kBends = 5;             // a rotation, and the direction of the baseline
 constexpr double kRounding = 1e-3;      // [px]
 constexpr double kPlausibleBend = 0.1;  // [rad], where the points do not tell
 
 double root_mean_square(const PixelNoise& sigma) { return std::sqrt(sigma.squaredNorm() / 4.0); }
 
+/// Of right matches. Of a third that is anywhere the median alone is half as much again.
 double size_of(const VectorXd& errors) {
   const VectorXd magnitude = errors.cwiseAbs();
-  return sigma_of_magnitudes({magnitude.data(), magnitude.data() + magnitude.size()});
+  std::vector<double> sizes(magnitude.begin(), magnitude.end());
+  const double far_off = kFarOff * sigma_of_magnitudes(sizes);
+  std::erase_if(sizes, [=](double size) { return size > far_off; });
+  return sigma_of_magnitudes(std::move(sizes));
 }
 
 VectorXd errors_of(const std::vector<StereoBearings>& points, const Pose& rig) {
@@ -85,19 +90,28 @@ class Bend {
       Eigen::Matrix<double, 6, kBends>::Zero();  // turn, translation
 };
 
+/// Of a step of a fit: first an error that is far off counts as one that is just so far (Huber), at last not
+/// at all.
+VectorXd weights_of(const VectorXd& errors, int fit, double least) {
+  const double far_off = std::max(kFarOff * size_of(errors), least);
+  return errors.unaryExpr([=](double error) {
+    const double size = std::abs(error);
+    return size <= far_off ? 1.0 : fit < kFits ? far_off / size : 0.0;
+  });
+}
+
 /// The rig whose epipolar lines the points are nearest to. What depends on depth in the errors of a rig that
 /// is off by degrees would be taken for errors that last as long as the tracks.
 Pose nearest_rig(const std::vector<StereoBearings>& points, Pose rig, double pixel) {
-  for (int fit = 0; fit < kFits; ++fit) {
+  for (int fit = 0; fit < 2 * kFits; ++fit) {
     const Bend bend(rig);
     const VectorXd errors = errors_of(points, rig);
     MatrixXd J(errors.size(), kBends);
     for (Index k = 0; k < errors.size(); ++k) {
       J.row(k) = bend.slope(points[static_cast<std::size_t>(k)]);
     }
-    const double far_off = std::max(kFarOff * size_of(errors), kRounding * pixel);
-    const VectorXd weights = far_off * errors.cwiseAbs().cwiseMax(far_off).cwiseInverse();
-    const MatrixXd WJ = weights.asDiagonal() * J;
+    const VectorXd weights = weights_of(errors, fit, kRounding * pixel);
+    const MatrixXd WJ = weights.cwiseProduct(detail::lever_weights(J)).asDiagonal() * J;
     MatrixXd A = WJ.transpose() * J;
     A.diagonal().array() += (pixel / kPlausibleBend) * (pixel / kPlausibleBend);
     rig = bend.rig(solve_symmetric(A, VectorXd(-WJ.transpose() * errors)));
@@ -105,14 +119,20 @@ Pose nearest_rig(const std::vector<StereoBearings>& points, Pose rig, double pix
   return rig;
 }
 
-/// What a quadratic over the image leaves.
-VectorXd without_quadratic(const std::vector<StereoBearings>& points, const VectorXd& errors) {
+/// What a quadratic over the image leaves. It is that of right matches: one that mismatches bend is another
+/// one in each frame, and what lasts would not be seen.
+VectorXd without_quadratic(const std::vector<StereoBearings>& points, const VectorXd& errors, double pixel) {
   MatrixXd A(errors.size(), kTerms);
   for (Index k = 0; k < errors.size(); ++k) {
     const Eigen::Vector3d& d = points[static_cast<std::size_t>(k)].cam1;
     A.row(k) << 1.0, d.x(), d.y(), d.x() * d.x(), d.x() * d.y(), d.y() * d.y();
   }
-  return errors - A * pseudo_inverse(A, errors).x;
+  VectorXd rest = errors;
+  for (int fit = 0; fit < 2 * kFits; ++fit) {
+    const MatrixXd WA = weights_of(rest, fit, kRounding * pixel).asDiagonal() * A;
+    rest = errors - A * solve_symmetric(WA.transpose() * A, WA.transpose() * errors);
+  }
+  return rest;
 }
 
 }  // namespace
@@ -133,8 +153,9 @@ std::map<std::int64_t, LearnedPixelNoise::SeenPair> LearnedPixelNoise::seen_pair
   if (points.size() < kFewestForAFit) {
     return out;
   }
-  const Pose rig = nearest_rig(points, pose_from_rig(calibration.theta), 1.0 / calibration.cam1.fu);
-  const VectorXd rest = without_quadratic(points, errors_of(points, rig));
+  const double pixel = 1.0 / calibration.cam1.fu;
+  const Pose rig = nearest_rig(points, pose_from_rig(calibration.theta), pixel);
+  const VectorXd rest = without_quadratic(points, errors_of(points, rig), pixel);
   const double size = size_of(rest);
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const double error = rest(static_cast<Index>(k));

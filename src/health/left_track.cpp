@@ -4,6 +4,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "limber/core/median.hpp"
 
 namespace limber::detail {
 
@@ -14,7 +17,9 @@ namespace {
 
 constexpr double kMoving_px = 3.0;  // rms of a track's left pixels about one point: it moved, or is none
 constexpr std::size_t kShortestTrack = 4;  // frames
-constexpr int kPixelSteps = 4;             // of Gauss-Newton
+constexpr double kFarOff = 4.0;            // of the views' size: a mismatch
+constexpr double kLeastFarOff_px = 1.0;
+constexpr int kPixelSteps = 4;  // of Gauss-Newton
 
 /// The point nearest to all rays, by distance over range. Noise of the bearings draws it nearer.
 Vector3d midpoint(const std::vector<LeftView>& views) {
@@ -39,7 +44,7 @@ Vector3d midpoint(const std::vector<LeftView>& views) {
 struct PixelEquations {
   Matrix3d information = Matrix3d::Zero();
   Vector3d vector = Vector3d::Zero();
-  double squares = 0.0;
+  std::vector<double> off;  // of each view
   bool in_front = true;
 };
 
@@ -58,17 +63,22 @@ PixelEquations pixel_equations(const std::vector<LeftView>& views, const Vector3
     J = (J / p.z() * R.transpose()).eval();
     out.information.noalias() += J.transpose() * J;
     out.vector.noalias() += J.transpose() * r;
-    out.squares += r.squaredNorm();
+    out.off.push_back(r.norm());
   }
   return out;
 }
 
 }  // namespace
 
-std::optional<LeftPoint> triangulate(const std::vector<LeftView>& views, double focal_px) {
-  if (views.size() < kShortestTrack) {
-    return std::nullopt;
-  }
+namespace {
+
+/// A point, and how far each view is off it; nothing behind a camera.
+struct PointOfViews {
+  LeftPoint point;
+  std::vector<double> off;  // z = 1
+};
+
+std::optional<PointOfViews> fit(const std::vector<LeftView>& views) {
   Vector3d point = midpoint(views);
   PixelEquations pixels;
   for (int step = 0; step < kPixelSteps && pixels.in_front; ++step) {
@@ -76,11 +86,36 @@ std::optional<LeftPoint> triangulate(const std::vector<LeftView>& views, double 
     point += pixels.information.ldlt().solve(pixels.vector);
   }
   pixels = pixel_equations(views, point);
-  const double rms = std::sqrt(pixels.squares / static_cast<double>(views.size()));
-  if (!pixels.in_front || !(rms * focal_px <= kMoving_px)) {
+  if (!pixels.in_front) {
     return std::nullopt;
   }
-  return LeftPoint{point, pixels.information.ldlt().solve(Matrix3d::Identity())};
+  return PointOfViews{{point, pixels.information.ldlt().solve(Matrix3d::Identity())}, std::move(pixels.off)};
+}
+
+}  // namespace
+
+std::optional<LeftPoint> triangulate(std::vector<LeftView> views, double focal_px) {
+  while (views.size() >= kShortestTrack) {
+    const std::optional<PointOfViews> found = fit(views);
+    if (!found) {
+      return std::nullopt;
+    }
+    const double limit = std::max(kFarOff * sigma_of_magnitudes(found->off), kLeastFarOff_px / focal_px);
+    std::size_t kept = 0;
+    double squares = 0.0;
+    for (std::size_t k = 0; k < views.size(); ++k) {
+      if (found->off[k] <= limit) {
+        views[kept++] = views[k];
+        squares += found->off[k] * found->off[k];
+      }
+    }
+    if (kept == views.size()) {
+      const double rms = std::sqrt(squares / static_cast<double>(kept));
+      return rms * focal_px <= kMoving_px ? std::optional(found->point) : std::nullopt;
+    }
+    views.resize(kept);
+  }
+  return std::nullopt;
 }
 
 }  // namespace limber::detail

@@ -3,11 +3,15 @@
 
 #include <cmath>
 
+#include "limber/core/factors.hpp"
+
 namespace limber {
 
 NormalEquations::Vector NormalEquations::score(const Vector& beta) const {
   return vector - information * beta;
 }
+
+NormalEquations::Vector NormalEquations::solution() const { return Cholesky(information).inverse() * vector; }
 
 NormalEquations& NormalEquations::operator+=(const NormalEquations& other) {
   information += other.information;

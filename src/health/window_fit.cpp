@@ -9,6 +9,7 @@
 
 #include "limber/core/factors.hpp"
 #include "limber/core/median.hpp"
+#include "limber/health/bounded_influence.hpp"
 #include "limber/health/rig_movement.hpp"
 #include "limber/measure/epipolar.hpp"
 
@@ -27,17 +28,14 @@ constexpr double kMostDepthNoise = 2;  // px that the depth from motion adds, fo
 constexpr double kHuberLimit = 1.345, kTukeyLimit = 4.685;
 constexpr double kLeastNoise_px = 0.02;
 constexpr Eigen::Index kLens = NormalEquations::kLens;
-constexpr std::size_t kBlocks = 5;                           // of a window
-constexpr int kFewestOfAHalf = 8, kFewestDepthsOfAHalf = 4;  // rows
 constexpr int kHuberSteps = 6, kTukeySteps = 4;
 constexpr int kStepsPerSlice = 4;
 constexpr int kMostLinearisations = 4;
-constexpr double kMost = 0.95;  // of the rows of a kind: larger derivatives than theirs count as much
-constexpr std::size_t kFewestLevers = 20;
+constexpr std::size_t kThirds = 3;
+constexpr double kNearEpipole = 1e-3;     // [rad], where no depth shows
+constexpr double kApart = 1.5;            // variances of depths that tell what they do
 constexpr double kMostMismatched = 0.15;  // of the points of the usual fifth of a window
 constexpr double kAsGood = 1.0;           // plausible errors from where the rows were made: linear enough
-
-Vector solve(const NormalEquations& normal) { return Cholesky(normal.information).inverse() * normal.vector; }
 
 /// Of the rows of one track.
 struct TrackSums {
@@ -154,7 +152,7 @@ void WindowFit::add_across(const Linearisation& at, const detail::WatchedPoint& 
   Vector J = -focal_px_ * at.derivative(detail::epipolar_slope(pair, at.rig));
   std::swap(J(vergence_), J(kLens));
   const double across = focal_px_ * detail::epipolar_error(pair, at.rig);
-  rows_.push_back({J, across + J.dot(at.beta), 1.0, 1.0, seen.track.first, seen.cell, false, frame});
+  rows_.push_back({J, across + J.dot(at.beta), 1.0, 1.0, 1.0, seen.track.first, seen.cell, false, frame});
 }
 
 void WindowFit::add_along(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame,
@@ -172,11 +170,29 @@ void WindowFit::add_along(const Linearisation& at, const detail::WatchedPoint& s
   const Vector3d turned = at.rig.R * seen.d0, p = turned + at.rig.p / z;
   const double predicted = along.dot(p) / p.z();
   const Vector3d by_p = (along - predicted * Vector3d::UnitZ()) / p.z();
-  detail::PoseSlope slope;
+  const double by_inverse_depth = by_p.dot(at.rig.p), off = along.dot(seen.d1) - predicted;
+  if (!(std::abs(by_inverse_depth) > kNearEpipole * at.rig.p.norm())) {
+    return;
+  }
+  detail::PoseSlope slope, of_right = detail::PoseSlope::Zero();
   slope << turned.cross(by_p).transpose(), by_p.transpose() / z;
+  of_right.tail<3>() = by_p.transpose() * (off / by_inverse_depth);  // at the depth that the right pixel says
   const Vector J = focal_px_ * at.derivative(slope);
-  rows_.push_back({J, focal_px_ * (along.dot(seen.d1) - predicted) + J.head<6>().dot(at.beta.head<6>()),
-                   std::hypot(1.0, noise), 1.0, seen.track.first, seen.cell, true, frame});
+  rows_.push_back({J, focal_px_ * off + J.head<6>().dot(at.beta.head<6>()), std::hypot(1.0, noise), 1.0, 1.0,
+                   seen.track.first, seen.cell, true, frame,
+                   focal_px_ * at.derivative(of_right).segment<3>(3)});
+  share_depth(rows_.back(), 1.0);
+}
+
+/// A depth is known from the motion and from the right pixel. A derivative at a depth that is off goes with
+/// its own residual, and the baseline is found too short by the errors of the one or too long by those of the
+/// other (errors in variables); at the mean of both by their variances the two effects cancel.
+/// @param share  of the right pixel's
+void WindowFit::share_depth(Row& row, double share) const {
+  const Vector3d by = (share - row.share) * row.of_right;
+  row.J.segment<3>(3) += by;
+  row.y += by.dot(at_.segment<3>(3));
+  row.share = share;
 }
 
 void WindowFit::make_rows() {
@@ -194,31 +210,45 @@ void WindowFit::make_rows() {
       }
     }
   }
+  group_rows();
 }
 
-/// What moves a point across its line grows with its disparity, and that of a wrong match is anything: its
-/// derivatives are, and a few such rows fit themselves, whatever their residuals were. So a row has no more
-/// influence than the largest of most (bounded influence, Mallows' weights [Maronna2006]).
+/// By kind; those along in thirds, by how well their depths are known.
+void WindowFit::group_rows() {
+  std::vector<std::size_t> across, along;
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    (rows_[k].along ? along : across).push_back(k);
+  }
+  groups_ = {std::move(across)};
+  auto from = along.begin();
+  for (std::size_t left = kThirds; left > 0; --left) {
+    const auto to = from + (along.end() - from) / static_cast<std::ptrdiff_t>(left);
+    std::nth_element(from, to, along.end(), [&](auto a, auto b) { return rows_[a].noise < rows_[b].noise; });
+    groups_.emplace_back(from, to);
+    from = to;
+  }
+  mean_square_noise_.clear();
+  for (const std::vector<std::size_t>& alike : groups_) {
+    double sum = 0.0;
+    for (const std::size_t k : alike) {
+      sum += rows_[k].noise * rows_[k].noise;
+    }
+    mean_square_noise_.push_back(alike.empty() ? 1.0 : sum / static_cast<double>(alike.size()));
+  }
+}
+
 void WindowFit::bound_levers() {
-  for (const bool along : {false, true}) {
-    for (Eigen::Index k = 0; k < NormalEquations::kSize; ++k) {
-      std::vector<double> sizes;
-      for (const Row& row : rows_) {
-        if (row.along == along) {
-          sizes.push_back(std::abs(row.J(k)));
-        }
-      }
-      if (sizes.size() < kFewestLevers) {
-        continue;
-      }
-      const auto most = static_cast<std::size_t>(kMost * static_cast<double>(sizes.size()));
-      const double limit = order_statistic(std::move(sizes), most);
-      for (Row& row : rows_) {
-        const double size = std::abs(row.J(k));
-        if (row.along == along && size > limit) {
-          row.lever = std::min(row.lever, (limit / size) * (limit / size));
-        }
-      }
+  for (const std::vector<std::size_t>& alike : groups_) {
+    if (alike.empty()) {
+      continue;
+    }
+    Eigen::MatrixXd J(static_cast<Eigen::Index>(alike.size()), NormalEquations::kSize);
+    for (Eigen::Index k = 0; k < J.rows(); ++k) {
+      J.row(k) = rows_[alike[static_cast<std::size_t>(k)]].J;
+    }
+    const Eigen::VectorXd levers = detail::lever_weights(J);
+    for (Eigen::Index k = 0; k < J.rows(); ++k) {
+      rows_[alike[static_cast<std::size_t>(k)]].lever = levers(k);
     }
   }
 }
@@ -233,29 +263,53 @@ NormalEquations WindowFit::normal_equations() const {
   return out;
 }
 
+/// Size of the residuals of rows that are alike, over their `noise`.
+double WindowFit::size_of(const std::vector<std::size_t>& alike) const {
+  std::vector<double> off;
+  for (const std::size_t k : alike) {
+    off.push_back(std::abs(rows_[k].y - rows_[k].J.dot(beta_)) / rows_[k].noise);
+  }
+  return off.empty() ? 1.0 : std::max(sigma_of_magnitudes(std::move(off)), kLeastNoise_px);
+}
+
+/// Variance of the right pixel along its line [px²], which is no less than across it: what the residuals of
+/// the best and of the worst known depths leave where depths are exact.
+double WindowFit::pixel_variance(const std::vector<double>& sizes) const {
+  const double best = mean_square_noise_[1], worst = mean_square_noise_[kThirds];
+  const double of_best = sizes[1] * sizes[1] * best, of_worst = sizes[kThirds] * sizes[kThirds] * worst;
+  const double across = std::min(sizes[0] * sizes[0], of_best);
+  if (!(worst - 1.0 > kApart * (best - 1.0))) {
+    return across;
+  }
+  return std::clamp(of_best - (best - 1.0) * (of_worst - of_best) / (worst - best), across, of_best);
+}
+
 /// Some steps of the reweighting: Huber's weights, then Tukey's; scales from the median absolute residual of
-/// either kind.
+/// the rows across, and of those along whose depths are about as well known: what pixels share in a track is
+/// no white noise, and depths are worse than it has them.
 void WindowFit::weigh() {
   const int last = std::min(weighted_ + kStepsPerSlice, kHuberSteps + kTukeySteps);
   for (; weighted_ < last; ++weighted_) {
-    std::array<std::vector<double>, 2> off;
-    for (const Row& row : rows_) {
-      off[row.along].push_back(std::abs(row.y - row.J.dot(beta_)) / row.noise);
+    std::vector<double> sizes;
+    for (const std::vector<std::size_t>& alike : groups_) {
+      sizes.push_back(size_of(alike));
     }
-    std::array<double, 2> noise{};
-    for (std::size_t k = 0; k < 2; ++k) {
-      noise[k] = off[k].empty() ? 1.0 : std::max(sigma_of_magnitudes(off[k]), kLeastNoise_px);
+    const double of_pixels = pixel_variance(sizes);
+    for (std::size_t group = 0; group < groups_.size(); ++group) {
+      for (const std::size_t k : groups_[group]) {
+        Row& row = rows_[k];
+        row.sigma = sizes[group] * row.noise;
+        const double u = std::abs(row.y - row.J.dot(beta_)) / row.sigma, share = u / kTukeyLimit;
+        const double weight = weighted_ < kHuberSteps ? (u > kHuberLimit ? kHuberLimit / u : 1.0)
+                              : share < 1.0           ? (1.0 - share * share) * (1.0 - share * share)
+                                                      : 0.0;
+        row.weight = row.lever * weight / (row.sigma * row.sigma);
+        if (row.along) {
+          share_depth(row, std::max(1.0 - of_pixels / (row.sigma * row.sigma), 0.0));
+        }
+      }
     }
-    for (Row& row : rows_) {
-      const double sigma = noise[row.along] * row.noise;
-      const double u = std::abs(row.y - row.J.dot(beta_)) / sigma;
-      const double share = u / kTukeyLimit;
-      const double weight = weighted_ < kHuberSteps ? (u > kHuberLimit ? kHuberLimit / u : 1.0)
-                            : share < 1.0           ? (1.0 - share * share) * (1.0 - share * share)
-                                                    : 0.0;
-      row.weight = row.lever * weight / (sigma * sigma);
-    }
-    beta_ = solve(normal_equations());
+    beta_ = normal_equations().solution();
   }
 }
 
@@ -319,71 +373,6 @@ void WindowFit::sum_up() {
   }
   sum_up_tracks(tracks, kPrior * Matrix::Identity() + out.all.information, out);
   out.deep_tracks = deep.size();
-}
-
-std::vector<FrameHalves> WindowFit::frame_halves() const {
-  struct Half {
-    NormalEquations normal{kPrior * Matrix::Identity(), Vector::Zero()};
-    int rows = 0;
-  };
-  // Weights that fall with the distance from the mean would make every movement look smaller: all or nothing.
-  std::vector<std::array<Half, 2>> halves(window_.frames.size());
-  for (const Row& row : rows_) {
-    if (!row.along && row.weight > 0.0) {
-      Half& half = halves[row.frame][static_cast<std::size_t>(row.track & 1)];
-      half.normal += {row.J * row.J.transpose(), row.y * row.J};
-      ++half.rows;
-    }
-  }
-  std::vector<FrameHalves> out(kBlocks);
-  for (std::size_t n = 0; n < halves.size(); ++n) {
-    const auto& [a, b] = halves[n];
-    if (std::min(a.rows, b.rows) >= kFewestOfAHalf) {
-      const Matrix of_points =
-          (a.normal.information + b.normal.information - 2.0 * kPrior * Matrix::Identity()) /
-          (a.rows + b.rows);
-      out[n * kBlocks / halves.size()].add(of_points, solve(a.normal), solve(b.normal));
-    }
-  }
-  return out;
-}
-
-std::vector<DepthHalves> WindowFit::depth_halves() const {
-  using Pair = DepthHalves::Pair;
-  struct Half {
-    Pair information = Pair::Zero(), vector = Pair::Zero();
-    int rows = 0;
-  };
-  const auto ways = depth_ways(window_.calibration.theta);
-  const std::size_t frames = window_.frames.size();
-  std::vector<std::array<Half, 2>> halves(frames);
-  std::vector<DepthHalves> out(kBlocks);
-  for (const Row& row : rows_) {
-    if (row.along && row.weight > 0.0) {
-      const Pair J(row.J.head<6>().dot(ways[0]), row.J.head<6>().dot(ways[1]));
-      const double weight = 1.0 / (row.noise * row.noise);
-      Half& half = halves[row.frame][static_cast<std::size_t>(row.track & 1)];
-      half.information += weight * J.square();
-      half.vector += weight * (row.y - row.J.dot(beta_)) * J;
-      ++half.rows;
-      DepthHalves& block = out[row.frame * kBlocks / frames];
-      block.px_squared += J.square();
-      block.points += 1.0;
-    }
-  }
-  std::array<std::array<std::vector<Pair>, 2>, kBlocks> said;
-  for (std::size_t n = 0; n < frames; ++n) {
-    const auto& [a, b] = halves[n];
-    if (std::min(a.rows, b.rows) >= kFewestDepthsOfAHalf) {
-      auto& [first, second] = said[n * kBlocks / frames];
-      first.emplace_back(a.vector / a.information);
-      second.emplace_back(b.vector / b.information);
-    }
-  }
-  for (std::size_t k = 0; k < kBlocks; ++k) {
-    out[k].add_stretch(said[k][0], said[k][1]);
-  }
-  return out;
 }
 
 }  // namespace limber

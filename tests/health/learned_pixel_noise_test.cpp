@@ -71,6 +71,17 @@ TEST(LearnedPixelNoise, IsNotMisledByMismatches) {
   EXPECT_LT(after_seeing(fly_past(options)).report().correlation, 0.1);
 }
 
+TEST(LearnedPixelNoise, SeesWhatStaysWithTracksBesideMismatches) {
+  WorldOptions options;
+  options.white_px = 0.1;
+  options.per_track_px = 0.3;
+  const double without = after_seeing(fly_past(options)).report().correlation;
+  for (const double mismatches : {0.05, 0.1, 0.2}) {
+    options.mismatches = mismatches;
+    EXPECT_NEAR(after_seeing(fly_past(options)).report().correlation, without, 0.15) << mismatches;
+  }
+}
+
 TEST(LearnedPixelNoise, FindsTheSizeOfWhiteNoise) {
   for (const double true_px : {0.15, 0.5, 2.0}) {
     LearnedPixelNoise noise = after_seeing(fly_past({}));

@@ -19,6 +19,7 @@ struct WorldOptions {
   double speed = 1.0;         ///< to the right [m/s]
   double white_px = 0.3;      ///< of every pixel of a frame
   double per_track_px = 0.0;  ///< one draw a track, of its right pixel
+  double wandering_px = 0.0;  ///< of its left pixel: 0.93 of it stays from frame to frame
   double per_cell_px = 0.0;   ///< one draw a place of the right image (150 x 120 px)
   double mismatches = 0.0;    ///< share of right pixels that are anywhere within 40 px
   std::size_t points = 60;    ///< of a frame
@@ -53,7 +54,7 @@ inline World fly_past(const WorldOptions& options) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   struct Point {
     Eigen::Vector3d at;
-    Eigen::Vector2d own;
+    Eigen::Vector2d own, wandering;
   };
   std::unordered_map<std::int64_t, Point> points;
   std::unordered_map<int, Eigen::Vector2d> cells;
@@ -83,7 +84,7 @@ inline World fly_past(const WorldOptions& options) {
           const double z = 2.0 + 10.0 * uniform(random);
           const Eigen::Vector3d ray((752.0 * uniform(random) - 376.0) / 458.0,
                                     (480.0 * uniform(random) - 240.0) / 458.0, 1.0);
-          points[next++] = {T_world_cam0.p + z * ray, draw(options.per_track_px)};
+          points[next++] = {T_world_cam0.p + z * ray, draw(options.per_track_px), Eigen::Vector2d::Zero()};
         }
       }
       if (static_cast<std::size_t>(tries) >= points.size()) {
@@ -99,7 +100,12 @@ inline World fly_past(const WorldOptions& options) {
       const int cell =
           static_cast<int>(right->uv.x() / 150.0) + 100 * static_cast<int>(right->uv.y() / 120.0);
       const auto lens = cells.try_emplace(cell, draw(options.per_cell_px)).first->second;
-      StereoObservation o{id, left->uv + draw(options.white_px),
+      if (options.wandering_px > 0.0) {
+        constexpr double kStays = 0.93;
+        known->second.wandering =
+            kStays * known->second.wandering + draw(std::sqrt(1.0 - kStays * kStays) * options.wandering_px);
+      }
+      StereoObservation o{id, left->uv + draw(options.white_px) + known->second.wandering,
                           right->uv + draw(options.white_px) + known->second.own + lens};
       if (uniform(random) < options.mismatches) {
         o.uv_cam1 += 40.0 * Eigen::Vector2d(uniform(random) - 0.5, uniform(random) - 0.5);

@@ -23,7 +23,8 @@ struct LeftPoint {
   Eigen::Matrix3d covariance;  ///< [m^2] per rad^2 of the bearings' noise
 };
 
-/// Least squares of the pixels; nothing of fewer than four views, behind a camera, or of what has moved.
-[[nodiscard]] std::optional<LeftPoint> triangulate(const std::vector<LeftView>& views, double focal_px);
+/// Least squares of the pixels, without views that are far off beside the others (mismatches); nothing of
+/// fewer than four views, behind a camera, or of what has moved.
+[[nodiscard]] std::optional<LeftPoint> triangulate(std::vector<LeftView> views, double focal_px);
 
 }  // namespace limber::detail

@@ -31,6 +31,8 @@ struct NormalEquations {
   NormalEquations& operator+=(const NormalEquations& other);
   /// Sum of the rows' scores at beta.
   [[nodiscard]] Vector score(const Vector& beta) const;
+  /// beta by these rows alone, which have to tell all of it.
+  [[nodiscard]] Vector solution() const;
 };
 
 /// Which of ax and ay turns the cameras towards each other, and moves points along their epipolar lines: ay

@@ -50,8 +50,8 @@ class RecentCorrections {
   [[nodiscard]] double expected_square() const { return weight_; }
   /// NIS / dof of other rows: smoothed or of the last frame, whichever is larger, and at least 1.
   [[nodiscard]] double noise() const;
-  /// How many were added.
-  [[nodiscard]] int frames() const { return frames_; }
+  /// The first ten correct what a start did not know, and say nothing of the inputs.
+  [[nodiscard]] bool are_of_a_start() const { return frames_ <= 10; }
 
  private:
   PoseCorrection::Vector6 last_ = PoseCorrection::Vector6::Zero(), mean_ = PoseCorrection::Vector6::Zero();

@@ -75,25 +75,34 @@ class WindowFit {
  private:
   using Matrix = NormalEquations::Matrix;
   using Vector = NormalEquations::Vector;
+  static constexpr std::size_t kBlocks = 5;  // of a window
   enum class Stage { kTracks, kRows, kLevers, kWeights, kSums, kMovement, kDone };
   struct Row {
     Vector J;
-    double y, noise, weight;  // noise: in units of the common one
+    double y, noise;  // noise: in units of that of rows alike
+    double sigma, weight;
     std::int64_t track;
     int cell;
     bool along;
     std::size_t frame;
-    double lever = 1.0;  // what is left of its weight because of its derivatives
+    Eigen::Vector3d of_right =
+        Eigen::Vector3d::Zero();  // what J's baseline has more at the right pixel's depth
+    double share = 0.0;           // of which it has so much
+    double lever = 1.0;           // what is left of its weight because of its derivatives
   };
   struct Linearisation;
 
   void find_depths();
   void make_rows();
+  void share_depth(Row& row, double share) const;
+  void group_rows();
   void bound_levers();
   void add_across(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame);
   void add_along(const Linearisation& at, const detail::WatchedPoint& seen, std::size_t frame,
                  const detail::LeftPoint& point);
   [[nodiscard]] NormalEquations normal_equations() const;
+  [[nodiscard]] double size_of(const std::vector<std::size_t>& alike) const;
+  [[nodiscard]] double pixel_variance(const std::vector<double>& sizes) const;
   void weigh();
   /// To where the weighted rows put the rig. @return whether they have to be made anew there
   [[nodiscard]] bool move_linearisation();
@@ -110,10 +119,12 @@ class WindowFit {
   Stage stage_ = Stage::kTracks;
   std::map<detail::TrackStretch, detail::LeftPoint> depths_;
   std::vector<Row> rows_;
-  Vector at_ = Vector::Zero();    // where the rows are made, in plausible errors
-  Vector beta_ = Vector::Zero();  // what they say
-  int turns_ = 0;                 // linearisations so far
-  int weighted_ = 0;              // steps so far at this one
+  std::vector<std::vector<std::size_t>> groups_;  // of rows that are alike
+  std::vector<double> mean_square_noise_;         // of each
+  Vector at_ = Vector::Zero();                    // where the rows are made, in plausible errors
+  Vector beta_ = Vector::Zero();                  // what they say
+  int turns_ = 0;                                 // linearisations so far
+  int weighted_ = 0;                              // steps so far at this one
   std::optional<RigEvidence> evidence_;
 };
 
