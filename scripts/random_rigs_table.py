@@ -126,7 +126,6 @@ def scenario(rng, images, faults):
                           "imu_samples": rng.choice([0, 0.01])}
         if rng.random() < 0.5:
             out["faults"] = [fault(rng, 1 / stereo_hz)]
-            name += f", {out['faults'][0]['kind']}"
     return out, kind, name
 
 
@@ -159,6 +158,7 @@ def run_seed(arguments, seed):
     drawn, kind, name = scenario(rng, arguments.images, arguments.faults)
     if arguments.motion != "imu":
         without_imu(drawn, arguments.motion, rng)
+    name += "".join(f", {fault['kind']}" for fault in drawn.get("faults", []))
     cells = {}
     with contextlib.ExitStack() as stack:
         if arguments.keep:
