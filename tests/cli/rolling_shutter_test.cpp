@@ -16,7 +16,7 @@ using ::testing::StartsWith;
 class RollingShutterLog : public testing::SmallLog {
  protected:
   RollingShutterLog() {
-    Scenario scenario = testing::shipped("drone_none", 12.0);
+    Scenario scenario = testing::shipped("drone_none", 8.0);
     scenario.world.points = 120;
     scenario.noise.pixel = 0.15;  // as a tracker has it
     write_track_log(testing::with_rolling_rows(scenario, 0.025, 5), log(), true);

@@ -6,7 +6,7 @@
     documented_commands.py --limber PROGRAM help        the example at the end of every command's --help
     documented_commands.py --example PROGRAM output     what README.md says that the C++ example prints
 
-Commands are run as they stand, on shorter twins of the scenarios (3 s, 60 points where the file names no world). What
+Commands are run as they stand, on shorter twins of the scenarios (3 s, 40 points where the file names no world). What
 would still take long runs as the smaller twin that TWINS says. Exit codes other than 0 fail the test. Each is printed with its time.
 """
 import argparse
@@ -47,7 +47,7 @@ def shorter(text):
         text = re.sub(r"^duration: *\S+", "duration: 3", text, flags=re.M)
     else:
         text = "duration: 3\n" + text
-    return text if re.search(r"^world:", text, re.M) else text + "world: {points: 60}\n"
+    return text if re.search(r"^world:", text, re.M) else text + "world: {points: 40}\n"
 
 
 def make_sandbox(folder, program):

@@ -119,6 +119,10 @@ TEST(SensorStart, FindsHowMuchNoisierThanStatedAnImuIs) {
   EXPECT_LE(nees, 2.0);
   EXPECT_GE(*std::ranges::min_element(factors), 5.0);
   EXPECT_LE(*std::ranges::max_element(factors), 20.0);
+}
+
+TEST(FullSensorStart, BelievesTheStatedNoiseOfAnImuWhereItIsToldTo) {
+  const double nees = start_with_a_noisy_gyro(true).first;
   const auto [believed, ones] = start_with_a_noisy_gyro(false);
   EXPECT_GT(believed, 2.0 * nees);
   EXPECT_EQ(ones, std::vector<double>(ones.size(), 1.0));
