@@ -195,19 +195,22 @@ void LearnedPixelNoise::see(const StereoFrame& frame) {
 
 double LearnedPixelNoise::correlation() const { return std::clamp(products_ / squares_, 0.0, 1.0); }
 
+/// Variance of what lasts, over that of a single frame.
+double LearnedPixelNoise::lasting() const { return std::min(correlation() / kLasting, 1.0); }
+
+double LearnedPixelNoise::telling_frames() const { return persistence() / lasting(); }
+
 double LearnedPixelNoise::persistence() const {
-  const double lasting = std::min(correlation() / kLasting, 1.0);
   const double frames = tracks_ > 0.0 ? std::max(seen_ / tracks_, kFewestFrames) : kFewestFrames;
   const double alike = kLasting * (1.0 - 1.0 / frames);
-  return 1.0 - lasting + lasting * (1.0 + alike) / (1.0 - alike);
+  return 1.0 - lasting() + lasting() * (1.0 + alike) / (1.0 - alike);
 }
 
 double LearnedPixelNoise::length_sigma() const {
   if (!(squared_parallaxes_ > 0.0)) {
     return 0.0;
   }
-  const double lasting = std::min(correlation() / kLasting, 1.0) / persistence();
-  return std::sqrt(kCameras * kShared * lasting) * root_mean_square(sigma_px()) * parallaxes_ /
+  return std::sqrt(kCameras * kShared / telling_frames()) * root_mean_square(sigma_px()) * parallaxes_ /
          squared_parallaxes_;
 }
 

@@ -295,6 +295,7 @@ void StereoFilter::record(const StackedFrame& stacked, const std::vector<bool>& 
     Landmark* landmark = estimate_.find(stacked.track_ids[g]);
     landmark->refusals = accepted[g] ? 0 : landmark->refusals + 1;
     landmark->last_seen_ns = report.t_ns;
+    ++landmark->sightings;
     report.used += accepted[g] && report.status == UpdateStatus::kUpdated ? 1 : 0;
   }
   for (const Refusal& refusal : report.refused) {
@@ -344,6 +345,12 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   return report;
 }
 
+/// In equilibrium with frames of variance R a walk of R / n² keeps the variance R / n of n frames.
+BearingWalk StereoFilter::bearing_walk() const {
+  const double frames = pixel_noise_->telling_frames();
+  return {0.5 * sigma_px().norm() / frames / calibration_.cam0.fu, frames};
+}
+
 /// The paper's steps.
 void StereoFilter::take_in(const StereoFrame& frame, FrameReport& report) {
   const double dt = seconds_between(estimate_.nav().t_ns, frame.t_ns);
@@ -356,6 +363,9 @@ void StereoFilter::take_in(const StereoFrame& frame, FrameReport& report) {
   update_active_set(estimate_, frame, last_frame_ns_, options_.map,
                     !std::exchange(postpones_epoch_, false));  // compressed filter
   report.removed = was_blind && !images_alone ? forget_after_blindness(frame) : 0;
+  if (pixel_noise_ && options_.doubt_odometry_mount) {  // or what lasts would seem to tell the mount
+    walk_bearings(estimate_, frame, mounted(calibration_)[0], bearing_walk());
+  }
   const LinearizationPoint at = choose_linearization_point(frame);  // for Eq. (16)
   if (!images_alone) {
     report.removed += forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);

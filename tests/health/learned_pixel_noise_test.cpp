@@ -50,6 +50,16 @@ TEST(LearnedPixelNoise, SeesWhatStaysWithTracks) {
   EXPECT_NEAR(after_seeing(fly_past(options)).report().correlation, lasting, 0.1);
 }
 
+/// Of the assumed variance: what so many frames leave of it is what lasts, of a single frame's variance.
+TEST(LearnedPixelNoise, KnowsHowManyFramesTellAsMuchAsWhatLastsLetsKnow) {
+  WorldOptions options;
+  options.white_px = 0.1;
+  options.per_track_px = 0.3;
+  const LearnedPixelNoise lasting = after_seeing(fly_past(options)), white = after_seeing(fly_past({}));
+  EXPECT_NEAR(lasting.persistence() / lasting.telling_frames(), lasting.report().correlation, 0.1);
+  EXPECT_GT(white.telling_frames(), 3.0 * lasting.telling_frames());
+}
+
 TEST(LearnedPixelNoise, TakesAWrongRigForNoError) {
   WorldOptions options;
   options.error = [](double) { return RigParameters(0.01, 0.03, 0.01, 0.01, 0.0, 0.0); };

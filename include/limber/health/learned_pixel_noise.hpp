@@ -45,6 +45,9 @@ class LearnedPixelNoise {
   [[nodiscard]] PixelNoiseReport report() const;
   /// Variance that white noise needs, over that of a single frame: 1 for white errors.
   [[nodiscard]] double persistence() const;
+  /// So many frames, each with errors of sigma_px(), tell as much of a point's place in the image as what
+  /// lasts lets know. Infinite for white errors.
+  [[nodiscard]] double telling_frames() const;
 
  private:
   struct SeenPair {
@@ -54,6 +57,7 @@ class LearnedPixelNoise {
   [[nodiscard]] static std::map<std::int64_t, SeenPair> seen_pairs(const StereoFrame& frame,
                                                                    const StereoCalibration& calibration);
   [[nodiscard]] double correlation() const;
+  [[nodiscard]] double lasting() const;
   [[nodiscard]] double length_sigma() const;
 
   PixelNoise begin_;

@@ -13,6 +13,7 @@
 #include "limber/health/learned_imu_noise.hpp"
 #include "limber/health/learned_pixel_noise.hpp"
 #include "limber/health/white_size.hpp"
+#include "limber/landmarks/bearing_walk.hpp"
 #include "limber/landmarks/landmark_budget.hpp"
 #include "limber/navigate/frame_report.hpp"
 #include "limber/navigate/moving_tracks.hpp"
@@ -210,6 +211,7 @@ class StereoFilter {
   void use_estimated_calibration();
   [[nodiscard]] ParameterErrorModel error_model() const;
   void renew_mount(double dt);
+  [[nodiscard]] BearingWalk bearing_walk() const;
   void walk_parameters(double dt);
   void notice_motion();
   [[nodiscard]] PredictedState with_doubtful_lengths(PredictedState state) const;

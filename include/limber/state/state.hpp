@@ -142,7 +142,8 @@ struct Landmark {
       0.0;  ///< inverse depth at initialisation if the right pixel under a doubtful theta gave it, else 0
   /// time of the last frame that saw it [ns]
   std::int64_t last_seen_ns = 0;
-  int refusals = 0;  ///< frames in a row in which it was refused
+  int refusals = 0;   ///< frames in a row in which it was refused
+  int sightings = 0;  ///< frames that told of it since its initialisation
 };
 
 }  // namespace limber
