@@ -29,14 +29,6 @@ RigParameters px_by_axis(const BetaEstimate& estimate, const RigParameters& thet
   return px.head<6>().cwiseQuotient(plausible_error(theta.tail<3>().norm()));
 }
 
-/// Of vision alone windows find the baseline as long as the trajectory's scale makes it. Beyond what may be
-/// believed of that scale it is lost, and what is linear about such a baseline means nothing.
-bool loses_scale(const BetaEstimate& estimate, const RigParameters& theta) {
-  const double assumed = along_length(theta, NormalEquations::Vector::Zero()).norm();
-  const double found = along_length(theta, estimate.beta).norm();
-  return std::abs(found / assumed - 1.0) > std::sqrt(kUnknownScale);
-}
-
 /// A rig that moves is no better than it is on average.
 void count_movement(CalibrationState& out) {
   if (out.tracks < kFewestTracks) {
@@ -379,6 +371,11 @@ void CalibrationWatch::end_window(const RigEvidence& evidence) {
   };
   auto report = std::make_shared<CalibrationReport>();
   report->window = judged({evidence});
+  if (report->window.scale_is_lost) {  // or others would share its length
+    report->state = report->window;
+    report_ = std::move(report);
+    return;
+  }
   append(evidence, windows_);
   std::size_t from = 0;
   for (const std::size_t first : changes()) {

@@ -205,6 +205,12 @@ NormalEquations::Vector along_length(const RigParameters& theta, const NormalEqu
 
 RigParameters RigEstimate::sigma() const { return covariance.diagonal().cwiseSqrt(); }
 
+bool loses_scale(const BetaEstimate& estimate, const RigParameters& theta) {
+  const double assumed = along_length(theta, NormalEquations::Vector::Zero()).norm();
+  const double found = along_length(theta, estimate.beta).norm();
+  return std::abs(found / assumed - 1.0) > std::sqrt(kUnknownScale);
+}
+
 BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                              bool metric) {
   const Fit found = fit(windows, std::vector<VectorXd>(windows.size(), VectorXd::Ones(1)));

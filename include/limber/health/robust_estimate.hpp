@@ -56,6 +56,11 @@ struct BetaEstimate {
 [[nodiscard]] BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows,
                                            const RigParameters& theta, bool metric);
 
+/// @brief Of vision alone windows find the baseline as long as the trajectory's scale makes it. Beyond what
+/// may be believed of that scale it is lost, and what is linear about such a baseline means nothing.
+/// @param theta  assumed
+[[nodiscard]] bool loses_scale(const BetaEstimate& estimate, const RigParameters& theta);
+
 /// A rig that drifts: the error at the end of the last window, and how it changed from the middle of the
 /// first window to that of the last.
 struct BetaTrend {
