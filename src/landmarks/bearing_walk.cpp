@@ -12,8 +12,8 @@ namespace {
 
 /// Covariance of the landmark's triplet for a step of one radian, seen from the camera.
 Matrix3d across_the_ray(const Estimate& estimate, const Landmark& landmark, const MountedCamera& cam0) {
-  const BodyPoint point = body_point_at_exposure(cam0, estimate.nav().T_world_body, landmark,
-                                                 estimate.anchor_of(landmark));
+  const BodyPoint point =
+      body_point_at_exposure(cam0, estimate.nav().T_world_body, landmark, estimate.anchor_of(landmark));
   // From the camera: in units of the anchor's distance, or metres.
   const Vector3d away = point.Y - point.w * cam0.T_cam_body.inverse().p;
   if (landmark.kind == LandmarkKind::kInverseDepth) {

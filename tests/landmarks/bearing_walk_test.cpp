@@ -44,8 +44,8 @@ Matrix3d added(Estimate& estimate) {
 /// Of a landmark on the camera's axis: its pixel walks by the focal length times the angle.
 void expect_pixel_to_walk(const Estimate& estimate, const Matrix3d& Q) {
   const Landmark& landmark = *estimate.find(1);
-  const auto pixel = project_point(left_camera(), body_point(estimate.nav().T_world_body, landmark,
-                                                             estimate.anchor_of(landmark)));
+  const auto pixel = project_point(
+      left_camera(), body_point(estimate.nav().T_world_body, landmark, estimate.anchor_of(landmark)));
   ASSERT_TRUE(pixel);
   const Matrix2d walked = pixel->J_landmark * Q * pixel->J_landmark.transpose();
   EXPECT_TRUE(walked.isApprox(Matrix2d::Identity(), 1e-6)) << walked;  // (100 px * 0.01)^2
