@@ -295,7 +295,7 @@ void StereoFilter::record(const StackedFrame& stacked, const std::vector<bool>& 
     Landmark* landmark = estimate_.find(stacked.track_ids[g]);
     landmark->refusals = accepted[g] ? 0 : landmark->refusals + 1;
     landmark->last_seen_ns = report.t_ns;
-    ++landmark->sightings;
+    landmark->sightings += accepted[g] ? 1 : 0;
     report.used += accepted[g] && report.status == UpdateStatus::kUpdated ? 1 : 0;
   }
   for (const Refusal& refusal : report.refused) {

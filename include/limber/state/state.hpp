@@ -143,7 +143,7 @@ struct Landmark {
   /// time of the last frame that saw it [ns]
   std::int64_t last_seen_ns = 0;
   int refusals = 0;   ///< frames in a row in which it was refused
-  int sightings = 0;  ///< frames that told of it since its initialisation
+  int sightings = 0;  ///< frames since its initialisation in which it was not
 };
 
 }  // namespace limber
