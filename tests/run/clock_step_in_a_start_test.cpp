@@ -70,7 +70,7 @@ TEST(ClockStepInAStart, IsKnownToTheOnlineNavigator) {
       EXPECT_FALSE(report.frame->inputs.contradiction) << frame.t_ns;
       started_ns = started_ns.value_or(frame.t_ns);
     }
-    if (started_ns && frame.t_ns > *started_ns + 3'000'000'000) {
+    if (started_ns && frame.t_ns > *started_ns + 2'000'000'000) {
       break;
     }
   }

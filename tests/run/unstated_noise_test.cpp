@@ -14,8 +14,9 @@ namespace limber {
 namespace {
 
 /// A run over a drone's recording that does not state the noise of its pixels.
-RunRecord unstated_run(Method method, double white_px, const PixelScenario& pixels = {}) {
-  Scenario scenario = testing::shipped("drone_none", 10.0);
+RunRecord unstated_run(Method method, double white_px, const PixelScenario& pixels = {},
+                       double duration = 10.0) {
+  Scenario scenario = testing::shipped("drone_none", duration);
   scenario.noise.pixel = white_px;
   scenario.noise.stated = false;
   scenario.pixels = pixels;
@@ -62,7 +63,7 @@ TEST_P(UnstatedPixelNoise, IsSeveralTimesTheErrorsWhereTheyLast) {
 /// Such noise hides whatever makes it necessary.
 void expect_remark(Method method) {
   const auto remark = ::testing::Contains(::testing::HasSubstr("px of pixel noise were needed from"));
-  const RunRecord usual = unstated_run(method, 1.0), large = unstated_run(method, 6.0);
+  const RunRecord usual = unstated_run(method, 1.0, {}, 7.0), large = unstated_run(method, 6.0, {}, 7.0);
   EXPECT_THAT(usual.notes, ::testing::Not(remark));
   EXPECT_THAT(large.notes, remark);
   EXPECT_NEAR(usual.frames.back().sigma_px, usual.pixel_noise->sigma_px, 0.1);
