@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/landmarks/bearing_walk.hpp"
 
-#include "limber/measure/point_rows.hpp"
+#include "limber/measure/stereo_model.hpp"
 
 namespace limber {
 

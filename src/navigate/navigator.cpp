@@ -230,7 +230,7 @@ void Navigator::watch(const StereoFrame& frame, const StereoFilter& filter, cons
   quality.sound =
       report.status == UpdateStatus::kUpdated && !report.reset && !report.inputs.contradiction &&
       (report.inputs.status == InputStatus::kSound || report.inputs.status == InputStatus::kNotNeeded);
-  const Pose T_body_cam0 = mount(filter.calibration())[0].T_cam_body.inverse();  // where it may have turned
+  const Pose T_body_cam0 = body_from_cam0(filter.calibration());  // where it may have turned
   watch_->add(frame, estimate.nav().T_world_body * T_body_cam0, quality);
 }
 

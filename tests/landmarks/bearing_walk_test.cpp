@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "landmarks/pinhole_at_the_body.hpp"
 #include "state/small_map.hpp"
 
 namespace limber {
@@ -14,14 +15,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using testing::Generator;
 
-constexpr double kFocal = 100.0;
 constexpr BearingWalk kWalk{0.01, 10.0};
-
-MountedCamera left_camera() {
-  MountedCamera out;
-  out.camera = {kFocal, kFocal, 320.0, 240.0, 640, 480, NoDistortion{}};
-  return out;
-}
 
 /// What the left camera sees of these tracks.
 StereoFrame frame_of(const std::vector<std::int64_t>& ids) {
@@ -37,15 +31,16 @@ Matrix3d added(Estimate& estimate) {
   Landmark& landmark = *estimate.find(1);
   landmark.sightings = 10;
   const Matrix3d before = estimate.P().diagonal_block<3>(landmark.at);
-  walk_bearings(estimate, frame_of({1}), left_camera(), kWalk);
+  walk_bearings(estimate, frame_of({1}), testing::pinhole_at_the_body(), kWalk);
   return estimate.P().diagonal_block<3>(landmark.at) - before;
 }
 
 /// Of a landmark on the camera's axis: its pixel walks by the focal length times the angle.
 void expect_pixel_to_walk(const Estimate& estimate, const Matrix3d& Q) {
   const Landmark& landmark = *estimate.find(1);
-  const auto pixel = project_point(
-      left_camera(), body_point(estimate.nav().T_world_body, landmark, estimate.anchor_of(landmark)));
+  const auto pixel =
+      project_point(testing::pinhole_at_the_body(),
+                    body_point(estimate.nav().T_world_body, landmark, estimate.anchor_of(landmark)));
   ASSERT_TRUE(pixel);
   const Matrix2d walked = pixel->J_landmark * Q * pixel->J_landmark.transpose();
   EXPECT_TRUE(walked.isApprox(Matrix2d::Identity(), 1e-6)) << walked;  // (100 px * 0.01)^2
@@ -85,7 +80,7 @@ TEST(BearingWalk, IsOfThoseThatTheLeftCameraSeesAndHasSeenOften) {
   frame.observations[2].in_cam0 = false;
   frame.observations[2].in_cam1 = true;
   MatrixXd expected = estimate.P().dense();
-  walk_bearings(estimate, frame, left_camera(), kWalk);
+  walk_bearings(estimate, frame, testing::pinhole_at_the_body(), kWalk);
   const MatrixXd after = estimate.P().dense();
   for (const std::int64_t id : {0, 3}) {
     const Eigen::Index at = estimate.find(id)->at;

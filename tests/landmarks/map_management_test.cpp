@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "landmarks/pinhole_at_the_body.hpp"
 #include "state/small_map.hpp"
 
 namespace limber {
@@ -69,13 +70,6 @@ TEST(MapManagement, ConvertsALandmarkThatIsLinearEnoughAndJustSeen) {
   EXPECT_EQ(kind_after(0.004, kPresent - kSecond), LandmarkKind::kInverseDepth);
 }
 
-/// A camera of 100 px focal length at the body's origin.
-MountedCamera camera() {
-  MountedCamera out;
-  out.camera = {100.0, 100.0, 320.0, 240.0, 640, 480, NoDistortion{}};
-  return out;
-}
-
 /// A Cartesian landmark on the camera's axis, 5 m away, with the standard deviations `sigma`, seen now.
 Estimate before_a_cartesian_point(const Vector3d& sigma) {
   Estimate estimate({MotionModel::kOdometry, false}, {}, 1e-16 * Eigen::MatrixXd::Identity(6, 6),
@@ -92,7 +86,7 @@ Estimate before_a_cartesian_point(const Vector3d& sigma) {
 TEST(ProjectionCurvature, IsThePixelsSigmaTimesTheRelativeDepths) {
   const Estimate estimate = before_a_cartesian_point({0.03, 0.04, 0.5});
   // 0.05 m at 5 m are 1 px; the depth is known to 10 %.
-  EXPECT_NEAR(projection_curvature(estimate, *estimate.find(1), camera()), 0.1, 1e-9);
+  EXPECT_NEAR(projection_curvature(estimate, *estimate.find(1), testing::pinhole_at_the_body()), 0.1, 1e-9);
 }
 
 TEST(ProjectionCurvature, DoesNotSeeWhatPoseAndLandmarkShare) {
@@ -103,13 +97,13 @@ TEST(ProjectionCurvature, DoesNotSeeWhatPoseAndLandmarkShare) {
   estimate.P().gather(std::vector<Eigen::Index>{at}, columns);
   columns.topRows<3>() = columns.middleRows<3>(at).eval();
   estimate.mutable_P().scatter(std::vector<Eigen::Index>{0}, columns);
-  EXPECT_LE(projection_curvature(estimate, *estimate.find(1), camera()), 1e-6);
+  EXPECT_LE(projection_curvature(estimate, *estimate.find(1), testing::pinhole_at_the_body()), 1e-6);
 }
 
 TEST(ProjectionCurvature, IsInfiniteWhereThePointDoesNotProject) {
   Estimate estimate = before_a_cartesian_point({0.03, 0.04, 0.5});
   estimate.find(1)->value.z() = -5.0;
-  EXPECT_EQ(projection_curvature(estimate, *estimate.find(1), camera()),
+  EXPECT_EQ(projection_curvature(estimate, *estimate.find(1), testing::pinhole_at_the_body()),
             std::numeric_limits<double>::infinity());
 }
 
@@ -125,7 +119,8 @@ TEST(ForgetMisplaced, RemovesOfTheReturningOnlyWhatIsCurved) {
     options.max_curvature_px = 0.25;
     StereoFrame seen = frame;
     seen.observations[0].track_id = observed ? 1 : 2;
-    const std::size_t count = forget_misplaced(estimate, seen, previous_ns, camera(), options);
+    const std::size_t count =
+        forget_misplaced(estimate, seen, previous_ns, testing::pinhole_at_the_body(), options);
     EXPECT_EQ(estimate.find(1) == nullptr, count == 1);
     return count;
   };
@@ -160,7 +155,10 @@ TEST(ForgetMisplaced, RemovesWhatTurnsOutToLieElsewhere) {
   frame.observations[0].track_id = 1;
   for (const auto& [depth, gone] : {std::pair{5.4, 0U}, {5.6, 1U}, {4.6, 0U}, {4.4, 1U}}) {
     Estimate estimate = moved_to(depth, 0.001);
-    EXPECT_EQ(forget_misplaced(estimate, frame, kPresent, camera(), MapManagementOptions{}), gone) << depth;
+    EXPECT_EQ(
+        forget_misplaced(estimate, frame, kPresent, testing::pinhole_at_the_body(), MapManagementOptions{}),
+        gone)
+        << depth;
     EXPECT_EQ(estimate.find(1) == nullptr, gone == 1) << depth;
   }
 }

@@ -34,6 +34,10 @@ decalibration: []
                   seed);
 }
 
+Recording realistic_robot(std::uint64_t seed) {
+  return robot("duration: 12\npixels: realistic\nnoise: {stated: false}", seed);
+}
+
 struct RobotRun {
   RunRecord record;
   RunSummary summary;
@@ -52,8 +56,7 @@ RobotRun run(const Recording& recording, Method method = Method::kLcekf) {
 double anees_beside_a_doubted_mount(std::uint64_t first, std::uint64_t last) {
   double product = 1.0;
   for (std::uint64_t seed = first; seed <= last; ++seed) {
-    const Recording recording = robot("duration: 12\npixels: realistic\nnoise: {stated: false}", seed);
-    product *= run(recording, Method::kEkf).summary.anees.value();
+    product *= run(realistic_robot(seed), Method::kEkf).summary.anees.value();
   }
   return std::pow(product, 1.0 / static_cast<double>(last - first + 1));
 }
@@ -68,9 +71,7 @@ TEST(FullSlowRobot, KnowsHowItsBodyStandsBesideItsCamera) {
 double mean_square_of_vergence(std::uint64_t first, std::uint64_t last) {
   double sum = 0.0;
   for (std::uint64_t seed = first; seed <= last; ++seed) {
-    const RigEstimate rig = run(robot("duration: 12\npixels: realistic\nnoise: {stated: false}", seed))
-                                .summary.health.value()
-                                .present.estimate;
+    const RigEstimate rig = run(realistic_robot(seed)).summary.health.value().present.estimate;
     sum += rig.delta(1) * rig.delta(1) / rig.covariance(1, 1);
   }
   return sum / static_cast<double>(last - first + 1);
