@@ -27,13 +27,44 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
-constexpr double kMostPoints = 250;
+constexpr std::size_t kMostPoints = 250;
+constexpr std::size_t kFewestOfFrame = 8;
 constexpr double kFarthestBaselines = 300.0;  // beyond, the rig's disparity says nothing
 constexpr double kNearest = 0.3;              // [m]
 constexpr double kSomeAcceleration = 2.0;     // [m/s^2], of the body, mean over the window
 constexpr double kSomeSpeed = 10.0;           // [m/s]
 constexpr double kBearingNoise = 0.01;        // [rad], of bearings and turned gyro, roughly
 constexpr int kReweightings = 3;
+
+/// The longest tracks, but of every frame as many as there can be: where all tracks end at once, those of one
+/// side alone would leave the frames of the other without any. A frame is promised twice as many from round
+/// to round.
+std::vector<WindowPoint> longest_of_every_frame(std::vector<WindowPoint> points, std::size_t frames) {
+  std::ranges::stable_sort(
+      points, [](const WindowPoint& a, const WindowPoint& b) { return a.seen.size() > b.seen.size(); });
+  std::vector<std::size_t> of_frame(frames, 0);
+  std::vector<WindowPoint> out;
+  for (std::size_t promised = kFewestOfFrame; !points.empty(); promised *= 2) {
+    std::vector<WindowPoint> later;
+    for (WindowPoint& point : points) {
+      const bool wanted = std::ranges::any_of(
+          point.seen, [&](const WindowSighting& sighting) { return of_frame[sighting.frame] < promised; });
+      if (!wanted) {
+        later.push_back(std::move(point));
+        continue;
+      }
+      for (const WindowSighting& sighting : point.seen) {
+        ++of_frame[sighting.frame];
+      }
+      out.push_back(std::move(point));
+      if (out.size() == kMostPoints) {
+        return out;
+      }
+    }
+    points = std::move(later);
+  }
+  return out;
+}
 
 /// States that the inputs alone give from the first one on.
 void integrate(const WindowModel& model, std::vector<WindowFrame>& frames) {
@@ -281,11 +312,8 @@ std::vector<WindowPoint> points_of(const WindowModel& model, const std::vector<S
       out.push_back(std::move(point));
     }
   }
-  if (static_cast<double>(out.size()) > kMostPoints) {
-    std::stable_sort(out.begin(), out.end(), [](const WindowPoint& a, const WindowPoint& b) {
-      return a.seen.size() > b.seen.size();
-    });
-    out.resize(static_cast<std::size_t>(kMostPoints));
+  if (out.size() > kMostPoints) {
+    out = longest_of_every_frame(std::move(out), raw.size());
   }
   return out;
 }

@@ -16,7 +16,8 @@ namespace limber::detail {
                                                const std::vector<StereoFrame>& raw);
 
 /// Points that two frames or more have seen, charts along their first bearing, inverse depths by the assumed
-/// rig where it shows one (zero: it does not).
+/// rig where it shows one (zero: it does not). 250 at most: those of the longest tracks, and of no frame
+/// hardly any.
 [[nodiscard]] std::vector<WindowPoint> points_of(const WindowModel& model,
                                                  const std::vector<StereoFrame>& raw);
 

@@ -10,6 +10,7 @@
 #include "limber/core/so3.hpp"
 #include "limber/measure/stereo_model.hpp"
 #include "limber/predict/input_noise.hpp"
+#include "predict/transition_sum.hpp"
 #include "window_pixels.hpp"
 
 namespace limber::detail {
@@ -126,14 +127,52 @@ double moved_inverse_depth(double rho, double step) {
   return std::abs(share) < kStraightDepth ? rho / (1.0 - share) : rho + step;
 }
 
-/// Room for the body of every motion model, in whole vectors of the processor: such products are faster than
-/// those of matrices of any size.
-using Padded = Eigen::Matrix<double, 16, 16>;
-
-Padded padded(const MatrixXd& M) {
-  Padded out = Padded::Zero();
-  out.topLeftCorner(M.rows(), M.cols()) = M;
+/// Of the inputs to a frame: what was stated, and a step of the biases.
+ImuNoise imu_noise_to(const NavigatorOptions& options, const WindowFrame& frame) {
+  ImuNoise out = options.imu_noise;
+  const double root = std::sqrt(frame.duration());
+  if (root > 0.0) {
+    out.gyro_walk = std::hypot(out.gyro_walk, frame.gyro_step / root);
+    out.accel_walk = std::hypot(out.accel_walk, frame.accel_step / root);
+  }
   return out;
+}
+
+/// Time of a frame's steps for which samples say nothing any more: there they are of a body without force and
+/// turn, as attitude and biases have it.
+double forgotten_s(const WindowFrame& frame) {
+  double out = 0.0;
+  for (const InputStep& step : frame.steps) {
+    out += step.dt * (1.0 - std::min(step.angular_unknown.memory, step.linear_unknown.memory));
+  }
+  return out;
+}
+
+SummedInputs summed(const WindowModel& model, const WindowState& state, std::size_t frame) {
+  const NavigatorOptions& options = model.options;
+  const NavigationState& from = state.frames[frame - 1].nav;
+  const WindowFrame& to = state.frames[frame];
+  const MotionNoise noise{imu_noise_to(options, to), {}, options.constant_velocity_noise};
+  SummedInputs out{motion_between(options.motion, to.duration(), to.steps, from, noise, 0.0, options.gravity),
+                   from.T_world_body.R, forgotten_s(to)};
+  out.between.Q.diagonal().array() += squared(kJitter);
+  return out;
+}
+
+/// Sums are good to first order about the gyroscope's bias that they were made with, and where samples are
+/// forgotten for that attitude and those biases alone.
+bool holds(const SummedInputs& inputs, const NavigationState& from, double gravity) {
+  constexpr double kSquare = 1e-6;                    // [rad], first order left out
+  constexpr double kTurnOff = 1e-6, kPushOff = 1e-5;  // [rad], [m/s]
+  const MotionBetween& between = inputs.between;
+  if (between.motion != MotionModel::kImu) {
+    return true;
+  }
+  const double gyro = (from.bias_gyro - between.delta.bias_gyro).norm();
+  const double accel = (from.bias_accel - between.delta.bias_accel).norm() +
+                       gravity * (from.T_world_body.R - inputs.R_from).norm();
+  return squared(gyro * between.dt) <= kSquare && gyro * inputs.forgotten_s <= kTurnOff &&
+         accel * inputs.forgotten_s <= kPushOff;
 }
 
 Transition predict_step(const NavigatorOptions& options, const ImuNoise& noise, const InputStep& step,
@@ -156,35 +195,36 @@ double WindowFrame::duration() const {
 }
 
 Transition predict_over(const NavigatorOptions& options, const WindowFrame& frame, NavigationState& nav) {
-  const Index n = StateLayout{options.motion}.body_size();
-  Padded Phi = Padded::Identity(), Q = Padded::Zero();
-  ImuNoise noise = options.imu_noise;
-  const double root = std::sqrt(frame.duration());
-  if (root > 0.0) {
-    noise.gyro_walk = std::hypot(noise.gyro_walk, frame.gyro_step / root);
-    noise.accel_walk = std::hypot(noise.accel_walk, frame.accel_step / root);
-  }
+  TransitionSum sum(StateLayout{options.motion}.body_size());
+  const ImuNoise noise = imu_noise_to(options, frame);
   for (const InputStep& step : frame.steps) {
-    const Transition part = predict_step(options, noise, step, nav);
-    const Padded F = padded(part.Phi);
-    Phi = F.lazyProduct(Phi).eval();
-    Q = F.lazyProduct(F.lazyProduct(Q).eval().transpose()).eval();
-    Q.topLeftCorner(n, n) += part.Q;
+    sum.add(predict_step(options, noise, step, nav));
     nav.t_ns = step.t_end_ns;
   }
-  return {Phi.topLeftCorner(n, n), Q.topLeftCorner(n, n)};
+  return sum.sum();
+}
+
+void sum_up_inputs(const WindowModel& model, WindowState& state) {
+  for (std::size_t k = 1; k < state.frames.size(); ++k) {
+    std::shared_ptr<const SummedInputs>& inputs = state.frames[k].inputs;
+    if (!inputs || !holds(*inputs, state.frames[k - 1].nav, model.options.gravity)) {
+      inputs = std::make_shared<const SummedInputs>(summed(model, state, k));
+    }
+  }
+}
+
+void forget_sums(WindowState& state) {
+  for (WindowFrame& frame : state.frames) {
+    frame.inputs.reset();
+  }
 }
 
 MotionResidual motion_residual(const WindowModel& model, const WindowState& state, std::size_t frame) {
-  NavigationState predicted = state.frames[frame - 1].nav;
-  Transition step = predict_over(model.options, state.frames[frame], predicted);
-  step.Q.diagonal().array() += kJitter * kJitter;
-  MotionResidual out;
-  out.e = difference(state.frames[frame].nav, predicted, model.options.motion);
-  out.J = difference_jacobian(out.e);
-  out.F = multiply(difference_jacobian(-out.e), step.Phi);
-  out.Q = std::move(step.Q);
-  return out;
+  const std::shared_ptr<const SummedInputs>& known = state.frames[frame].inputs;
+  const MotionBetween between = known ? known->between : summed(model, state, frame).between;
+  MotionError error =
+      motion_error(between, state.frames[frame - 1].nav, state.frames[frame].nav, model.options.gravity);
+  return {std::move(error.error), std::move(error.J_to), -error.J_from, between.Q};
 }
 
 BodyPoint point_in_body(const WindowState& state, const MountedRig& rig, std::size_t cam,

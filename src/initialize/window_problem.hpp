@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "limber/navigate/navigator_options.hpp"
 #include "limber/predict/input_buffer.hpp"
 #include "limber/predict/motion.hpp"
+#include "limber/predict/motion_between.hpp"
 #include "limber/state/initial_state.hpp"
 
 /// @file
@@ -49,6 +51,13 @@ struct WindowModel {
   }
 };
 
+/// The inputs to a frame, summed up.
+struct SummedInputs {
+  MotionBetween between;
+  Eigen::Matrix3d R_from;  ///< attitude at the frame before
+  double forgotten_s;      ///< samples are missing: for so long they depend on that attitude
+};
+
 /// One frame: state, theta along the free directions, and the inputs since the frame before.
 struct WindowFrame {
   NavigationState nav;
@@ -58,6 +67,7 @@ struct WindowFrame {
   /// How far the biases may have stepped since the frame before, beside their walk (standard deviation)
   /// [rad/s], [m/s^2].
   double gyro_step = 0.0, accel_step = 0.0;
+  std::shared_ptr<const SummedInputs> inputs{};  ///< `steps`, while a solver goes over them again and again
 
   [[nodiscard]] double duration() const;  ///< of the steps [s]
 };
@@ -99,7 +109,8 @@ struct WindowNormal {
   Eigen::VectorXd g, g_points;
 };
 
-/// How the inputs to a frame disagree with the states on either side of them.
+/// How the inputs to a frame disagree with the states on either side of them; IMU: position and velocity in
+/// the axes of the earlier body.
 struct MotionResidual {
   Eigen::VectorXd e;     ///< the later state without the predicted one
   Eigen::MatrixXd J, F;  ///< of e: by the later state, and minus that by the earlier one
@@ -108,6 +119,11 @@ struct MotionResidual {
 
 [[nodiscard]] MotionResidual motion_residual(const WindowModel& model, const WindowState& state,
                                              std::size_t frame);
+
+/// Sums up the inputs to each frame, where that was not done about these states or ones like them. As long as
+/// they are kept neither the model's noise nor `steps` may change.
+void sum_up_inputs(const WindowModel& model, WindowState& state);
+void forget_sums(WindowState& state);
 
 /// How much noisier the IMU is than assumed, by how far a solution stands off what it measured: squared
 /// residuals over what is expected of them, n - tr(Q^-1 C) with C their covariance in the solution. 1 where

@@ -100,6 +100,7 @@ struct Trial {
 };
 
 Trial trial_at(const WindowModel& model, WindowState state, WindowNormal& spare) {
+  sum_up_inputs(model, state);
   WindowNormal normal = linearise(model, state, std::exchange(spare, {}));
   return {std::move(state), std::move(normal)};
 }
@@ -134,14 +135,7 @@ Trial best_after(const WindowModel& model, const WindowState& state, const Windo
   return out;
 }
 
-}  // namespace
-
-double promised_decrease(const WindowNormal& normal) {
-  const std::optional<Step> step = step_of(normal, 0.0);
-  return step ? promised_decrease(normal, *step) : std::numeric_limits<double>::infinity();
-}
-
-WindowNormal solve_window(const WindowModel& model, WindowState& state, int iterations) {
+WindowNormal come_down(const WindowModel& model, WindowState& state, int iterations) {
   WindowNormal normal = linearise(model, state);
   double damping = kDampingStart;
   std::optional<Taken> before;
@@ -180,6 +174,20 @@ WindowNormal solve_window(const WindowModel& model, WindowState& state, int iter
   }
   normal.left = promised_decrease(normal);
   return normal;
+}
+
+}  // namespace
+
+double promised_decrease(const WindowNormal& normal) {
+  const std::optional<Step> step = step_of(normal, 0.0);
+  return step ? promised_decrease(normal, *step) : std::numeric_limits<double>::infinity();
+}
+
+WindowNormal solve_window(const WindowModel& model, WindowState& state, int iterations) {
+  sum_up_inputs(model, state);
+  WindowNormal out = come_down(model, state, iterations);
+  forget_sums(state);
+  return out;
 }
 
 MatrixXd frame_covariance(const WindowNormal& normal) {

@@ -10,8 +10,8 @@ namespace {
 
 /// Over which velocity is gained [s]: about as long as images take to tell the accelerometer's noise apart.
 constexpr double kGain = 0.5;
-constexpr double kMemory = 10.0;       // [s]
-constexpr double kLongestStep = 0.75;  // [s] between frames: longer ones are a gap
+constexpr double kExcitationMemory = 10.0;  // [s]
+constexpr double kLongestFrame = 0.75;      // [s] between frames: longer ones are a gap
 
 }  // namespace
 
@@ -19,7 +19,7 @@ ScaleExcitation::ScaleExcitation(double accel_density) : density_(accel_density)
 
 void ScaleExcitation::add(std::int64_t t_ns, const Eigen::Vector3d& v_world_body) {
   const double dt = last_.empty() ? 0.0 : seconds_between(last_.back().t_ns, t_ns);
-  if (dt > kLongestStep) {
+  if (dt > kLongestFrame) {
     last_.clear();
   }
   last_.push_back({t_ns, v_world_body});
@@ -31,7 +31,7 @@ void ScaleExcitation::add(std::int64_t t_ns, const Eigen::Vector3d& v_world_body
     return;
   }
   const double square = (v_world_body - last_.front().v).squaredNorm() * (kGain / over_s);
-  seen_s_ = std::min(seen_s_ + dt, kMemory);
+  seen_s_ = std::min(seen_s_ + dt, kExcitationMemory);
   mean_square_ += (dt / seen_s_) * (square - mean_square_);
 }
 

@@ -8,7 +8,7 @@
 
 #include "blocks.hpp"
 #include "limber/measure/stereo_model.hpp"
-#include "limber/smooth/motion_between.hpp"
+#include "limber/predict/motion_between.hpp"
 
 /// The terms of the least-squares problem: whitened residuals with hand-made derivatives.
 namespace limber::detail {

@@ -12,7 +12,7 @@
 #include "limber/core/time.hpp"
 #include "limber/measure/stereo_model.hpp"
 #include "limber/predict/input_checks.hpp"
-#include "limber/smooth/motion_between.hpp"
+#include "limber/predict/motion_between.hpp"
 #include "limber/smooth/unsolvable_error.hpp"
 
 namespace limber::detail {

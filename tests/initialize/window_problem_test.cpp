@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cstdlib>
 
 #include "check_covariance.hpp"
@@ -113,6 +114,69 @@ TEST(WindowProblem, CovarianceOfTheFramesIsThatOfTheWholeProblem) {
   const VectorXd scale = P.diagonal().cwiseSqrt().cwiseInverse();
   const MatrixXd dense = whole(normal).ldlt().solve(MatrixXd::Identity(whole(normal).rows(), n));
   EXPECT_LE((scale.asDiagonal() * (P - dense.topRows(n)) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+/// Sums that were made at another state, close by, say the same as new ones, and so in gaps.
+void expect_same_residuals(bool gap, double bias_off, double attitude_off) {
+  Problem problem(MotionModel::kImu, 6);
+  if (gap) {
+    for (WindowFrame& frame : problem.state.frames) {
+      for (std::size_t i = 2; i < std::min<std::size_t>(frame.steps.size(), 6); ++i) {
+        frame.steps[i].linear_unknown.memory = frame.steps[i].angular_unknown.memory = 0.3;
+      }
+    }
+  }
+  sum_up_inputs(problem.model, problem.state);
+  const auto first_sums = problem.state.frames[2].inputs;
+  for (WindowFrame& frame : problem.state.frames) {
+    frame.nav.bias_gyro.x() += bias_off;
+    frame.nav.bias_accel.y() += 10.0 * bias_off;
+    frame.nav.T_world_body.R *= so3_exp(Eigen::Vector3d(attitude_off, 0.0, 0.0));
+  }
+  sum_up_inputs(problem.model, problem.state);
+  // What is far off, or in a gap, is summed up anew.
+  EXPECT_EQ(problem.state.frames[2].inputs == first_sums, !gap && bias_off < 0.01);
+  WindowState anew = problem.state;
+  forget_sums(anew);
+  for (std::size_t k = 1; k < anew.frames.size(); ++k) {
+    const MotionResidual fast = motion_residual(problem.model, problem.state, k);
+    const MotionResidual slow = motion_residual(problem.model, anew, k);
+    const VectorXd sigma = slow.Q.diagonal().cwiseSqrt();
+    EXPECT_LE((fast.e - slow.e).cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 0.02) << k;
+    EXPECT_LE((fast.F - slow.F).cwiseAbs().maxCoeff(), 1e-3) << k;
+    EXPECT_LE((fast.Q - slow.Q).norm(), 1e-3 * slow.Q.norm()) << k;
+  }
+}
+
+TEST(WindowProblem, InputsThatAreSummedUpOnceSayTheSame) {
+  for (const bool gap : {false, true}) {
+    expect_same_residuals(gap, 0.003, 0.05);
+    expect_same_residuals(gap, 0.05, 0.05);
+  }
+}
+
+/// Where all tracks end at once (repeated frames, a blank), the longest 250 are all of one side: the frames
+/// of the other were dead reckoned, and poses 2.4 m off.
+TEST(WindowProblem, NoFrameIsLeftWithoutPoints) {
+  constexpr std::int64_t kPoints = 300;
+  constexpr std::size_t kBreak = 5, kFrames = 20;
+  std::vector<StereoFrame> raw(kFrames);
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    raw[k].t_ns = static_cast<std::int64_t>(k) * 50'000'000;
+    for (std::int64_t id = 0; id < kPoints; ++id) {
+      const Eigen::Vector2d uv(100.0 + static_cast<double>(id), 200.0);
+      raw[k].observations.push_back({id + (k < kBreak ? 0 : kPoints), uv, uv, true, true});
+    }
+  }
+  const std::vector<WindowPoint> points = points_of(Problem(MotionModel::kImu).model, raw);
+  std::vector<int> of_frame(kFrames, 0);
+  for (const WindowPoint& point : points) {
+    for (const WindowSighting& sighting : point.seen) {
+      ++of_frame[sighting.frame];
+    }
+  }
+  EXPECT_EQ(points.size(), 250u);
+  EXPECT_GE(*std::ranges::min_element(of_frame), 100);
 }
 
 /// What FramesFactor rests on.

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "limber/predict/motion_between.hpp"
 #include "limber/sensors/image_cell.hpp"
 #include "limber/sensors/parameters.hpp"
 #include "limber/sensors/samples.hpp"
-#include "limber/smooth/motion_between.hpp"
 #include "limber/state/initial_state.hpp"
 #include "limber/state/state.hpp"
 

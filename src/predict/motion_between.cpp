@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "limber/smooth/motion_between.hpp"
+#include "limber/predict/motion_between.hpp"
 
 #include "limber/core/so3.hpp"
 #include "limber/predict/input_noise.hpp"
+#include "transition_sum.hpp"
 
 namespace limber {
 
@@ -134,11 +135,12 @@ MotionBetween motion_between(MotionModel motion, double dt, std::span<const Inpu
     out.Q = predict_constant_velocity(out.delta, dt, noise.constant_velocity).Q;
     return out;
   }
+  detail::TransitionSum sum(n);
   for (const InputStep& step : inputs) {
-    const Transition part = advance(out.delta, from, motion, step, noise, sample_interval_s, gravity);
-    out.Phi = part.Phi * out.Phi;
-    out.Q = part.Phi * out.Q * part.Phi.transpose() + part.Q;
+    sum.add(advance(out.delta, from, motion, step, noise, sample_interval_s, gravity));
   }
+  out.Phi = sum.sum().Phi;
+  out.Q = sum.sum().Q;
   if (motion == MotionModel::kImu) {
     out.Q.diagonal().tail<6>().array() += kLeastBiasWalk * kLeastBiasWalk;
   }

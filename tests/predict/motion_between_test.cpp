@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "limber/smooth/motion_between.hpp"
+#include "limber/predict/motion_between.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ using testing::random_vector;
 using testing::retracted;
 
 constexpr double kDt = 0.005;
-constexpr double kGravity = 9.81;
+constexpr double kStandardGravity = 9.81;
 constexpr MotionModel kModels[] = {MotionModel::kImu, MotionModel::kOdometry, MotionModel::kConstantVelocity};
 
 std::vector<InputStep> random_steps(Generator& generator, int count) {
@@ -45,7 +45,7 @@ NavigationState predicted(MotionModel motion, const std::vector<InputStep>& step
   for (const InputStep& step : steps) {
     switch (motion) {
       case MotionModel::kImu:
-        (void)predict_imu(state, step.angular, step.linear, step.dt, {}, kGravity);
+        (void)predict_imu(state, step.angular, step.linear, step.dt, {}, kStandardGravity);
         break;
       case MotionModel::kOdometry:
         (void)predict_odometry(state, step.linear, step.angular, step.dt, {});
@@ -64,7 +64,7 @@ TEST(MotionBetween, AgreesWithTheFiltersPrediction) {
     const NavigationState from = random_navigation_state(generator);
     const auto steps = random_steps(generator, 20);
     const MotionError error =
-        motion_error(between(motion, steps, from), from, predicted(motion, steps, from), kGravity);
+        motion_error(between(motion, steps, from), from, predicted(motion, steps, from), kStandardGravity);
     EXPECT_LT(error.error.cwiseAbs().maxCoeff(), 1e-9);
   }
 }
@@ -78,7 +78,8 @@ TEST(MotionBetween, FollowsOtherBiasesToFirstOrder) {
     NavigationState other = from;
     other.bias_gyro += size * Vector3d(1.0, -0.5, 0.7);
     other.bias_accel += size * Vector3d(-0.3, 1.0, 0.4);
-    return motion_error(summed, other, predicted(MotionModel::kImu, steps, other), kGravity).error.norm();
+    return motion_error(summed, other, predicted(MotionModel::kImu, steps, other), kStandardGravity)
+        .error.norm();
   };
   EXPECT_LT(error_with(1e-3), 1e-7);
   EXPECT_NEAR(error_with(2e-2) / error_with(1e-2), 4.0, 0.1);  // what is left is of second order
@@ -95,12 +96,12 @@ TEST(MotionBetween, DerivativesMeetCentralDifferences) {
     const Eigen::Index n = StateLayout{motion}.body_size();
     const NavigationState to =
         retracted(predicted(motion, steps, from), motion, 0.1 * random_normal(generator, n));
-    const MotionError error = motion_error(summed, from, to, kGravity);
+    const MotionError error = motion_error(summed, from, to, kStandardGravity);
     testing::check_jacobian(error.J_from, [&](const VectorXd& d) {
-      return motion_error(summed, retracted(from, motion, d), to, kGravity).error;
+      return motion_error(summed, retracted(from, motion, d), to, kStandardGravity).error;
     });
     testing::check_jacobian(error.J_to, [&](const VectorXd& d) {
-      return motion_error(summed, from, retracted(to, motion, d), kGravity).error;
+      return motion_error(summed, from, retracted(to, motion, d), kStandardGravity).error;
     });
   }
 }
@@ -130,13 +131,14 @@ TEST(MotionBetween, CovarianceIsThatOfManyNoisyRuns) {
       measured[k].linear +=
           truth.bias_accel + per_sample * noise.imu.accel_density * random_normal(generator, 3);
       NavigationState next = unbiased;
-      (void)predict_imu(next, steps[k].angular, steps[k].linear, kDt, {}, kGravity);
+      (void)predict_imu(next, steps[k].angular, steps[k].linear, kDt, {}, kStandardGravity);
       next.bias_gyro = truth.bias_gyro + per_step * noise.imu.gyro_walk * random_normal(generator, 3);
       next.bias_accel = truth.bias_accel + per_step * noise.imu.accel_walk * random_normal(generator, 3);
       truth = next;
     }
     errors.add(
-        motion_error(between(MotionModel::kImu, measured, start, noise), start, truth, kGravity).error);
+        motion_error(between(MotionModel::kImu, measured, start, noise), start, truth, kStandardGravity)
+            .error);
   }
   // Finite steps: the position's noise within a step is known to that accuracy only.
   errors.expect(summed.Q, 0.03);
