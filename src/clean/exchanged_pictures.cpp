@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "clean/spread.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
 
@@ -13,23 +14,6 @@ namespace {
 constexpr double kLongest = 1.0;  // [s] after which the pictures are taken as they are
 constexpr double kClearly = 0.8;  // of what it is the other way
 constexpr double kLeast = 4.0;    // [px] both ways together; less is no exchange to speak of
-
-/// What the median of all is taken away from, then the median of what is left [px].
-double spread(std::vector<Eigen::Vector2d> offsets) {
-  Eigen::Vector2d middle;
-  for (Eigen::Index axis = 0; axis < 2; ++axis) {
-    std::vector<double> values;
-    for (const Eigen::Vector2d& offset : offsets) {
-      values.push_back(offset(axis));
-    }
-    middle(axis) = upper_median(std::move(values));
-  }
-  std::vector<double> distances;
-  for (const Eigen::Vector2d& offset : offsets) {
-    distances.push_back((offset - middle).norm());
-  }
-  return upper_median(std::move(distances));
-}
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "clean/exchanged_pictures.hpp"
+#include "clean/late_right_images.hpp"
 #include "clean/leaping_matches.hpp"
 #include "clean/row_times.hpp"
 #include "clean/stale_tracks.hpp"
@@ -13,9 +14,21 @@
 
 namespace limber {
 
+namespace {
+
+void leave_left_alone(StereoFrame& frame) {
+  std::erase_if(frame.observations, [](StereoObservation& point) {
+    point.in_cam1 = false;
+    return !point.in_cam0;
+  });
+}
+
+}  // namespace
+
 struct FrameCleaner::Steps {
   detail::ExchangedPictures exchanged;
   detail::StaleTracks stale;
+  detail::LateRightImages late;
   detail::LeapingMatches leaping;
   detail::StillPoints still;
   detail::PointThinner thinner;
@@ -25,6 +38,7 @@ struct FrameCleaner::Steps {
 FrameCleaner::FrameCleaner(const StereoCalibration& assumed, const CleaningOptions& options)
     : options_(options),
       steps_(new Steps{{},
+                       {},
                        {},
                        detail::LeapingMatches(assumed),
                        detail::StillPoints(assumed),
@@ -48,6 +62,10 @@ StereoFrame FrameCleaner::clean(StereoFrame frame) {
     const std::size_t stale = steps_->stale.end(frame);
     report_.stale_frames += stale > 0 ? 1 : 0;
     report_.stale_points += stale;
+    if (steps_->late.lag(frame) > 0) {
+      ++report_.late_frames;
+      leave_left_alone(frame);
+    }
     const auto leaps = steps_->leaping.end(frame);
     report_.leapt_matches += leaps.lost;
     report_.rig_jumps += leaps.rig_jumped ? 1 : 0;
@@ -80,6 +98,12 @@ std::vector<std::string> in_words(const CleaningReport& report) {
     out.push_back("in " + std::to_string(report.stale_frames) + of_frames +
                   " the old points stand on the pixels of the frame before, to the last digit: " +
                   std::to_string(report.stale_points) + " points are taken for new ones from there on");
+  }
+  if (report.late_frames > 0) {
+    out.push_back(
+        "in " + std::to_string(report.late_frames) + of_frames +
+        " the right image is that of an earlier frame, or may be: its points lie where the left ones "
+        "were by then, and are not used");
   }
   if (report.still_tracks > 0) {
     out.push_back(std::to_string(report.still_tracks) +

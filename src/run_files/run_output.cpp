@@ -118,15 +118,11 @@ Json to_json(const OdometryNoise& noise) {
 Json to_json(const FrameTime& time) { return {{"p50", time.p50}, {"p99", time.p99}, {"worst", time.worst}}; }
 
 Json to_json(const CleaningReport& report) {
-  return {{"exchanged_frames", report.exchanged_frames},
-          {"put_back_frames", report.put_back_frames},
-          {"stale_frames", report.stale_frames},
-          {"stale_points", report.stale_points},
-          {"still_tracks", report.still_tracks},
-          {"leapt_matches", report.leapt_matches},
-          {"rig_jumps", report.rig_jumps},
-          {"thinned_frames", report.thinned_frames},
-          {"thinned_points", report.thinned_points},
+  return {{"exchanged_frames", report.exchanged_frames}, {"put_back_frames", report.put_back_frames},
+          {"late_frames", report.late_frames},           {"stale_frames", report.stale_frames},
+          {"stale_points", report.stale_points},         {"still_tracks", report.still_tracks},
+          {"leapt_matches", report.leapt_matches},       {"rig_jumps", report.rig_jumps},
+          {"thinned_frames", report.thinned_frames},     {"thinned_points", report.thinned_points},
           {"waiting_points", report.waiting_points}};
 }
 

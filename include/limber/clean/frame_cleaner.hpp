@@ -16,8 +16,8 @@ namespace limber {
 
 /// What a cleaner looks for, and the most points that it leaves in a frame.
 struct CleaningOptions {
-  /// Exchanged images are not used; tracks that were not tracked and matches that leapt are ended. What a
-  /// jump of the rig explains never is.
+  /// Exchanged and late images are not used; tracks that were not tracked and matches that leapt are ended.
+  /// What a jump of the rig explains never is.
   bool clean = true;
   /// Points that go with the camera are ended. Apart, as mistakes are looked for in frames that are else as
   /// they came.
@@ -37,8 +37,9 @@ struct CleaningReport {
   std::size_t exchanged_frames = 0;                ///< whose points are not used
   std::size_t put_back_frames = 0;                 ///< whose images the front end has put back
   std::size_t stale_frames = 0, stale_points = 0;  ///< see FrameCleaner
-  std::size_t still_tracks = 0;                    ///< that go with the camera
-  std::size_t leapt_matches = 0;                   ///< tracks whose right pixels are not used any more
+  std::size_t late_frames = 0;    ///< whose right image is, or may be, an earlier one: not used
+  std::size_t still_tracks = 0;   ///< that go with the camera
+  std::size_t leapt_matches = 0;  ///< tracks whose right pixels are not used any more
   std::size_t rig_jumps = 0;  ///< frames that leap as one change of the rig has them leap: left as they are
   /// crowded frames, and what was left out of them
   std::size_t thinned_frames = 0, thinned_points = 0;
@@ -57,6 +58,13 @@ struct CleaningReport {
 ///   noise and all, the front end has handed out the old positions once more; what it follows from there on
 ///   is other texture. Such points are taken out of that frame and get new ids afterwards. Not while at least
 ///   half of the frames so far are so: a rig that stands still in a world without noise.
+/// - Late right images: where the right pixels of most points stand where the left ones of one of the last
+/// three
+///   frames would have them, to twice their usual scatter, and not where those of this frame do, by four
+///   times that, the right image is of the earlier frame. The frame loses its right pixels, and so do the
+///   next ones until they fit again. Where a jump of the rig would have them there, too, they wait until the
+///   image moves on otherwise, which tells, or for half a second: then it was a jump. Frames that are all
+///   late, from the first on, do not show; nor do frames that hardly differ.
 /// - Still points: dirt on the lens, the vehicle itself. A track that stays within 2.5 px in the left image,
 ///   while the turn of the view, as the other points have it, would have taken its bearing by 25 px or more,
 ///   and still does when that has grown by half, ends, and is withdrawn from the frames before
