@@ -18,7 +18,7 @@ constexpr double kNewest = 0.1;           // of what is usual: weight of a frame
 constexpr double kFits = 2.0;             // times what is usual: the largest miss that says nothing
 constexpr double kOff = 2.0;              // times that: the picture is not of the frame
 constexpr double kClearlyLess = 0.5;      // of the other miss
-constexpr double kLongestDoubt = 0.5;     // [s]
+constexpr double kLongestDoubt = 5.0;     // [s]
 constexpr double kRegular = 1.5;          // times the shortest time between frames: longer, one is missing
 
 }  // namespace
@@ -26,7 +26,7 @@ constexpr double kRegular = 1.5;          // times the shortest time between fra
 /// From the left to the right pixel a point's offset hardly changes from frame to frame. If the right picture
 /// is late, that holds from the left pixel of the earlier frame. A jump of the rig may put all right pixels
 /// there by chance. Then one of both stops fitting as soon as the image moves on otherwise than it did; until
-/// then, or half a second at most, the right pixels wait.
+/// then, or some seconds at most, the right pixels wait.
 std::size_t LateRightImages::lag(const StereoFrame& frame) {
   follow(frame);
   const std::optional<Misses> miss = misses(frame);
@@ -63,7 +63,7 @@ void LateRightImages::follow(const StereoFrame& frame) {
 
 std::optional<LateRightImages::Misses> LateRightImages::misses(const StereoFrame& frame) const {
   std::array<std::vector<Eigen::Vector2d>, kLongestLag + 1> late;
-  std::vector<Eigen::Vector2d> jumped;
+  std::vector<Eigen::Vector2d> as_by_then, jumped;
   for (const StereoObservation& point : frame.observations) {
     if (!point.in_cam0 || !point.in_cam1) {
       continue;
@@ -75,9 +75,12 @@ std::optional<LateRightImages::Misses> LateRightImages::misses(const StereoFrame
     for (std::size_t lag = 0; lag <= kLongestLag; ++lag) {
       late[lag].emplace_back(point.uv_cam1 - track.left[lag] - *track.offset);
     }
-    jumped.emplace_back(point.uv_cam1 - track.left.front() - track.jumped.value_or(*track.offset));
+    if (track.jumped) {
+      as_by_then.emplace_back(point.uv_cam1 - track.left[lag_] - *track.before);
+      jumped.emplace_back(point.uv_cam1 - track.left.front() - *track.jumped);
+    }
   }
-  if (jumped.size() < kFewestPoints) {
+  if (late.front().size() < kFewestPoints) {
     return std::nullopt;
   }
   Misses out{};
@@ -85,7 +88,10 @@ std::optional<LateRightImages::Misses> LateRightImages::misses(const StereoFrame
     out.late[lag] = median_norm(late[lag]);
     out.apart[lag] = spread(std::move(late[lag]));
   }
-  out.jumped = median_norm(jumped);
+  if (jumped.size() >= kFewestPoints) {
+    out.as_by_then = median_norm(as_by_then);
+    out.jumped = median_norm(jumped);
+  }
   return out;
 }
 
@@ -118,17 +124,17 @@ void LateRightImages::judge_of_the_frame(const Misses& miss, std::int64_t t_ns) 
   ++in_step_;
 }
 
+/// Both guesses come to miss as depths change: that alone tells nothing.
 void LateRightImages::judge_in_doubt(const Misses& miss, std::int64_t t_ns) {
-  const double late = miss.late[lag_];
-  if (miss.late.front() <= largest_fit() && miss.late.front() < kClearlyLess * late) {
+  const double now = miss.late.front();
+  const bool tells = std::max(miss.as_by_then, miss.jumped) > largest_fit();
+  offsets_show_ = true;
+  if (now <= largest_fit() && now < kClearlyLess * miss.late[lag_]) {
     is_of_the_frame();
-  } else if (miss.jumped <= largest_fit()) {
-    if (late > largest_fit() || seconds_between(doubted_ns_, t_ns) > kLongestDoubt) {
-      has_jumped();
-    }
-  } else if (late <= largest_fit()) {
+  } else if (tells && miss.as_by_then < kClearlyLess * miss.jumped) {
     picture_ = Picture::kLate;
-  } else {
+  } else if ((tells && miss.jumped < kClearlyLess * miss.as_by_then) ||
+             seconds_between(doubted_ns_, t_ns) > kLongestDoubt) {
     is_of_the_frame();
   }
 }
@@ -156,13 +162,6 @@ void LateRightImages::is_of_the_frame() {
   offsets_show_ = true;
 }
 
-void LateRightImages::has_jumped() {
-  is_of_the_frame();
-  for (auto& [id, track] : tracks_) {
-    track.offset = track.jumped;
-  }
-}
-
 /// Where the image hardly moves a late picture looks like any other: known offsets stay.
 void LateRightImages::learn_offsets(const StereoFrame& frame) {
   for (const StereoObservation& point : frame.observations) {
@@ -170,13 +169,15 @@ void LateRightImages::learn_offsets(const StereoFrame& frame) {
       continue;
     }
     Track& track = tracks_.at(point.track_id);
+    if (picture_ != Picture::kInDoubt) {
+      track.before.reset();
+      track.jumped.reset();
+    } else if (doubted_ns_ == frame.t_ns && track.offset) {
+      track.before = track.offset;
+      track.jumped = point.uv_cam1 - track.left.front();
+    }
     if (track.seen > lag_ && (offsets_show_ || !track.offset)) {
       track.offset = point.uv_cam1 - track.left[lag_];
-    }
-    if (picture_ != Picture::kInDoubt) {
-      track.jumped.reset();
-    } else if (!track.jumped) {
-      track.jumped = point.uv_cam1 - track.left.front();
     }
   }
 }

@@ -24,14 +24,16 @@ class LateRightImages {
   struct Track {
     std::array<Eigen::Vector2d, kLongestLag + 1> left;  // the last ones, the newest first [px]
     std::size_t seen = 0;                               // how many of them, one frame after the other
-    // From the left to the right pixel of one instant: as it was, and as it is since if the rig has jumped.
-    std::optional<Eigen::Vector2d> offset, jumped;
+    std::optional<Eigen::Vector2d> offset;              // from the left to the right pixel of one instant
+    // Of the frame in which doubt began: the offset before it, and that of the frame if the rig has jumped.
+    std::optional<Eigen::Vector2d> before, jumped;
   };
   /// How far the right pixels are from where they were to come, half of them [px].
   struct Misses {
     std::array<double, kLongestLag + 1> late;   ///< if the picture is so many frames late
     std::array<double, kLongestLag + 1> apart;  ///< the same, but for what all have in common
-    double jumped = 0.0;                        ///< if the rig has jumped
+    // The same, by the offsets when doubt began: if the picture is late as by then, if the rig jumped then.
+    double as_by_then = 0.0, jumped = 0.0;
   };
   enum class Picture { kOfTheFrame, kInDoubt, kLate };
 
@@ -43,7 +45,6 @@ class LateRightImages {
   void judge_late(const Misses& miss);
   [[nodiscard]] double largest_fit() const;
   void is_of_the_frame();
-  void has_jumped();
   void learn_offsets(const StereoFrame& frame);
 
   std::unordered_map<std::int64_t, Track> tracks_;  // of the last frame

@@ -274,11 +274,24 @@ void StartWindow::settle_solution() {
   clean_and_cover();
 }
 
-/// Takes mismatches out of the solution; what it knows then. One that leaves hardly a point is none.
-void StartWindow::clean_and_cover() {
-  const auto fewest = kFewestKept * static_cast<double>(solution->points.size());
-  for (int round = 0; round < kCleanings && drop_mismatches(model, *solution) > 0; ++round) {
+/// Takes mismatches out of the solution, but for the frames from `end` on.
+void StartWindow::clean(std::size_t end) {
+  for (int round = 0; round < kCleanings && drop_mismatches(model, *solution, end) > 0; ++round) {
     normal = settled(*solution);
+  }
+}
+
+/// The solution without mismatches; what it knows then. One that leaves hardly a point is none. Where inputs
+/// fail at its end, pixels that say so are no mismatches: they stay, and the misfit shows it.
+void StartWindow::clean_and_cover() {
+  const WindowState whole = *solution;
+  const auto fewest = kFewestKept * static_cast<double>(whole.points.size());
+  clean(whole.frames.size());
+  const std::size_t contradicted = contradicted_from(whole, *solution);
+  if (contradicted < whole.frames.size() && model.options.motion == MotionModel::kImu) {
+    solution = whole;
+    normal = settled(*solution);
+    clean(contradicted);
   }
   covariance = frame_covariance(normal);
   if (covariance.size() == 0 || static_cast<double>(solution->points.size()) < fewest) {

@@ -107,6 +107,7 @@ struct StartWindow {
   [[nodiscard]] double good_fit() const;
   void settle_solution();
   void shift_parameters() { shifted = shifted_solutions(model, *solution); }
+  void clean(std::size_t end);
   void clean_and_cover();
   /// @return whether the solution is another one, because the IMU is noisier than it was taken for
   bool learn_imu_noise();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,7 @@ constexpr double kMedianOfNorm = 1.1774;  // of a two-dimensional Gaussian of un
 constexpr double kNotProjected = 1e9;
 constexpr double kFinePixels = 0.15;  // [px]
 constexpr double kFewBeyond = 0.1;    // of all pixels
+constexpr double kMany = 0.25;        // of a frame's
 // Inverse depths times the baseline: nearer than it, or that far behind the camera, is no point.
 constexpr double kNearestPoint = 1.0, kFarBehind = -0.1;
 /// Baselines to the usual point, at least: a map whose scale nothing tells may have shrunk to any size.
@@ -28,6 +30,7 @@ constexpr double kUsualDepth = 20.0;
 struct View {
   bool* used;
   double norm;  // of its residual, whitened
+  std::size_t frame;
 };
 
 std::vector<View> views(const WindowModel& model, WindowState& state) {
@@ -45,8 +48,8 @@ std::vector<View> views(const WindowModel& model, WindowState& state) {
             project_point(rig[cam], point_in_body(state, rig, cam, point, sighting.frame));
         const Vector2d sigma = model.options.sigma_px.segment<2>(2 * static_cast<Eigen::Index>(cam));
         const Vector2d& uv = cam == 0 ? o.uv_cam0 : o.uv_cam1;
-        out.push_back(
-            {&used, projection ? (uv - projection->uv).cwiseQuotient(sigma).norm() : kNotProjected});
+        const double norm = projection ? (uv - projection->uv).cwiseQuotient(sigma).norm() : kNotProjected;
+        out.push_back({&used, norm, sighting.frame});
       };
       add(0, o.in_cam0);
       add(1, o.in_cam1);
@@ -65,6 +68,17 @@ double unit_of_length(const WindowModel& model, const WindowState& state) {
   const double usual = median_inverse_depth(state);
   const double baseline = model.calibration.baseline();
   return usual * baseline * kUsualDepth > 1.0 ? 1.0 / (usual * kUsualDepth) : baseline;
+}
+
+std::vector<double> pixels_of_frames(const WindowState& state) {
+  std::vector<double> out(state.frames.size(), 0.0);
+  for (const WindowPoint& point : state.points) {
+    for (const WindowSighting& sighting : point.seen) {
+      const StereoObservation& o = sighting.observation;
+      out[sighting.frame] += (o.in_cam0 ? 1.0 : 0.0) + (o.in_cam1 ? 1.0 : 0.0);
+    }
+  }
+  return out;
 }
 
 /// Of mismatches alone points can be made that fit, somewhere: they tell nothing, and make the equations
@@ -102,7 +116,20 @@ void drop_unreachable(const WindowModel& model, WindowState& state) {
   }
 }
 
-std::size_t drop_mismatches(const WindowModel& model, WindowState& state) {
+std::size_t contradicted_from(const WindowState& whole, const WindowState& without_mismatches) {
+  const std::size_t frames = whole.frames.size();
+  const std::vector<double> before = pixels_of_frames(whole), after = pixels_of_frames(without_mismatches);
+  std::size_t from = frames;
+  while (from > 0 && after[from - 1] < (1.0 - kMany) * before[from - 1]) {
+    --from;
+  }
+  const auto sum = [from](const std::vector<double>& of) {
+    return std::accumulate(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(from), 0.0);
+  };
+  return sum(after) > (1.0 - kFewBeyond) * sum(before) ? from : frames;
+}
+
+std::size_t drop_mismatches(const WindowModel& model, WindowState& state, std::size_t end) {
   const std::vector<View> all = views(model, state);
   if (all.empty()) {
     return 0;
@@ -115,7 +142,7 @@ std::size_t drop_mismatches(const WindowModel& model, WindowState& state) {
   const double limit = kGross * std::max(upper_median(norms) / kMedianOfNorm, least);
   std::size_t dropped = 0;
   for (const View& view : all) {
-    if (view.norm > limit) {
+    if (view.norm > limit && view.frame < end) {
       *view.used = false;
       ++dropped;
     }

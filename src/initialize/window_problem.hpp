@@ -150,8 +150,13 @@ void forget_sums(WindowState& state);
 
 /// @brief Takes out of a solution the pixels that are mismatched: the robust loss bounds what each pulls, but
 /// they still pull, and count as information. Points of which nothing is left go, and those that can be none.
+/// @param end  pixels of this frame and of those after it stay
 /// @return how many pixels and points
-std::size_t drop_mismatches(const WindowModel& model, WindowState& state);
+std::size_t drop_mismatches(const WindowModel& model, WindowState& state, std::size_t end);
+
+/// @brief The first of the frames at the end of a solution that lost more than a quarter of their pixels as
+/// mismatches, where the others lost few: it is the inputs that contradict them. Else the number of frames.
+[[nodiscard]] std::size_t contradicted_from(const WindowState& whole, const WindowState& without_mismatches);
 
 /// @brief Takes out of a guess the pixels that are off by more than an image: a camera that is guessed to
 /// pass a point sees it anywhere, and along such residuals no step is short enough. Not where many are.

@@ -80,6 +80,25 @@ TEST(SensorStart, TakesNoFinePatchesThatDriftForAFault) {
   EXPECT_TRUE(started.result.unused.empty());
 }
 
+/// A gyro that steps in the last tenth of a window turns its last frames away from their points. Those went
+/// as mismatches, the rest fitted, and the filter took over an attitude that was off.
+TEST(SensorStart, WhatAFaultAtItsEndContradictsIsNoMismatch) {
+  SceneOptions long_one = of_seed(1);
+  long_one.duration_s = 3.5;
+  Scene scene = make_scene(long_one);
+  const std::int64_t step_ns = scene.frames.front().t_ns + 2'850'000'000;
+  for (InputSample& sample : scene.inputs) {
+    sample.angular.z() += sample.t_ns > step_ns ? 0.3 : 0.0;
+  }
+  StartOptions how;
+  how.scale_sigma = how.open_scale_sigma = 1e-6;  // never known
+  how.longest_s = how.longest_moving_s = 3.0;
+  const Started started = start(scene, options_of(scene, Method::kLcekf), how);
+  EXPECT_TRUE(started.result.bias_step_ns ||
+              started.report.missing.find("agree no more") != std::string::npos)
+      << started.report.missing;
+}
+
 /// A filter that took over by then would be sure of a scale that nobody knows.
 TEST(SensorStart, OfABodyThatMovesWaitsForTheScaleLongerThanOfOneAtRest) {
   const Scene scene = make_scene(of_seed(1));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "initialize/window_guess.hpp"
 #include "initialize/window_problem.hpp"
 #include "limber/core/so3.hpp"
@@ -57,11 +59,11 @@ WindowState shrunk(const Seen& seen, double by) {
 TEST(WindowOutliers, AreTheSameInAMapThatHasShrunkWhereNothingTellsTheScale) {
   const Seen seen = seen_from_truth();
   WindowState as_it_is = seen.state;
-  const std::size_t dropped = drop_mismatches(seen.model, as_it_is);
+  const std::size_t dropped = drop_mismatches(seen.model, as_it_is, as_it_is.frames.size());
   EXPECT_LE(dropped, 1u);
   for (const double by : {0.1, 0.01}) {
     WindowState state = shrunk(seen, by);
-    EXPECT_EQ(drop_mismatches(seen.model, state), dropped) << by;
+    EXPECT_EQ(drop_mismatches(seen.model, state, state.frames.size()), dropped) << by;
     EXPECT_EQ(state.points.size(), as_it_is.points.size()) << by;
   }
 }
@@ -71,7 +73,7 @@ TEST(WindowOutliers, APointThatIsNowhereIsDropped) {
   for (const double nowhere : {1e3, -1e2}) {
     WindowState state = seen.state;
     state.points.front().landmark.value.z() = nowhere;
-    EXPECT_GT(drop_mismatches(seen.model, state), 0u) << nowhere;
+    EXPECT_GT(drop_mismatches(seen.model, state, state.frames.size()), 0u) << nowhere;
     EXPECT_EQ(state.points.size(), seen.state.points.size() - 1) << nowhere;
   }
 }
@@ -85,7 +87,7 @@ TEST(WindowOutliers, AreSeenAmongFinePixelsWhereNobodyStatesTheirNoise) {
   for (const bool stated : {true, false}) {
     seen.model.options.learn_pixel_noise = !stated;
     WindowState state = seen.state;
-    (void)drop_mismatches(seen.model, state);
+    (void)drop_mismatches(seen.model, state, state.frames.size());
     EXPECT_EQ(state.points.front().seen.front().observation.in_cam0, stated);
   }
 }
@@ -123,8 +125,33 @@ TEST(WindowOutliers, APointThatOnlyTheRightCameraSeesIsDropped) {
   for (WindowSighting& sighting : state.points.front().seen) {
     sighting.observation.in_cam0 = false;
   }
-  (void)drop_mismatches(seen.model, state);
+  (void)drop_mismatches(seen.model, state, state.frames.size());
   EXPECT_NE(state.points.front().landmark.track_id, seen.state.points.front().landmark.track_id);
+}
+
+/// Ten frames that see twenty points each. @param lost  share of a frame's pixels that went
+WindowState losing(const std::function<double(std::size_t)>& lost) {
+  WindowState out;
+  out.frames.resize(10);
+  out.points.resize(20);
+  for (std::size_t j = 0; j < out.points.size(); ++j) {
+    for (std::size_t k = 0; k < out.frames.size(); ++k) {
+      const bool stays = static_cast<double>(j) >= 20.0 * lost(k);
+      out.points[j].seen.push_back({k, {static_cast<std::int64_t>(j), {}, {}, stays, stays}});
+    }
+  }
+  return out;
+}
+
+TEST(WindowOutliers, AreNoneWhereTheEndOfAWindowLosesMostOfItsPixels) {
+  const WindowState whole = losing([](std::size_t) { return 0.0; });
+  const auto from = [&](const std::function<double(std::size_t)>& lost) {
+    return contradicted_from(whole, losing(lost));
+  };
+  EXPECT_EQ(from([](std::size_t k) { return k < 7 ? 0.05 : 0.5; }), 7u);
+  EXPECT_EQ(from([](std::size_t k) { return k == 4 ? 1.0 : 0.0; }), 10u) << "a bad image";
+  EXPECT_EQ(from([](std::size_t) { return 0.3; }), 10u) << "mismatches all along";
+  EXPECT_EQ(from([](std::size_t k) { return k < 7 ? 0.2 : 0.5; }), 10u);
 }
 
 }  // namespace
