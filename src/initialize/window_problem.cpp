@@ -220,11 +220,13 @@ void forget_sums(WindowState& state) {
 }
 
 MotionResidual motion_residual(const WindowModel& model, const WindowState& state, std::size_t frame) {
-  const std::shared_ptr<const SummedInputs>& known = state.frames[frame].inputs;
-  const MotionBetween between = known ? known->between : summed(model, state, frame).between;
-  MotionError error =
-      motion_error(between, state.frames[frame - 1].nav, state.frames[frame].nav, model.options.gravity);
-  return {std::move(error.error), std::move(error.J_to), -error.J_from, between.Q};
+  std::shared_ptr<const SummedInputs> inputs = state.frames[frame].inputs;
+  if (!inputs) {
+    inputs = std::make_shared<const SummedInputs>(summed(model, state, frame));
+  }
+  MotionError error = motion_error(inputs->between, state.frames[frame - 1].nav, state.frames[frame].nav,
+                                   model.options.gravity);
+  return {std::move(error.error), std::move(error.J_to), -error.J_from, inputs->between.Q};
 }
 
 BodyPoint point_in_body(const WindowState& state, const MountedRig& rig, std::size_t cam,

@@ -59,11 +59,10 @@ struct CleaningReport {
 ///   is other texture. Such points are taken out of that frame and get new ids afterwards. Not while at least
 ///   half of the frames so far are so: a rig that stands still in a world without noise.
 /// - Late right images: where the right pixels of most points stand where the left ones of one of the last
-/// three
-///   frames would have them, to twice their usual scatter, and not where those of this frame do, by four
-///   times that, the right image is of the earlier frame. The frame loses its right pixels, and so do the
-///   next ones until they fit again. Where a jump of the rig would have them there, too, they wait until the
-///   image moves on otherwise, which tells, or for five seconds: then it was a jump. Frames that are all
+///   three frames would have them, to twice their usual scatter, and not where those of this frame do, by
+///   four times that, the right image is of the earlier frame. The frame loses its right pixels, and so do
+///   the next ones until they fit again. Where a jump of the rig would have them there, too, they wait until
+///   the image moves on otherwise, which tells, or for five seconds: then it was a jump. Images that are all
 ///   late, from the first on, do not show; nor do frames that hardly differ.
 /// - Still points: dirt on the lens, the vehicle itself. A track that stays within 2.5 px in the left image,
 ///   while the turn of the view, as the other points have it, would have taken its bearing by 25 px or more,
