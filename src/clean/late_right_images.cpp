@@ -50,7 +50,7 @@ void LateRightImages::follow(const StereoFrame& frame) {
     Track& track = now[point.track_id];
     const auto before = tracks_.find(point.track_id);
     if (before != tracks_.end()) {
-      track = before->second;
+      track = std::move(before->second);
       track.seen = missing ? 0 : track.seen;
       std::shift_right(track.left.begin(), track.left.end(), 1);
     }

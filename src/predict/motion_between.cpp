@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "limber/predict/motion_between.hpp"
 
+#include <utility>
+
 #include "limber/core/so3.hpp"
 #include "limber/predict/input_noise.hpp"
 #include "transition_sum.hpp"
@@ -139,8 +141,9 @@ MotionBetween motion_between(MotionModel motion, double dt, std::span<const Inpu
   for (const InputStep& step : inputs) {
     sum.add(advance(out.delta, from, motion, step, noise, sample_interval_s, gravity));
   }
-  out.Phi = sum.sum().Phi;
-  out.Q = sum.sum().Q;
+  Transition whole = sum.sum();
+  out.Phi = std::move(whole.Phi);
+  out.Q = std::move(whole.Q);
   if (motion == MotionModel::kImu) {
     out.Q.diagonal().tail<6>().array() += kLeastBiasWalk * kLeastBiasWalk;
   }
