@@ -76,6 +76,10 @@ std::optional<ParameterEvidence> StereoFilter::gathered(const ParameterErrorMode
   return out;
 }
 
+bool StereoFilter::seems_misled(std::int64_t t_ns) const {
+  return rig_accused_ns_ && seconds_between(*rig_accused_ns_, t_ns) <= kMisled;
+}
+
 /// What is learned of pixels and inputs. Nothing where a filter that trusts the rig is misled by it: what is
 /// off then is neither.
 void StereoFilter::learn_noise(const ParameterErrorModel& model, const UpdateReport& update,
@@ -91,7 +95,7 @@ void StereoFilter::learn_noise(const ParameterErrorModel& model, const UpdateRep
   if (accuses_rig(rest.explained, scatter)) {
     rig_accused_ns_ = correction.t_ns;
   }
-  if (rig_accused_ns_ && seconds_between(*rig_accused_ns_, correction.t_ns) <= kMisled) {
+  if (seems_misled(correction.t_ns)) {
     return;
   }
   if (pixel_noise_) {

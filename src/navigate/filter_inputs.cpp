@@ -17,6 +17,7 @@ namespace limber {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
 using namespace detail;
 
 namespace {
@@ -25,11 +26,16 @@ namespace {
 constexpr double kNeverGivenATime = 60.0;
 /// Where theta is trusted or estimated a wrong rig moves the pose, too: only what no rig can do counts [-].
 constexpr double kTrustingFactor = 30.0;
+/// The same of steps of the biases, which a rig does not look like: where no frame accuses it, and where one
+/// does.
+constexpr double kStepWhereRigIsTrusted = 16.0, kStepWhereRigIsAccused = 60.0;
 /// Largest biases that a contradiction opens [rad/s], [m/s^2].
 constexpr double kLargestBiasGyro = 0.2, kLargestBiasAccel = 2.0;
-constexpr double kFastest = 1e3;       // [m/s]: faster is broken
-constexpr double kFarthest = 1e8;      // [m]
-constexpr double kTooBlind = 0.15;     // [rad], of turn between two updates that nobody saw
+constexpr double kStepAge = 1.0;    // [s], after which steps of the biases are supposed to begin anew
+constexpr double kQuiet = 6.0;      // of the alarm's statistic: what 6 degrees of freedom show of themselves
+constexpr double kFastest = 1e3;    // [m/s]: faster is broken
+constexpr double kFarthest = 1e8;   // [m]
+constexpr double kTooBlind = 0.15;  // [rad], of turn between two updates that nobody saw
 constexpr double kAnewAttitude = 0.1;  // [rad], least uncertainty after a new beginning
 constexpr double kAnewVelocity = 1.0;  // [m/s]
 constexpr double kAnewPosition = 1.0;  // [m]
@@ -169,30 +175,70 @@ void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& r
     counted.covariance *= kTrustingFactor;
   }
   InputContradiction found;
-  const bool contradicted = input_alarm_.judge(counted, found);
+  const bool contradicted = input_alarm_.judge(counted, found) || judge_bias_step(correction, found);
   report.inputs.chi2 = input_alarm_.statistic() * (blind_to_rig ? 1.0 : kTrustingFactor);
   if (contradicted) {
     report.inputs.status = std::max(report.inputs.status, InputStatus::kContradicted);
     report.inputs.contradiction = found;
     distrust_inputs(found);
+  } else if (estimate_.layout().has_bias_step && input_alarm_.statistic() < kQuiet &&
+             seconds_between(bias_step_ns_, estimate_.nav().t_ns) >= kStepAge) {
+    restart_bias_step();
   }
 }
 
+/// By how much a wrong rig or lens may enlarge what steps of the biases explain [-].
+double StereoFilter::doubt_of_bias_step() const {
+  if (is_blind_to_rig()) {
+    return 1.0;
+  }
+  return seems_misled(estimate_.nav().t_ns) ? kStepWhereRigIsAccused : kStepWhereRigIsTrusted;
+}
+
+bool StereoFilter::judge_bias_step(const PoseCorrection& correction, InputContradiction& found) {
+  if (!estimate_.layout().has_bias_step) {
+    return false;
+  }
+  const Estimate::BiasStep step = estimate_.bias_step();
+  Vector6 prior;
+  prior << Eigen::Vector3d::Constant(kLargestBiasGyro), Eigen::Vector3d::Constant(kLargestBiasAccel);
+  const Eigen::Matrix<double, 6, 6> weight = prior.cwiseAbs2().cwiseInverse().asDiagonal();
+  const Vector6 best = (step.information + weight).ldlt().solve(step.evidence);
+  return input_alarm_.judge_step(correction, {step.evidence.dot(best), doubt_of_bias_step(), best}, found);
+}
+
+/// What the biases may have moved by [rad/s], [m/s^2], and what that did to everything else.
+void StereoFilter::open_bias_step(double gyro, double accel) {
+  Vector6 sigma;
+  sigma << Eigen::Vector3d::Constant(std::min(gyro, kLargestBiasGyro)),
+      Eigen::Vector3d::Constant(std::min(accel, kLargestBiasAccel));
+  estimate_.suppose_bias_step(sigma);
+  restart_bias_step();
+}
+
+void StereoFilter::restart_bias_step() {
+  estimate_.restart_bias_step();
+  bias_step_ns_ = estimate_.nav().t_ns;
+}
+
 void StereoFilter::distrust_inputs(const InputContradiction& found) {
+  if (excitation_) {
+    excitation_->jump();
+  }
+  if (found.bias_step) {
+    open_bias_step(found.bias_step->head<3>().norm(), found.bias_step->tail<3>().norm());
+    return;
+  }
   const double turn = found.turn / found.dt, speed = found.shift / found.dt;
   const auto open = [&](Index at, double sigma) {
     estimate_.mutable_P().set_diagonal_block(
         at, estimate_.P().diagonal_block<3>(at) + sigma * sigma * Eigen::Matrix3d::Identity());
   };
   const bool imu = options_.motion == MotionModel::kImu;
-  if (excitation_) {
-    excitation_->jump();
-  }
   open(StateLayout::kAttitude, found.turn);
   if (imu) {
     open(StateLayout::kVelocity, speed);
-    open(StateLayout::kBiasGyro, std::min(turn, kLargestBiasGyro));
-    open(StateLayout::kBiasAccel, std::min(speed / InputAlarm::kCalm, kLargestBiasAccel));
+    open_bias_step(turn, speed / InputAlarm::kCalm);
   }
   const double of_turn = turn * turn * found.dt;
   const double of_speed = speed * speed * (imu ? 1.0 / InputAlarm::kCalm : found.dt);

@@ -149,6 +149,7 @@ void StereoFilter::copy_state(const StereoFilter& constrained) {
   estimate_ = constrained.estimate_;
   inputs_ = constrained.inputs_;
   checks_ = constrained.checks_;
+  bias_step_ns_ = constrained.bias_step_ns_;
   distrust_ = constrained.distrust_;
   trusted_again_ns_ = constrained.trusted_again_ns_;
   omega_input_ = constrained.omega_input_;

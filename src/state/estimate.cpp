@@ -53,6 +53,9 @@ Estimate::Estimate(StateLayout layout, const NavigationState& nav_state, const M
   if (layout.has_odometry_scale) {
     P_.set_diagonal_block(layout.odometry_scale(), Matrix3d::Identity());
   }
+  if (layout.has_bias_step) {
+    restart_bias_step();
+  }
 }
 
 const Landmark* Estimate::find(std::int64_t track_id) const {
@@ -88,6 +91,9 @@ void Estimate::retract(const Eigen::VectorXd& dx, const ScaleShares& grows) {
   retract_parameters(dx);
   if (layout_.has_witness) {
     witness_ += dx.segment<6>(layout_.witness());
+  }
+  if (layout_.has_bias_step) {
+    bias_step_ += dx.segment<6>(layout_.bias_step());
   }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     retract_triplet(active_blocks_[k],

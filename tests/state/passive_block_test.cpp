@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "random_matrix.hpp"
 #include "small_map.hpp"
 
 /// The passive block against its slow twin: one dense mean and covariance of everything, in which nobody
@@ -20,14 +21,10 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using testing::Generator;
+using testing::random_matrix;
 using testing::random_positive_definite;
 
 constexpr Index kBody = 6;
-
-MatrixXd random_matrix(Generator& generator, Index rows, Index cols) {
-  std::normal_distribution<double> draw;
-  return MatrixXd::NullaryExpr(rows, cols, [&] { return draw(generator); });
-}
 
 /// Triplets have names, 0, 1, ...; the twin holds triplet `name` at kBody + 3 name for ever.
 class Pair {

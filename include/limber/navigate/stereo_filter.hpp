@@ -178,6 +178,10 @@ class StereoFilter {
   [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);
   [[nodiscard]] bool is_blind_to_rig() const;
   void judge_inputs(const PoseCorrection& correction, FrameReport& report);
+  [[nodiscard]] double doubt_of_bias_step() const;
+  [[nodiscard]] bool judge_bias_step(const PoseCorrection& correction, InputContradiction& found);
+  void open_bias_step(double gyro, double accel);
+  void restart_bias_step();
   [[nodiscard]] bool is_broken() const;
   void begin_anew();
   std::size_t forget(const StereoFrame& frame);
@@ -222,6 +226,8 @@ class StereoFilter {
   [[nodiscard]] bool tells_length() const { return has_scale(options_.motion) && scale_told_; }
   void learn_from(const ParameterErrorModel& model, const UpdateReport& update, double dt,
                   FrameReport& report);
+  /// A frame accused the rig a moment ago, which this filter trusts.
+  [[nodiscard]] bool seems_misled(std::int64_t t_ns) const;
   void learn_noise(const ParameterErrorModel& model, const UpdateReport& update,
                    const PoseCorrection& correction, const FrameReport& report);
   [[nodiscard]] PixelNoise sigma_px() const {
@@ -243,7 +249,8 @@ class StereoFilter {
   bool postpones_epoch_ = false;
   bool has_processed_ = false;  // a frame: from then on what is older than the state comes too late
   InputAlarm input_alarm_;
-  MoreNoise distrust_;  // what the images said against the inputs, for a while
+  std::int64_t bias_step_ns_ = 0;  // steps of biases are supposed to have begun then
+  MoreNoise distrust_;             // what the images said against the inputs, for a while
   std::int64_t trusted_again_ns_ = std::numeric_limits<std::int64_t>::min();
   double blind_turn_ = 0.0;  // variance of attitude that predictions added since the last update [rad^2]
   InitialState sound_;       // body after the last sound frame, to begin anew from

@@ -123,6 +123,23 @@ class Estimate {
   /// layouts that have its scale.
   void move_with_odometry_scale(const Eigen::Vector3d& by);
 
+  /// What the innovations say of steps of the biases since the last restart, in information form: gyro
+  /// [rad/s], then accelerometer [m/s^2].
+  struct BiasStep {
+    Eigen::Matrix<double, 6, 6> information;  ///< inverse covariance
+    Eigen::Matrix<double, 6, 1> evidence;     ///< information times the steps that explain them best
+  };
+  /// For layouts that have them. The statistic of a likelihood ratio test of jumps [Willsky1976].
+  [[nodiscard]] BiasStep bias_step() const;
+  /// Steps of the biases are supposed to begin now; of those before nothing is left. For layouts that have
+  /// them.
+  void restart_bias_step();
+  /// @brief Opens everything along what steps of the biases since the last restart did to it: biases,
+  /// velocity, attitude, the map and its scale. To first order that is the covariance that the state has
+  /// if there was a step which no gain knew of. See docs/derivations/faults.md.
+  /// @param sigma  of each step: gyro [rad/s], accelerometer [m/s^2]
+  void suppose_bias_step(const Eigen::Matrix<double, 6, 1>& sigma);
+
   /// The witness forgets what it has learned: mean zero, standard deviation `sigma` [plausible errors] each,
   /// correlated with nothing. For layouts that have one.
   void restart_witness(double sigma);
@@ -276,6 +293,7 @@ class Estimate {
   Vector6 witness_ = Vector6::Zero();
   Covariance P_;
   StateLayout layout_;
+  Vector6 bias_step_ = Vector6::Zero();  // mean
   std::vector<Anchor> anchors_;
   std::vector<int> free_anchors_;
   std::vector<Landmark> landmarks_;

@@ -19,8 +19,8 @@
 /// Order: position, attitude, then what the motion model adds, then parameters beyond theta, then theta (of
 /// both, what is estimated or considered), then the witness of the calibration monitor (if any;
 /// limber/update/witness.hpp), then the scale of the map (if no frame tells it), then that of odometry (if it
-/// is in doubt), then the triplets of the map in no particular order (anchors: a position and an attitude
-/// triplet; landmarks: one).
+/// is in doubt), then steps of the biases (if they are supposed), then the triplets of the map in no
+/// particular order (anchors: a position and an attitude triplet; landmarks: one).
 namespace limber {
 
 /// What drives the prediction, and so what the state holds beside the pose.
@@ -60,6 +60,9 @@ struct StateLayout {
   /// Odometry's speeds may be long or short by a constant factor: considered, never corrected. kOdometry
   /// only.
   bool has_odometry_scale = false;
+  /// Steps of the biases that nobody believes in: what they would have done to everything else is carried
+  /// along in the covariance (Estimate::suppose_bias_step). kImu only.
+  bool has_bias_step = false;
 
   /// of the position error, world axes [m]
   static constexpr Eigen::Index kPosition = 0;
@@ -102,10 +105,13 @@ struct StateLayout {
   /// Start of the odometry's scale, valid only if has_odometry_scale: a triplet of which the first entry
   /// counts, the error of the factor [-]; the others are nothing.
   [[nodiscard]] Eigen::Index odometry_scale() const { return map_scale() + (has_map_scale ? kTriplet : 0); }
-  /// Start of the map.
-  [[nodiscard]] Eigen::Index map_begin() const {
+  /// Start of the steps of gyro bias [rad/s] and accelerometer bias [m/s^2], six wide, valid only if
+  /// has_bias_step.
+  [[nodiscard]] Eigen::Index bias_step() const {
     return odometry_scale() + (has_odometry_scale ? kTriplet : 0);
   }
+  /// Start of the map.
+  [[nodiscard]] Eigen::Index map_begin() const { return bias_step() + (has_bias_step ? 6 : 0); }
 };
 
 /// @brief The body's pose at the initialisation of some landmarks, a clone that stays in the state while they

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+// When the images contradict the inputs, and when steps of the biases do.
+#include "limber/health/input_alarm.hpp"
+
+#include <gtest/gtest.h>
+
+namespace limber {
+namespace {
+
+constexpr std::int64_t kFrameNs = 50'000'000;  // [ns]
+
+/// A frame that corrects the pose by `sigmas` of what was to be expected.
+PoseCorrection frame_of(int k, double sigmas) {
+  PoseCorrection out;
+  out.t_ns = k * kFrameNs;
+  out.dt = 0.05;
+  out.covariance = 1e-4 * PoseCorrection::Matrix6::Identity();
+  out.dx = PoseCorrection::Vector6::Constant(0.01 * sigmas);
+  out.nis = 100.0;
+  out.dof = 100.0;
+  return out;
+}
+
+BiasStepFit fit_of(double explained, double factor = 1.0) {
+  BiasStepFit out;
+  out.explained = explained;
+  out.factor = factor;
+  out.step << 0.0, 0.03, 0.0, 0.3, 0.0, 0.0;
+  return out;
+}
+
+/// An alarm that has seen sound frames 1 to `frames`.
+InputAlarm calm_after(int frames) {
+  InputAlarm alarm;
+  InputContradiction found;
+  for (int k = 1; k <= frames; ++k) {
+    EXPECT_FALSE(alarm.judge(frame_of(k, 0.3), found));
+    EXPECT_FALSE(alarm.judge_step(frame_of(k, 0.3), fit_of(1.0), found));
+  }
+  return alarm;
+}
+
+TEST(InputAlarm, AStepIsFoundBeforeSingleFramesTell) {
+  InputAlarm alarm = calm_after(20);
+  InputContradiction found;
+  EXPECT_FALSE(alarm.judge(frame_of(21, 0.3), found));
+  EXPECT_FALSE(alarm.judge_step(frame_of(21, 0.3), fit_of(300.0), found));
+  EXPECT_TRUE(alarm.active(21 * kFrameNs));  // it begins to show
+  ASSERT_TRUE(alarm.judge_step(frame_of(21, 0.3), fit_of(400.0), found));
+  EXPECT_TRUE(alarm.active(22 * kFrameNs));
+  ASSERT_TRUE(found.bias_step);
+  EXPECT_NEAR(found.turn, 0.03 * 0.05, 1e-12);
+  EXPECT_NEAR(found.shift, 0.3 * 0.05 * 0.05, 1e-12);
+  EXPECT_NEAR(found.statistic, alarm.statistic(), 1e-12);
+}
+
+TEST(InputAlarm, WhatARigMayDoIsNoStep) {
+  InputAlarm alarm = calm_after(20);
+  InputContradiction found;
+  (void)alarm.judge(frame_of(21, 0.3), found);
+  EXPECT_FALSE(alarm.judge_step(frame_of(21, 0.3), fit_of(400.0, 16.0), found));
+  EXPECT_TRUE(alarm.judge_step(frame_of(21, 0.3), fit_of(800.0, 16.0), found));
+}
+
+TEST(InputAlarm, AStartSaysNothingOfAStep) {
+  InputAlarm alarm = calm_after(5);
+  InputContradiction found;
+  (void)alarm.judge(frame_of(6, 0.3), found);
+  EXPECT_FALSE(alarm.judge_step(frame_of(6, 0.3), fit_of(1e6), found));
+}
+
+TEST(InputAlarm, WhileTheStateIsOpenNoStepIsFound) {
+  InputAlarm alarm = calm_after(20);
+  InputContradiction found;
+  ASSERT_TRUE(alarm.judge(frame_of(21, 30.0), found));
+  EXPECT_FALSE(found.bias_step);
+  EXPECT_FALSE(alarm.judge_step(frame_of(22, 0.3), fit_of(1e6), found));
+  const int later = 23 + static_cast<int>(InputAlarm::kCalm / 0.05);
+  EXPECT_TRUE(alarm.judge_step(frame_of(later, 0.3), fit_of(1e6), found));
+}
+
+}  // namespace
+}  // namespace limber
