@@ -19,45 +19,30 @@ constexpr double kPersistence = 8.0;
 constexpr double kStatedNoise = 2.0;
 constexpr double kDoubtful = 22.46;  // 0.999 quantile of chi-square with 6 degrees of freedom
 
-double threshold() {
-  static const double out = chi_square_quantile(1.0 - InputAlarm::kFalseAlarms, 6.0);
-  return out;
-}
-
 }  // namespace
 
-bool InputAlarm::judge(const PoseCorrection& c, InputContradiction& found) {
+bool InputAlarm::judge(const PoseCorrection& c, const BiasStepFit& fit, InputContradiction& found) {
   if (!corrections_.add(c)) {
     return false;
   }
+  const bool is_open = contradicted(c.t_ns);
   const double noise = corrections_.noise(), square = corrections_.last().squaredNorm(),
                square_of_mean = corrections_.mean().squaredNorm();
   const double now = square / (kStatedNoise * noise),
-               lasting = square_of_mean / (kPersistence * corrections_.expected_square() * noise);
-  statistic_ = std::max(now, lasting);
+               lasting = square_of_mean / (kPersistence * corrections_.expected_square() * noise),
+               step = is_open ? 0.0 : fit.explained / (std::max(kPersistence, fit.factor) * noise);
+  statistic_ = std::max({now, lasting, step});
   doubtful_ = statistic_ > kDoubtful;
-  if (corrections_.are_of_a_start() || statistic_ <= threshold()) {
+  static const double threshold = chi_square_quantile(1.0 - kFalseAlarms, 6.0);
+  if (corrections_.are_of_a_start() || statistic_ <= threshold) {
     return false;
   }
-  const double share = now > threshold() ? 1.0 : std::min(std::sqrt(square_of_mean / square), 1.0);
-  found = {share * c.dx.tail<3>().norm(), share * c.dx.head<3>().norm(), c.dt, statistic_};
-  corrections_.restart_mean();
-  last_ns_ = c.t_ns;
-  return true;
-}
-
-bool InputAlarm::judge_step(const PoseCorrection& c, const BiasStepFit& fit, InputContradiction& found) {
-  const double statistic = fit.explained / (std::max(kPersistence, fit.factor) * corrections_.noise());
-  if (corrections_.are_of_a_start() || contradicted(c.t_ns)) {
-    return false;
+  const bool is_sudden = now > threshold;
+  const double share = is_sudden ? 1.0 : std::min(std::sqrt(square_of_mean / square), 1.0);
+  found = {share * c.dx.tail<3>().norm(), share * c.dx.head<3>().norm(), c.dt, statistic_, std::nullopt};
+  if (!is_sudden && !is_open && fit.explained > std::max(kStatedNoise, fit.factor) * noise * threshold) {
+    found.bias_step = fit.size;
   }
-  statistic_ = std::max(statistic_, statistic);
-  doubtful_ = statistic_ > kDoubtful;
-  if (statistic <= threshold()) {
-    return false;
-  }
-  const double turn = fit.step.head<3>().norm() * c.dt, speed = fit.step.tail<3>().norm() * c.dt;
-  found = {turn, speed * c.dt, c.dt, statistic, fit.step};
   corrections_.restart_mean();
   last_ns_ = c.t_ns;
   return true;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // StereoFilter's inputs: samples in, prediction, what the images say against them, and a new beginning.
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -18,6 +19,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using namespace detail;
 
 namespace {
@@ -175,7 +177,7 @@ void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& r
     counted.covariance *= kTrustingFactor;
   }
   InputContradiction found;
-  const bool contradicted = input_alarm_.judge(counted, found) || judge_bias_step(correction, found);
+  const bool contradicted = input_alarm_.judge(counted, fit_bias_step(), found);
   report.inputs.chi2 = input_alarm_.statistic() * (blind_to_rig ? 1.0 : kTrustingFactor);
   if (contradicted) {
     report.inputs.status = std::max(report.inputs.status, InputStatus::kContradicted);
@@ -195,23 +197,28 @@ double StereoFilter::doubt_of_bias_step() const {
   return seems_misled(estimate_.nav().t_ns) ? kStepWhereRigIsAccused : kStepWhereRigIsTrusted;
 }
 
-bool StereoFilter::judge_bias_step(const PoseCorrection& correction, InputContradiction& found) {
+BiasStepFit StereoFilter::fit_bias_step() const {
   if (!estimate_.layout().has_bias_step) {
-    return false;
+    return {};
   }
   const Estimate::BiasStep step = estimate_.bias_step();
   Vector6 prior;
   prior << Eigen::Vector3d::Constant(kLargestBiasGyro), Eigen::Vector3d::Constant(kLargestBiasAccel);
-  const Eigen::Matrix<double, 6, 6> weight = prior.cwiseAbs2().cwiseInverse().asDiagonal();
-  const Vector6 best = (step.information + weight).ldlt().solve(step.evidence);
-  return input_alarm_.judge_step(correction, {step.evidence.dot(best), doubt_of_bias_step(), best}, found);
+  const Matrix6 weight = prior.cwiseAbs2().cwiseInverse().asDiagonal();
+  const Matrix6 covariance = (step.information + weight).inverse();
+  const Vector6 best = covariance * step.evidence;
+  const Vector6 square = best.cwiseAbs2() + covariance.diagonal();
+  return {step.evidence.dot(best),
+          doubt_of_bias_step(),
+          {std::sqrt(square.head<3>().sum()), std::sqrt(square.tail<3>().sum())}};
 }
 
-/// What the biases may have moved by [rad/s], [m/s^2], and what that did to everything else.
-void StereoFilter::open_bias_step(double gyro, double accel) {
+/// What steps of the biases did to everything: of that size, but no larger than the innovations allow.
+void StereoFilter::open_bias_step(const BiasStepSize& size) {
+  const BiasStepSize allowed = fit_bias_step().size;
   Vector6 sigma;
-  sigma << Eigen::Vector3d::Constant(std::min(gyro, kLargestBiasGyro)),
-      Eigen::Vector3d::Constant(std::min(accel, kLargestBiasAccel));
+  sigma << Eigen::Vector3d::Constant(std::min(size.gyro, allowed.gyro)),
+      Eigen::Vector3d::Constant(std::min(size.accel, allowed.accel));
   estimate_.suppose_bias_step(sigma);
   restart_bias_step();
 }
@@ -226,7 +233,7 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
     excitation_->jump();
   }
   if (found.bias_step) {
-    open_bias_step(found.bias_step->head<3>().norm(), found.bias_step->tail<3>().norm());
+    open_bias_step(*found.bias_step);
     return;
   }
   const double turn = found.turn / found.dt, speed = found.shift / found.dt;
@@ -238,7 +245,11 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
   open(StateLayout::kAttitude, found.turn);
   if (imu) {
     open(StateLayout::kVelocity, speed);
-    open_bias_step(turn, speed / InputAlarm::kCalm);
+    const BiasStepSize size{std::min(turn, kLargestBiasGyro),
+                            std::min(speed / InputAlarm::kCalm, kLargestBiasAccel)};
+    open_bias_step(size);
+    open(StateLayout::kBiasGyro, size.gyro);
+    open(StateLayout::kBiasAccel, size.accel);
   }
   const double of_turn = turn * turn * found.dt;
   const double of_speed = speed * speed * (imu ? 1.0 / InputAlarm::kCalm : found.dt);

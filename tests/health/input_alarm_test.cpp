@@ -25,7 +25,7 @@ BiasStepFit fit_of(double explained, double factor = 1.0) {
   BiasStepFit out;
   out.explained = explained;
   out.factor = factor;
-  out.step << 0.0, 0.03, 0.0, 0.3, 0.0, 0.0;
+  out.size = {0.03, 0.3};
   return out;
 }
 
@@ -34,8 +34,7 @@ InputAlarm calm_after(int frames) {
   InputAlarm alarm;
   InputContradiction found;
   for (int k = 1; k <= frames; ++k) {
-    EXPECT_FALSE(alarm.judge(frame_of(k, 0.3), found));
-    EXPECT_FALSE(alarm.judge_step(frame_of(k, 0.3), fit_of(1.0), found));
+    EXPECT_FALSE(alarm.judge(frame_of(k, 0.3), fit_of(1.0), found));
   }
   return alarm;
 }
@@ -43,40 +42,55 @@ InputAlarm calm_after(int frames) {
 TEST(InputAlarm, AStepIsFoundBeforeSingleFramesTell) {
   InputAlarm alarm = calm_after(20);
   InputContradiction found;
-  EXPECT_FALSE(alarm.judge(frame_of(21, 0.3), found));
-  EXPECT_FALSE(alarm.judge_step(frame_of(21, 0.3), fit_of(300.0), found));
+  EXPECT_FALSE(alarm.judge(frame_of(21, 0.3), fit_of(300.0), found));
   EXPECT_TRUE(alarm.active(21 * kFrameNs));  // it begins to show
-  ASSERT_TRUE(alarm.judge_step(frame_of(21, 0.3), fit_of(400.0), found));
-  EXPECT_TRUE(alarm.active(22 * kFrameNs));
+  ASSERT_TRUE(alarm.judge(frame_of(22, 0.3), fit_of(400.0), found));
+  EXPECT_TRUE(alarm.active(23 * kFrameNs));
   ASSERT_TRUE(found.bias_step);
-  EXPECT_NEAR(found.turn, 0.03 * 0.05, 1e-12);
-  EXPECT_NEAR(found.shift, 0.3 * 0.05 * 0.05, 1e-12);
+  EXPECT_EQ(found.bias_step->gyro, 0.03);
+  EXPECT_EQ(found.bias_step->accel, 0.3);
   EXPECT_NEAR(found.statistic, alarm.statistic(), 1e-12);
 }
 
 TEST(InputAlarm, WhatARigMayDoIsNoStep) {
   InputAlarm alarm = calm_after(20);
   InputContradiction found;
-  (void)alarm.judge(frame_of(21, 0.3), found);
-  EXPECT_FALSE(alarm.judge_step(frame_of(21, 0.3), fit_of(400.0, 16.0), found));
-  EXPECT_TRUE(alarm.judge_step(frame_of(21, 0.3), fit_of(800.0, 16.0), found));
+  EXPECT_FALSE(alarm.judge(frame_of(21, 0.3), fit_of(400.0, 16.0), found));
+  EXPECT_TRUE(alarm.judge(frame_of(22, 0.3), fit_of(800.0, 16.0), found));
 }
 
 TEST(InputAlarm, AStartSaysNothingOfAStep) {
   InputAlarm alarm = calm_after(5);
   InputContradiction found;
-  (void)alarm.judge(frame_of(6, 0.3), found);
-  EXPECT_FALSE(alarm.judge_step(frame_of(6, 0.3), fit_of(1e6), found));
+  EXPECT_FALSE(alarm.judge(frame_of(6, 0.3), fit_of(1e6), found));
+}
+
+TEST(InputAlarm, WhatASingleFrameShowsIsNoStep) {
+  InputAlarm alarm = calm_after(20);
+  InputContradiction found;
+  ASSERT_TRUE(alarm.judge(frame_of(21, 30.0), fit_of(1e6), found));
+  EXPECT_FALSE(found.bias_step);
+}
+
+/// Corrections of 3 sigmas in every frame: their mean rejects, and a step is named if it explains them.
+TEST(InputAlarm, WhatLastsIsAStepIfOneExplainsIt) {
+  for (const bool explains : {false, true}) {
+    InputAlarm alarm = calm_after(20);
+    InputContradiction found;
+    int k = 21;
+    while (k < 60 && !alarm.judge(frame_of(k, 3.0), fit_of(explains ? 200.0 : 1.0), found)) ++k;
+    ASSERT_LT(k, 60);
+    EXPECT_EQ(found.bias_step.has_value(), explains);
+  }
 }
 
 TEST(InputAlarm, WhileTheStateIsOpenNoStepIsFound) {
   InputAlarm alarm = calm_after(20);
   InputContradiction found;
-  ASSERT_TRUE(alarm.judge(frame_of(21, 30.0), found));
-  EXPECT_FALSE(found.bias_step);
-  EXPECT_FALSE(alarm.judge_step(frame_of(22, 0.3), fit_of(1e6), found));
+  ASSERT_TRUE(alarm.judge(frame_of(21, 30.0), {}, found));
+  EXPECT_FALSE(alarm.judge(frame_of(22, 0.3), fit_of(1e6), found));
   const int later = 23 + static_cast<int>(InputAlarm::kCalm / 0.05);
-  EXPECT_TRUE(alarm.judge_step(frame_of(later, 0.3), fit_of(1e6), found));
+  EXPECT_TRUE(alarm.judge(frame_of(later, 0.3), fit_of(1e6), found));
 }
 
 }  // namespace

@@ -179,8 +179,8 @@ class StereoFilter {
   [[nodiscard]] bool is_blind_to_rig() const;
   void judge_inputs(const PoseCorrection& correction, FrameReport& report);
   [[nodiscard]] double doubt_of_bias_step() const;
-  [[nodiscard]] bool judge_bias_step(const PoseCorrection& correction, InputContradiction& found);
-  void open_bias_step(double gyro, double accel);
+  [[nodiscard]] BiasStepFit fit_bias_step() const;
+  void open_bias_step(const BiasStepSize& size);
   void restart_bias_step();
   [[nodiscard]] bool is_broken() const;
   void begin_anew();

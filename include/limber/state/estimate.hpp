@@ -129,7 +129,7 @@ class Estimate {
     Eigen::Matrix<double, 6, 6> information;  ///< inverse covariance
     Eigen::Matrix<double, 6, 1> evidence;     ///< information times the steps that explain them best
   };
-  /// For layouts that have them. The statistic of a likelihood ratio test of jumps [Willsky1976].
+  /// For layouts that have them. The statistic of a likelihood ratio test of jumps [WillskyJones1976].
   [[nodiscard]] BiasStep bias_step() const;
   /// Steps of the biases are supposed to begin now; of those before nothing is left. For layouts that have
   /// them.
