@@ -207,7 +207,7 @@ BiasStepFit StereoFilter::fit_bias_step() const {
   const Matrix6 weight = prior.cwiseAbs2().cwiseInverse().asDiagonal();
   const Matrix6 covariance = (step.information + weight).inverse();
   const Vector6 best = covariance * step.evidence;
-  const Vector6 square = best.cwiseAbs2() + covariance.diagonal();
+  const Vector6 square = best.cwiseAbs2() + covariance.diagonal().cwiseMax(0.0);
   return {step.evidence.dot(best),
           doubt_of_bias_step(),
           {std::sqrt(square.head<3>().sum()), std::sqrt(square.tail<3>().sum())}};
@@ -314,6 +314,7 @@ void StereoFilter::begin_anew() {
   anew.body_covariance = P;
   sound_ = anew;
   estimate_ = make_estimate(options_, given_, anew);
+  bias_step_ns_ = t_ns;
   calibration_ = given_;
   if (excitation_) {
     excitation_->jump();

@@ -62,6 +62,7 @@ void move(Estimate& estimate) {
   MatrixXd Phi = MatrixXd::Identity(k, k);
   Phi.block<3, 3>(0, 6) = 0.1 * Matrix3d::Identity();
   Phi.block<3, 3>(3, 3) = so3_exp(Vector3d(0.1, -0.2, 0.05));
+  Phi.block<3, 3>(3, 9) = Phi.block<3, 3>(6, 12) = -0.1 * Matrix3d::Identity();  // the biases
   testing::move_body(estimate, [&](NavigationState& nav) {
     nav.T_world_body.R = nav.T_world_body.R * so3_exp(Vector3d(0.1, -0.2, 0.05)).transpose();
   });
@@ -97,8 +98,10 @@ void expect_same_snapshot(const Estimate& found, const Estimate& expected) {
 
 /// One correction an epoch: then the transport that waits for its end is the one that others had at once.
 TEST(Epoch, WhoSleepsAndComesBackIsAsIfHeHadBeenAwake) {
-  for (const StateLayout layout :
-       {StateLayout{MotionModel::kImu, false}, StateLayout{MotionModel::kImu, true}}) {
+  StateLayout with_bias_step{MotionModel::kImu};
+  with_bias_step.has_bias_step = true;
+  for (const StateLayout& layout :
+       {StateLayout{MotionModel::kImu, false}, StateLayout{MotionModel::kImu, true}, with_bias_step}) {
     Generator generator(5);
     Estimate sleepy = random_map(generator, kLandmarks, layout);
     Estimate awake = sleepy;
@@ -116,6 +119,12 @@ TEST(Epoch, WhoSleepsAndComesBackIsAsIfHeHadBeenAwake) {
       std::erase_if(in_view, [&](std::int64_t id) { return sleepy.find(id)->passive; });
       correct(sleepy, epoch, in_view);
       correct(awake, epoch, in_view);
+      if (layout.has_bias_step && epoch % 2 == 1) {  // what began in the epoch before
+        for (Estimate* estimate : {&sleepy, &awake}) {
+          estimate->suppose_bias_step(Eigen::Matrix<double, 6, 1>::Constant(0.01));
+          estimate->restart_bias_step();
+        }
+      }
     }
     sleepy.change_epoch({});
     EXPECT_FALSE(sleepy.has_frozen());
