@@ -213,13 +213,20 @@ BiasStepFit StereoFilter::fit_bias_step() const {
           {std::sqrt(square.head<3>().sum()), std::sqrt(square.tail<3>().sum())}};
 }
 
-/// What steps of the biases did to everything: of that size, but no larger than the innovations allow.
+/// Steps of the biases, of that size: what they did to everything if they began when they are supposed to
+/// have, which is no more than the innovations allow; and the biases alone, as if they began now.
 void StereoFilter::open_bias_step(const BiasStepSize& size) {
   const BiasStepSize allowed = fit_bias_step().size;
-  Vector6 sigma;
-  sigma << Eigen::Vector3d::Constant(std::min(size.gyro, allowed.gyro)),
-      Eigen::Vector3d::Constant(std::min(size.accel, allowed.accel));
-  estimate_.suppose_bias_step(sigma);
+  const auto of_each = [](double gyro, double accel) {
+    Vector6 out;
+    out << Eigen::Vector3d::Constant(gyro), Eigen::Vector3d::Constant(accel);
+    return out;
+  };
+  estimate_.suppose_bias_step(
+      of_each(std::min(size.gyro, allowed.gyro), std::min(size.accel, allowed.accel)));
+  const Matrix6 now = of_each(size.gyro, size.accel).cwiseAbs2().asDiagonal();
+  estimate_.mutable_P().set_diagonal_block(StateLayout::kBiasGyro,
+                                           estimate_.P().diagonal_block<6>(StateLayout::kBiasGyro) + now);
   restart_bias_step();
 }
 
@@ -248,8 +255,6 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
     const BiasStepSize size{std::min(turn, kLargestBiasGyro),
                             std::min(speed / InputAlarm::kCalm, kLargestBiasAccel)};
     open_bias_step(size);
-    open(StateLayout::kBiasGyro, size.gyro);
-    open(StateLayout::kBiasAccel, size.accel);
   }
   const double of_turn = turn * turn * found.dt;
   const double of_speed = speed * speed * (imu ? 1.0 / InputAlarm::kCalm : found.dt);
