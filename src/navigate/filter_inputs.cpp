@@ -183,6 +183,10 @@ void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& r
     report.inputs.status = std::max(report.inputs.status, InputStatus::kContradicted);
     report.inputs.contradiction = found;
     distrust_inputs(found);
+    if (monitor_ && !blind_to_rig) {  // what it saw while the fault grew was not the rig's
+      monitor_.emplace(*options_.health, given_.baseline());
+      last_health_.reset();
+    }
   } else if (estimate_.layout().has_bias_step && input_alarm_.statistic() < kQuiet &&
              seconds_between(bias_step_ns_, estimate_.nav().t_ns) >= kStepAge) {
     restart_bias_step();
