@@ -154,6 +154,38 @@ void judge_move(const RunOptions& options, const BiasMove& move, RunRecord& reco
   }
 }
 
+/// A filter that trusts the rig, and what it found out late.
+struct LateStep {
+  std::int64_t since_ns, found_ns;
+};
+
+std::optional<LateStep> late_step_in(std::span<const FrameReport> frames) {
+  for (const FrameReport& frame : frames) {
+    if (frame.inputs.contradiction && frame.inputs.contradiction->astray_since_ns) {
+      return LateStep{*frame.inputs.contradiction->astray_since_ns, frame.t_ns};
+    }
+  }
+  return std::nullopt;
+}
+
+void judge_late_step(const RunOptions& options, const LateStep& step, RunRecord& record,
+                     RunSummary& summary) {
+  const std::string what =
+      fmt::format("steps of the IMU's biases after {:.3f} s were found at {:.3f} s",
+                  1e-9 * static_cast<double>(step.since_ns), 1e-9 * static_cast<double>(step.found_ns));
+  const RunEvent event{"misled", step.since_ns, step.found_ns};
+  if (summary.health && !is_wrong(summary.health->verdict)) {
+    call_lost(event,
+              what + or_the_rig(options, record, summary) +
+                  ". No sigma in between is true; the filter has gone on from there. --method lcekf would "
+                  "have noticed sooner",
+              record, summary.inputs);
+  } else {
+    detail::add_event(event, record, summary.inputs);
+    record.notes.push_back(what + ", which the rig may explain: no sigma in between is true");
+  }
+}
+
 /// Without an IMU nothing but images says where the body is once they have thrown it away.
 void lose_after_a_leap(RunRecord& record, InputSummary& inputs) {
   const auto leap =
@@ -200,7 +232,10 @@ void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summar
   const auto moved_before = [&](std::int64_t since_ns) {
     return move && proves_a_fault(*move, summary) && move->from_ns < since_ns;
   };
-  if (misled && !moved_before(*misled)) {
+  const std::optional<LateStep> late = late_step_in(record.frames);
+  if (late && !moved_before(late->since_ns) && (!misled || late->since_ns < *misled)) {
+    judge_late_step(options, *late, record, summary);
+  } else if (misled && !moved_before(*misled)) {
     call_lost({"misled", *misled, end_ns},
               "points contradict the prediction since then, and the rig did not change: an input failed (a "
               "bias or a clock that stepped). --method lcekf would notice and go on",

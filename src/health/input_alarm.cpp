@@ -39,7 +39,12 @@ bool InputAlarm::judge(const PoseCorrection& c, const BiasStepFit& fit, InputCon
   }
   const bool is_sudden = now > threshold;
   const double share = is_sudden ? 1.0 : std::min(std::sqrt(square_of_mean / square), 1.0);
-  found = {share * c.dx.tail<3>().norm(), share * c.dx.head<3>().norm(), c.dt, statistic_, std::nullopt};
+  found = {share * c.dx.tail<3>().norm(),
+           share * c.dx.head<3>().norm(),
+           c.dt,
+           statistic_,
+           std::nullopt,
+           std::nullopt};
   if (!is_sudden && !is_open && fit.explained > std::max(kStatedNoise, fit.factor) * noise * threshold) {
     found.bias_step = fit.size;
   }

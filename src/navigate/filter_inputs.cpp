@@ -181,6 +181,9 @@ void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& r
   report.inputs.chi2 = input_alarm_.statistic() * (blind_to_rig ? 1.0 : kTrustingFactor);
   if (contradicted) {
     report.inputs.status = std::max(report.inputs.status, InputStatus::kContradicted);
+    if (found.bias_step && !blind_to_rig) {
+      found.astray_since_ns = bias_step_ns_;
+    }
     report.inputs.contradiction = found;
     distrust_inputs(found);
     if (monitor_ && !blind_to_rig) {  // what it saw while the fault grew was not the rig's

@@ -165,29 +165,46 @@ TEST(MisledSince, LeavesOpenThatTheRigIsOffWhereItMayBe) {
   EXPECT_THAT(lost_note(pushed(drone(132), 0.12)), ::testing::Not(::testing::HasSubstr("or the rig")));
 }
 
-/// A step that is too small for the innovations moves the bias by tens of its sigmas, if those are of the
-/// stated noise. A filter that no rig can lead astray learns more noise of it, and notices a larger one: it
-/// is not lost.
-void expect_lost_once_pushed(const Recording& recording, Method method) {
-  EXPECT_FALSE(judged(recording, method).lost_since_ns);
-  const InputSummary summary = judged(pushed(recording, 0.12), method, false);
-  ASSERT_TRUE(summary.lost_since_ns) << to_string(method);
-  EXPECT_NEAR(1e-9 * static_cast<double>(*summary.lost_since_ns - eighth_second(recording)), 0.0, 2.0);
+TEST(MisledSince, LosesAFilterThatFoundAStepLate) {
+  const auto judged_by = [](std::optional<std::int64_t> astray_since_ns, HealthVerdict verdict) {
+    RunRecord record;
+    record.motion = MotionModel::kImu;
+    record.frames = frames_that_grow(0, 0, 1.0);
+    record.trajectory.resize(record.frames.size());
+    record.frames[60].inputs.contradiction = InputContradiction{};
+    record.frames[60].inputs.contradiction->astray_since_ns = astray_since_ns;
+    RunSummary summary;
+    summary.health = rig(verdict);
+    add_misled({}, record, summary);
+    EXPECT_EQ(record.notes.size(), astray_since_ns ? 1U : 0U);
+    return summary.inputs.lost_since_ns;
+  };
+  EXPECT_EQ(judged_by(5'000'000'000, HealthVerdict::kOk), 5'000'000'000);
+  EXPECT_FALSE(judged_by(5'000'000'000, HealthVerdict::kDecalibrated));
+  EXPECT_FALSE(judged_by(std::nullopt, HealthVerdict::kOk));
 }
 
-TEST(MisledSince, SaysSinceWhenAMethodIsLostWhoseBiasMovedFurtherThanItsSigmas) {
+/// Innovations of single frames do not show a step of 0.12 m/s^2, those of a second together do.
+TEST(MisledSince, LosesNoMethodThatNoticesTheStep) {
   const Recording recording = drone(132);
-  expect_lost_once_pushed(recording, Method::kLcekf);
-  EXPECT_FALSE(judged(pushed(recording, 0.12), Method::kLcekf).lost_since_ns);
-  const InputSummary noticed = judged(pushed(recording, 0.5), Method::kLcekf);
-  EXPECT_THAT(noticed.events, Contains(::testing::Field(&RunEvent::what, "contradicted")));
-  EXPECT_FALSE(noticed.lost_since_ns);
+  for (const bool learns_noise : {false, true}) {
+    EXPECT_FALSE(judged(recording, Method::kLcekf, learns_noise).lost_since_ns);
+    const InputSummary noticed = judged(pushed(recording, 0.12), Method::kLcekf, learns_noise);
+    EXPECT_FALSE(noticed.lost_since_ns);
+    if (!learns_noise) {
+      EXPECT_THAT(noticed.events, Contains(::testing::Field(&RunEvent::what, "contradicted")));
+    }
+  }
 }
 
 TEST(FullMisledSince, SaysSinceWhenAMethodIsLostWhoseBiasMovedFurtherThanItsSigmas) {
   const Recording recording = drone(132);
-  expect_lost_once_pushed(recording, Method::kEkf);
-  expect_lost_once_pushed(recording, Method::kEkfFull);
+  for (const Method method : {Method::kEkf, Method::kEkfFull}) {
+    EXPECT_FALSE(judged(recording, method).lost_since_ns);
+    const InputSummary summary = judged(pushed(recording, 0.12), method, false);
+    ASSERT_TRUE(summary.lost_since_ns) << to_string(method);
+    EXPECT_NEAR(1e-9 * static_cast<double>(*summary.lost_since_ns - eighth_second(recording)), 0.0, 2.0);
+  }
 }
 
 }  // namespace

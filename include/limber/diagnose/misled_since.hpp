@@ -23,11 +23,11 @@ namespace limber {
                                                        const std::optional<HealthSummary>& rig);
 
 /// @brief Calls a run with an IMU lost, in lost_since_ns, an event and a note: `ekf` since it was misled
-/// ("misled"), any method since a bias is impossible ("impossible bias") or moved further than its sigmas
-/// allow ("bias moved"). Where the rig is wrong, which may move a bias as well, nobody judged it, or biases
-/// move all along, the last is said, but the run is not lost for it. A run without an IMU is lost since
-/// points that contradicted its state moved it by more than its sigmas allow ("leapt"). Does nothing where it
-/// is lost already.
+/// ("misled"), all that trust the rig since steps of the biases that they found late (the same), any method
+/// since a bias is impossible ("impossible bias") or moved further than its sigmas allow ("bias moved").
+/// Where the rig is wrong, which may move a bias as well, nobody judged it, or biases move all along, the
+/// last is said, but the run is not lost for it. A run without an IMU is lost since points that contradicted
+/// its state moved it by more than its sigmas allow ("leapt"). Does nothing where it is lost already.
 void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summary);
 
 }  // namespace limber

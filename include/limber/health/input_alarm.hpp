@@ -23,6 +23,8 @@ struct InputContradiction {
   double statistic = 0.0;  ///< chi-square of 6 degrees of freedom
   /// If steps of an IMU's biases explain it, and no single frame does.
   std::optional<BiasStepSize> bias_step{};
+  /// If so and the filter trusts the rig, which made it wait: since when its sigmas may be too small [ns].
+  std::optional<std::int64_t> astray_since_ns{};
 };
 
 /// Steps of an IMU's biases that explain the innovations since some time best.
