@@ -124,10 +124,14 @@ void call_lost(const RunEvent& event, const std::string& why, RunRecord& record,
   lose(event.from_ns, why, record, inputs);
 }
 
-/// Not where nobody judged the rig, or it is wrong: that may have moved the bias. Nor where biases move all
-/// along: something else than a fault does it.
+/// Not where nobody judged the rig, or it is wrong: that may have moved a bias.
+bool acquits_the_rig(const RunSummary& summary) {
+  return summary.health && !is_wrong(summary.health->verdict);
+}
+
+/// Nor where biases move all along: something else than a fault does it.
 bool proves_a_fault(const BiasMove& move, const RunSummary& summary) {
-  return move.is_sudden() && summary.health && !is_wrong(summary.health->verdict);
+  return move.is_sudden() && acquits_the_rig(summary);
 }
 
 /// A wrong rig that a method trusts may move a bias as well, and need not be sure.
@@ -162,7 +166,9 @@ struct LateStep {
 std::optional<LateStep> late_step_in(std::span<const FrameReport> frames) {
   for (const FrameReport& frame : frames) {
     if (frame.inputs.contradiction && frame.inputs.contradiction->astray_since_ns) {
-      return LateStep{*frame.inputs.contradiction->astray_since_ns, frame.t_ns};
+      // A filter that was given no time supposes its first step at 0.
+      return LateStep{std::max(*frame.inputs.contradiction->astray_since_ns, frames.front().t_ns),
+                      frame.t_ns};
     }
   }
   return std::nullopt;
@@ -174,7 +180,7 @@ void judge_late_step(const RunOptions& options, const LateStep& step, RunRecord&
       fmt::format("steps of the IMU's biases after {:.3f} s were found at {:.3f} s",
                   1e-9 * static_cast<double>(step.since_ns), 1e-9 * static_cast<double>(step.found_ns));
   const RunEvent event{"misled", step.since_ns, step.found_ns};
-  if (summary.health && !is_wrong(summary.health->verdict)) {
+  if (acquits_the_rig(summary)) {
     call_lost(event,
               what + or_the_rig(options, record, summary) +
                   ". No sigma in between is true; the filter has gone on from there. --method lcekf would "

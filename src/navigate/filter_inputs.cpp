@@ -186,8 +186,8 @@ void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& r
     }
     report.inputs.contradiction = found;
     distrust_inputs(found);
-    if (monitor_ && !blind_to_rig) {  // what it saw while the fault grew was not the rig's
-      monitor_.emplace(*options_.health, given_.baseline());
+    if (!blind_to_rig) {  // what the monitor saw while the fault grew was not the rig's
+      restart_monitor();
       last_health_.reset();
     }
   } else if (estimate_.layout().has_bias_step && input_alarm_.statistic() < kQuiet &&
@@ -333,6 +333,10 @@ void StereoFilter::begin_anew() {
   }
   fresh_ = WhiteSize();
   input_alarm_ = InputAlarm();
+  restart_monitor();
+}
+
+void StereoFilter::restart_monitor() {
   if (monitor_) {
     monitor_.emplace(*options_.health, given_.baseline());
   }

@@ -197,6 +197,12 @@ TEST(MisledSince, LosesNoMethodThatNoticesTheStep) {
   }
 }
 
+TEST(MisledSince, LosesNoMethodThatNoticesALargeStep) {
+  const InputSummary noticed = judged(pushed(drone(132), 0.5), Method::kLcekf);
+  EXPECT_THAT(noticed.events, Contains(::testing::Field(&RunEvent::what, "contradicted")));
+  EXPECT_FALSE(noticed.lost_since_ns);
+}
+
 TEST(FullMisledSince, SaysSinceWhenAMethodIsLostWhoseBiasMovedFurtherThanItsSigmas) {
   const Recording recording = drone(132);
   for (const Method method : {Method::kEkf, Method::kEkfFull}) {

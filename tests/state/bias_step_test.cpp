@@ -14,22 +14,16 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 using testing::Generator;
 using testing::random_map;
 using testing::random_matrix;
+using testing::with_bias_step;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using L = StateLayout;
 
 constexpr Index kOfBody = 15, kOfRows = 8;
 constexpr double kRowNoise = 0.05;
-
-StateLayout with_bias_step() {
-  StateLayout layout{MotionModel::kImu};
-  layout.has_bias_step = true;
-  return layout;
-}
 
 /// A filter of random predictions and updates, with all that a unit step of each bias does to its errors.
 struct Twin {

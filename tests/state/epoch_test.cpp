@@ -98,10 +98,8 @@ void expect_same_snapshot(const Estimate& found, const Estimate& expected) {
 
 /// One correction an epoch: then the transport that waits for its end is the one that others had at once.
 TEST(Epoch, WhoSleepsAndComesBackIsAsIfHeHadBeenAwake) {
-  StateLayout with_bias_step{MotionModel::kImu};
-  with_bias_step.has_bias_step = true;
-  for (const StateLayout& layout :
-       {StateLayout{MotionModel::kImu, false}, StateLayout{MotionModel::kImu, true}, with_bias_step}) {
+  for (const StateLayout& layout : {StateLayout{MotionModel::kImu, false},
+                                    StateLayout{MotionModel::kImu, true}, testing::with_bias_step()}) {
     Generator generator(5);
     Estimate sleepy = random_map(generator, kLandmarks, layout);
     Estimate awake = sleepy;

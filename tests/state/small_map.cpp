@@ -14,6 +14,12 @@ Eigen::MatrixXd random_positive_definite(Generator& generator, Eigen::Index n, d
   return sigma * sigma * (W * W.transpose() / static_cast<double>(n) + 0.2 * Eigen::MatrixXd::Identity(n, n));
 }
 
+StateLayout with_bias_step() {
+  StateLayout layout{MotionModel::kImu};
+  layout.has_bias_step = true;
+  return layout;
+}
+
 Estimate random_estimate(Generator& generator, StateLayout layout) {
   NavigationState nav;
   nav.T_world_body = random_pose(generator, 5.0);

@@ -21,6 +21,9 @@ void move_body(Estimate& estimate, Change change) {
   estimate.set_nav(nav);
 }
 
+/// Of an IMU, with steps of its biases.
+StateLayout with_bias_step();
+
 Estimate random_estimate(Generator& generator, StateLayout layout = {MotionModel::kImu, false});
 
 /// A landmark some metres before the camera, correlated with all that is there (P stays positive definite).

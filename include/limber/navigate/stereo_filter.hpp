@@ -184,6 +184,7 @@ class StereoFilter {
   void restart_bias_step();
   [[nodiscard]] bool is_broken() const;
   void begin_anew();
+  void restart_monitor();
   std::size_t forget(const StereoFrame& frame);
   [[nodiscard]] std::size_t forget_after_blindness(const StereoFrame& frame);
   [[nodiscard]] bool initializes_before_update() const;
