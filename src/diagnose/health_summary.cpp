@@ -104,8 +104,11 @@ std::string range(const SizeInterval& size, double unit, const char* name) {
 }
 
 std::string sizes_in_words(const CalibrationState& state, const Tolerance& tolerance) {
-  return fmt::format("{} off the epipolar lines, {} of the depth at {:g} baselines",
-                     range(state.effect.epipolar_px, 1.0, "px"), range(state.effect.depth, 100.0, "%"),
+  const std::string epipolar = range(state.effect.epipolar_px, 1.0, "px") + " off the epipolar lines";
+  if (state.scale_is_lost) {
+    return epipolar + ", and nothing tells the depths";
+  }
+  return fmt::format("{}, {} of the depth at {:g} baselines", epipolar, range(state.effect.depth, 100.0, "%"),
                      tolerance.baselines);
 }
 

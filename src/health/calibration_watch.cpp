@@ -181,27 +181,25 @@ CalibrationState state_of(const std::vector<RigEvidence>& windows, const RigPara
 void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bool metric,
                     const Tolerance& tolerance, CalibrationState& out) {
   const RigParameters slope = visible_slope(theta, metric, tolerance);
-  out.whole = estimate;
-  out.estimate = estimate.rig(theta);
-  out.effect = effect_of(estimate, theta, slope);
-  out.bands = axis_bands(tolerance, px_by_axis(estimate, theta), slope);
-  out.axes.fill(HealthVerdict::kCannotTell);
   out.scale_is_lost = !metric && loses_scale(estimate, theta);
-  if (out.tracks < kFewestTracks || out.scale_is_lost) {
+  out.whole = out.scale_is_lost ? with_unknown_length(estimate, theta) : estimate;
+  out.estimate = out.whole.rig(theta);
+  out.effect = effect_of(out.whole, theta, slope);
+  out.bands = axis_bands(tolerance, px_by_axis(out.whole, theta), slope);
+  out.axes.fill(HealthVerdict::kCannotTell);
+  if (out.tracks < kFewestTracks) {
     return;
   }
-  for (Eigen::Index k = 0; k < 6; ++k) {
+  const bool depths = out.deep_tracks >= kFewestTracks && !out.scale_is_lost;
+  out.by_epipolar = judge(out.effect.epipolar_px, tolerance.epipolar_px);
+  out.by_depth = depths ? judge(out.effect.depth, tolerance.depth) : HealthVerdict::kCannotTell;
+  out.verdict = worst(out.by_epipolar, out.by_depth);
+  for (Eigen::Index k = 0; k < (out.scale_is_lost ? 3 : 6); ++k) {  // lengths are in metres of that scale
     const auto i = static_cast<std::size_t>(k);
     if (std::isfinite(out.bands[i].ok)) {
       out.axes[i] = judge(axis_size(out.estimate, k), out.bands[i]);
     }
-  }
-  out.by_epipolar = judge(out.effect.epipolar_px, tolerance.epipolar_px);
-  out.by_depth =
-      out.deep_tracks < kFewestTracks ? HealthVerdict::kCannotTell : judge(out.effect.depth, tolerance.depth);
-  out.verdict = worst(out.by_epipolar, out.by_depth);
-  for (std::size_t k = 0; k < 6; ++k) {
-    out.verdict = tolerance.axes[k] ? worst(out.verdict, out.axes[k]) : out.verdict;
+    out.verdict = tolerance.axes[i] ? worst(out.verdict, out.axes[i]) : out.verdict;
   }
   if (is_wrong(out.verdict)) {
     out.named = static_cast<std::size_t>(most_likely_axis(out.estimate, out.bands));

@@ -211,6 +211,15 @@ bool loses_scale(const BetaEstimate& estimate, const RigParameters& theta) {
   return std::abs(found / assumed - 1.0) > std::sqrt(kUnknownScale);
 }
 
+BetaEstimate with_unknown_length(const BetaEstimate& estimate, const RigParameters& theta) {
+  const NormalEquations::Vector found = along_length(theta, estimate.beta);
+  const double assumed = along_length(theta, NormalEquations::Vector::Zero()).norm();
+  const NormalEquations::Vector too_long = found - assumed * found.normalized();
+  BetaEstimate out = estimate;
+  out.covariance += too_long * too_long.transpose();
+  return out;
+}
+
 BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                              bool metric) {
   const Fit found = fit(windows, std::vector<VectorXd>(windows.size(), VectorXd::Ones(1)));

@@ -91,6 +91,9 @@ TEST(HealthSummary, SaysWhyItCannotTell) {
   EXPECT_THAT(in_words(summary, Tolerance{}), StartsWith("of only 12 tracks is the depth known from motion"));
   summary.present.scale_is_lost = true;
   EXPECT_THAT(in_words(summary, Tolerance{}), StartsWith("vision alone has lost the scale"));
+  summary.present.verdict = kDecalibrated;
+  EXPECT_THAT(in_words(summary, Tolerance{}),
+              HasSubstr("off the epipolar lines, and nothing tells the depths"));
 }
 
 TEST(HealthSummary, IsJsonInDegreesMillimetresAndPercent) {

@@ -367,6 +367,22 @@ TEST(CalibrationWatch, CannotTellWhereVisionHasLostItsScale) {
   EXPECT_FALSE(lost.named);
 }
 
+/// Epipolar lines need no scale. Of the trajectory's length nothing is claimed.
+TEST(CalibrationWatch, ToldByEpipolarLinesARigIsDecalibratedWhateverVisionHasLost) {
+  const World world = fly_past(with_step(0.0, 0.4));
+  for (const double scale : {0.2, 3.0}) {
+    const CalibrationState state = judged_by_vision(world, scale, world.frames.size());
+    EXPECT_TRUE(state.scale_is_lost);
+    EXPECT_EQ(state.verdict, kDecalibrated);
+    EXPECT_EQ(state.by_depth, kCannotTell);
+    EXPECT_EQ(state.named, 0U);
+    EXPECT_NEAR(state.estimate.delta(0), 0.4 * kDegree, 2.0 * state.estimate.sigma()(0));
+    EXPECT_EQ(state.axes[0], kDecalibrated);
+    EXPECT_EQ(state.axes[3], kCannotTell);
+    EXPECT_LT(std::abs(state.estimate.delta(3)), 1.5 * state.estimate.sigma()(3));
+  }
+}
+
 /// As the first one after a rest may. It made vergence of 0.15 degrees.
 TEST(CalibrationWatch, AWindowThatHasLostItsScaleDoesNotBendWhatOthersTell) {
   const World world = fly_past(with_step(0.0, 0.0));

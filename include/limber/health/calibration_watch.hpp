@@ -44,7 +44,7 @@ struct CalibrationState {
   Eigen::Index vergence = 1;            ///< vergence_axis() of the rig
   std::optional<std::size_t> named;     ///< the axis that explains best what is degraded or decalibrated
   /// Of vision alone: the windows find a baseline that is half as long as assumed, or less, or half as long
-  /// again. The scale of the trajectory is gone, and nothing can be told.
+  /// again. The scale of the trajectory is gone, and no depth can be told.
   bool scale_is_lost = false;
   /// true minus assumed theta, with its covariance
   RigEstimate estimate;
@@ -78,7 +78,8 @@ struct CalibrationState {
                                         bool drifts = false);
 
 /// @brief Fills in what follows from an estimate: effect, bands and verdicts. With fewer than 30 tracks
-/// (`out.tracks`), or where vision alone has lost its scale (`out.scale_is_lost`), nothing can be told.
+/// (`out.tracks`) nothing can be told. Where vision alone has lost its scale (`out.scale_is_lost`) epipolar
+/// lines and angles tell, depths and lengths do not.
 void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bool metric,
                     const Tolerance& tolerance, CalibrationState& out);
 

@@ -61,6 +61,10 @@ struct BetaEstimate {
 /// @param theta  assumed
 [[nodiscard]] bool loses_scale(const BetaEstimate& estimate, const RigParameters& theta);
 
+/// @brief The same, with a baseline that may as well be as long as assumed: one sigma.
+/// @param theta  assumed
+[[nodiscard]] BetaEstimate with_unknown_length(const BetaEstimate& estimate, const RigParameters& theta);
+
 /// A rig that drifts: the error at the end of the last window, and how it changed from the middle of the
 /// first window to that of the last.
 struct BetaTrend {
