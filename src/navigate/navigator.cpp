@@ -16,6 +16,9 @@ namespace {
 constexpr double kFalseHandoversPerHour = 0.01;
 constexpr double kSurpriseFactor = 1.5;  // a change may be larger than what showed of it so far
 constexpr double kLeastDoubt = 1.0;      // plausible errors
+/// A change that large [plausible errors: 2 deg, the baseline itself] is none of a rig:
+/// mismatches beside each other make it up, where few right pixels tell otherwise.
+constexpr double kNoRig = 20.0;
 /// Without IMU or odometry nothing but the map knows how long a metre is, and a new length of the baseline
 /// can be learned from it alone: when it is that old [s], and unless the rig keeps changing.
 constexpr double kMapKnowsScale = 5.0;
@@ -153,9 +156,8 @@ bool Navigator::knows_scale(std::int64_t t_ns) const {
 }
 
 /// Comes again from the older checkpoint, in doubt this time.
-void Navigator::go_back(const HealthReport& why) {
+void Navigator::go_back(const CalibrationPrior& prior) {
   Supervision& s = *supervision_;
-  const CalibrationPrior prior = prior_after(why);
   filter_ = *s.older.filter;
   filter_.distrust(prior);
   s.replay.emplace(s.older.events.begin(), s.older.events.end());
@@ -370,8 +372,9 @@ bool Navigator::supervise(const FrameReport& report, const FrameReport& parallel
     return false;
   }
   doubt(report.t_ns);
-  if (own.alarm) {
-    go_back(own);
+  const CalibrationPrior prior = prior_after(own);
+  if (own.alarm && prior.fresh.maxCoeff() < kSurpriseFactor * kNoRig) {
+    go_back(prior);
   } else {
     take_over_from_parallel(report.t_ns);
   }

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "limber/core/time.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "scene.hpp"
 
@@ -44,6 +46,40 @@ TEST(GoingBack, ReplaysAFewFramesACall) {
   EXPECT_GE(calls, 5U);
   EXPECT_GT(most_to_replay, 10U * 11U) << "ten frames and their samples";
   EXPECT_FALSE(goes_back());
+}
+
+/// Mismatches beside each other look like a rig that leapt by more than its baseline. To go back in doubt of
+/// as much let everything pass, and theta went off by a hundred degrees.
+TEST(GoingBack, IsNotForWhatNoRigDoes) {
+  SceneOptions scene_options;
+  scene_options.duration_s = 12.0;
+  const double baseline = make_scene(scene_options).calibration.baseline();
+  const auto is_odd = [](double t) { return std::abs(t - 10.0) < 0.01; };
+  scene_options.theta_error = [&](double t) {
+    RigParameters out = t < 4.0 ? RigParameters(RigParameters::Zero()) : testing::scene_theta_error();
+    out(4) += is_odd(t) ? 1.5 * baseline : 0.0;
+    return out;
+  };
+  const Scene scene = make_scene(scene_options);
+  Navigator navigator(with_method(scene, Method::kAdaptive), scene.calibration, scene.initial);
+  const auto goes_back = [&] { return navigator.estimate().layout().has_witness; };
+  std::size_t next = 0, odd = 0;
+  for (const StereoFrame& frame : scene.frames) {
+    for (; next < scene.inputs.size() && scene.inputs[next].t_ns <= frame.t_ns; ++next) {
+      navigator.add_imu({scene.inputs[next].t_ns, scene.inputs[next].angular, scene.inputs[next].linear});
+    }
+    if (!is_odd(seconds_between(0, frame.t_ns))) {
+      (void)navigator.process(frame);
+      continue;
+    }
+    ++odd;
+    ASSERT_FALSE(goes_back()) << "it is in doubt since the step, and has caught up";
+    const double sigma = navigator.calibration_estimate().sigma(4);
+    (void)navigator.process(frame);
+    EXPECT_FALSE(goes_back());
+    EXPECT_LT(navigator.calibration_estimate().sigma(4), std::max(3.0 * sigma, 0.1 * baseline));
+  }
+  EXPECT_EQ(odd, 1U);
 }
 
 }  // namespace

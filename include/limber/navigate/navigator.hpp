@@ -120,7 +120,7 @@ class Navigator {
   };
 
   void log(const Event& event);
-  void go_back(const HealthReport& why);
+  void go_back(const CalibrationPrior& prior);
   void replay();
   void watch_anew(std::int64_t t_ns);
   void take_over_from_parallel(std::int64_t t_ns);
