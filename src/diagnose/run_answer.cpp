@@ -154,6 +154,25 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
   }
 }
 
+/// A rig that is wrong may be why, and what to do about it stays.
+void say_it_is_lost(const RunRecord& record, const RunSummary& s, RunAnswer& out) {
+  const double since = seconds_between(record.trajectory.front().t_ns, *s.inputs.lost_since_ns);
+  const bool wrong_rig = s.health && s.health->verdict == HealthVerdict::kDecalibrated;
+  out.light = AnswerLight::kRed;
+  std::string words =
+      "the filter broke down, or images or its own sigmas contradict its state, and nothing brought it back";
+  std::string advice = fmt::format("use no pose later than {:.1f} s; the notes below say what failed", since);
+  if (wrong_rig) {
+    out.sentences.insert(out.sentences.begin(), std::move(words));
+    out.headline = fmt::format("lost since {:.1f} s, {}", since, out.headline);
+    out.advice = advice + "; " + out.advice;
+  } else {
+    out.sentences = {words + "; until then: " + out.headline};
+    out.headline = fmt::format("lost since {:.1f} s", since);
+    out.advice = std::move(advice);
+  }
+}
+
 }  // namespace
 
 std::string_view to_string(AnswerLight light) {
@@ -165,14 +184,7 @@ RunAnswer answer_of(const RunOptions& options, const RunRecord& record, const Ru
   RunAnswer out;
   judge_calibration(options, record, s, out);
   if (s.inputs.lost_since_ns) {
-    const double since = seconds_between(record.trajectory.front().t_ns, *s.inputs.lost_since_ns);
-    out = {AnswerLight::kRed,
-           fmt::format("lost since {:.1f} s", since),
-           {"the filter broke down, or images or its own sigmas contradict its state, and nothing brought it "
-            "back; "
-            "until then: " +
-            out.headline},
-           fmt::format("use no pose later than {:.1f} s; the notes below say what failed", since)};
+    say_it_is_lost(record, s, out);
   }
   out.sentences.push_back(pose_in_words(record, s));
   if (s.rests_on_length) {

@@ -128,6 +128,16 @@ TEST(RunAnswer, OfALostRunIsThatItIsLost) {
   EXPECT_THAT(answer.advice, HasSubstr("no pose later than 2.5 s"));
 }
 
+TEST(RunAnswer, OfALostRunWhoseRigIsWrongSaysWhatToDoAboutIt) {
+  Said said(kDecalibrated);
+  const std::string recalibrate = said.answer().advice;
+  said.summary.inputs.lost_since_ns = 7'500'000'000;
+  const RunAnswer answer = said.answer();
+  EXPECT_EQ(answer.headline, "lost since 2.5 s, rig decalibrated");
+  EXPECT_THAT(answer.sentences.at(1), HasSubstr("not that of this rig"));
+  EXPECT_THAT(answer.advice, AllOf(HasSubstr("no pose later than 2.5 s"), HasSubstr(recalibrate)));
+}
+
 TEST(RunAnswer, OfAStoppedRunSaysHowFarItCame) {
   Said said(kOk);
   said.record.stopped = true;
