@@ -24,10 +24,11 @@ def cell(limber, recording, method, dose):
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([limber, "run", recording, "--method", method, f"--assume-error={error}", "--out",
                                pathlib.Path(folder) / "run"], capture_output=True, text=True, check=False)
-        if done.returncode != 0:
+        summary = pathlib.Path(folder) / "run/summary.json"
+        if not summary.exists():
             return "failed: " + done.stderr.strip().splitlines()[-1]
-        ate = json.loads((pathlib.Path(folder) / "run/summary.json").read_text())["ate_m"]
-        return f"{ate['se3']:.3g} ({ate['scale']:.3f})"
+        ate = json.loads(summary.read_text())["ate_m"]
+        return f"{ate['se3']:.3g} ({ate['scale']:.3f})" + (", lost" if done.returncode else "")
 
 
 def main():

@@ -85,9 +85,9 @@ def run(limber, folder, command):
 
 
 def lost(summary):
-    """ ", lost since 12.3 s"; not where no frame corrected the state by intent: odometry alone."""
-    since = summary["lost_since_s"]
-    return "" if since is None or summary["frames_by_status"]["updated"] == 0 else f", lost since {since:.1f} s"
+    """ ", lost since 12.3 s" of the run; not where no frame corrected the state by intent: odometry alone."""
+    no_update = summary["frames_by_status"]["updated"] == 0
+    return "" if summary["lost_since_s"] is None or no_update else ", " + summary["answer"]["headline"].split(",")[0]
 
 
 def cell(value, digits):
