@@ -295,13 +295,22 @@ void Navigator::RecentFit::add(const FrameReport& report) {
   dof = kForgetsFit * dof + static_cast<double>(report.dof);
 }
 
+/// Whether points tell that the cameras turned against each other so that depths are wrong. Resigned, the
+/// filter trusts the rig for want of better, which costs little else.
+bool Navigator::vergence_is_off() const {
+  const std::shared_ptr<const CalibrationReport> known = known_calibration();
+  return known &&
+         known->state.axes[static_cast<std::size_t>(known->state.vergence)] == HealthVerdict::kDecalibrated;
+}
+
 void Navigator::compare_fits(const FrameReport& report, const FrameReport& parallel) {
   Supervision& s = *supervision_;
   s.own_fit.add(report);
   s.parallel_fit.add(parallel);
-  s.gave_up = std::min(s.own_fit.dof, s.parallel_fit.dof) > kEnoughFit &&
-              s.own_fit.nis > kNoFit * s.own_fit.dof &&
-              s.own_fit.nis * s.parallel_fit.dof > kFarWorse * s.parallel_fit.nis * s.own_fit.dof;
+  const bool fits_worse = std::min(s.own_fit.dof, s.parallel_fit.dof) > kEnoughFit &&
+                          s.own_fit.nis > kNoFit * s.own_fit.dof &&
+                          s.own_fit.nis * s.parallel_fit.dof > kFarWorse * s.parallel_fit.nis * s.own_fit.dof;
+  s.gave_up = fits_worse || (s.resigned && vergence_is_off());
   if (s.gave_up) {  // nobody will go back any more
     s.resigned = true;
     s.older.events = s.recent.events = {};

@@ -59,7 +59,7 @@ TEST(OverruledSince, LosesARunThatNoOdometryCarries) {
   EXPECT_EQ(judged(MotionModel::kImu, 7 * kFrame), 7 * kFrame);
 }
 
-/// `ekf` follows a rig that is two degrees off, by metres: exit code 0, and sigmas of centimetres.
+/// `ekf` followed a rig that is degrees off, by metres: exit code 0, and sigmas of centimetres.
 TEST(OverruledSince, SaysThatARunIsLostWhoseRigIsDegreesOff) {
   const Recording log = simulate(testing::shipped("drone_none_vision", 12.0), 3);
   const auto judged = [&](Method method, const RigParameters& error) {

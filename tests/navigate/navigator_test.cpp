@@ -142,9 +142,20 @@ TEST(Navigator, WhereNothingFixesTheScaleAGrossErrorIsLeftToTheParallelFilter) {
   EXPECT_EQ(adaptive.events_kept, 0U);  // to go back to: nobody will
 }
 
+/// Its depths are wrong, and lengths with them, while hardly an innovation is.
+TEST(Navigator, WhereNothingFixesTheScaleARigOfAnotherVergenceIsLeftToTheParallelFilter) {
+  SceneOptions options = ten_seconds(MotionModel::kConstantVelocity);
+  options.theta_error = [](double) { return RigParameters(0.01 * RigParameters::Unit(1)); };
+  const Scene scene = make_scene(options);
+  const Flight ekf = fly(scene, Method::kEkf), lcekf = fly(scene, Method::kLcekf),
+               adaptive = fly(scene, Method::kAdaptive);
+  EXPECT_GT(ekf.rmse, 3.0 * lcekf.rmse);
+  EXPECT_LT(adaptive.rmse, 1.2 * lcekf.rmse);
+}
+
 TEST(Navigator, WhereNothingFixesTheScaleAWrongStartIsNavigatedAsByTheEkfAndReported) {
   SceneOptions options = ten_seconds(MotionModel::kConstantVelocity);
-  options.theta_error = [](double) { return step_error(); };
+  options.theta_error = [](double) { return RigParameters(0.3 * step_error()); };
   const Scene scene = make_scene(options);
   const Flight ekf = fly(scene, Method::kEkf), adaptive = fly(scene, Method::kAdaptive);
   EXPECT_EQ(adaptive.reports.back().health->verdict, HealthVerdict::kDecalibrated);

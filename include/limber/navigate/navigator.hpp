@@ -133,6 +133,7 @@ class Navigator {
   [[nodiscard]] bool contradicts_rig(const FrameReport& report, const FrameReport& parallel) const;
   void doubt(std::int64_t t_ns);
   bool supervise(const FrameReport& report, const FrameReport& parallel);
+  [[nodiscard]] bool vergence_is_off() const;
   void compare_fits(const FrameReport& report, const FrameReport& parallel);
 
   [[nodiscard]] std::shared_ptr<const CalibrationReport> known_calibration() const;
