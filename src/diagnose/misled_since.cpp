@@ -113,15 +113,9 @@ std::optional<std::size_t> begin_of_growth(std::span<const Block> blocks, std::s
   return std::nullopt;
 }
 
-void lose(std::int64_t since_ns, const std::string& why, RunRecord& record, InputSummary& inputs) {
-  inputs.lost_since_ns = since_ns;
-  record.notes.push_back(
-      fmt::format("the run is lost since {:.3f} s: {}", 1e-9 * static_cast<double>(since_ns), why));
-}
-
 void call_lost(const RunEvent& event, const std::string& why, RunRecord& record, InputSummary& inputs) {
   detail::add_event(event, record, inputs);
-  lose(event.from_ns, why, record, inputs);
+  detail::lose(event.from_ns, why, record, inputs);
 }
 
 /// Not where nobody judged the rig, or it is wrong: that may have moved a bias.
@@ -197,7 +191,7 @@ void lose_after_a_leap(RunRecord& record, InputSummary& inputs) {
   const auto leap =
       std::ranges::find_if(inputs.events, [](const RunEvent& event) { return event.what == "leapt"; });
   if (leap != inputs.events.end()) {
-    lose(leap->to_ns, "points that contradicted the state threw it away", record, inputs);
+    detail::lose(leap->to_ns, "points that contradicted the state threw it away", record, inputs);
   }
 }
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "limber/diagnose/overruled_since.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstddef>
 
+#include "diagnose/run_events.hpp"
 #include "limber/core/time.hpp"
 
 namespace limber {
@@ -37,11 +36,9 @@ void add_overruled(RunRecord& record, RunSummary& summary) {
     return;
   }
   if (const auto since = overruled_since(record.frames)) {
-    summary.inputs.lost_since_ns = since;
-    record.notes.push_back(fmt::format(
-        "the run is lost since {:.3f} s: most points contradict the rig or the state for seconds, and no "
-        "sigma since then is true",
-        1e-9 * static_cast<double>(*since)));
+    detail::lose(*since,
+                 "most points contradict the rig or the state for seconds, and no sigma since then is true",
+                 record, summary.inputs);
   }
 }
 

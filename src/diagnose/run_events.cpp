@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "diagnose/run_events.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <utility>
@@ -13,6 +15,12 @@ void add_event(RunEvent event, const RunRecord& record, InputSummary& inputs) {
   }));
   inputs.events.push_back(std::move(event));
   std::ranges::stable_sort(inputs.events, {}, &RunEvent::from_ns);
+}
+
+void lose(std::int64_t since_ns, const std::string& why, RunRecord& record, InputSummary& inputs) {
+  inputs.lost_since_ns = since_ns;
+  record.notes.push_back(
+      fmt::format("the run is lost since {:.3f} s: {}", 1e-9 * static_cast<double>(since_ns), why));
 }
 
 }  // namespace limber::detail

@@ -16,6 +16,13 @@ using testing::Scene;
 using testing::SceneOptions;
 using testing::with_method;
 
+/// Gives a navigator the inputs up to then, from the one that is next.
+void add_inputs(const Scene& scene, std::int64_t until_ns, std::size_t& next, Navigator& navigator) {
+  for (; next < scene.inputs.size() && scene.inputs[next].t_ns <= until_ns; ++next) {
+    navigator.add_imu({scene.inputs[next].t_ns, scene.inputs[next].angular, scene.inputs[next].linear});
+  }
+}
+
 /// Going back replays some seconds: a robot at 20 Hz stalled for as long as fifty frames take.
 TEST(GoingBack, ReplaysAFewFramesACall) {
   SceneOptions scene_options;
@@ -31,9 +38,7 @@ TEST(GoingBack, ReplaysAFewFramesACall) {
   for (const StereoFrame& frame : scene.frames) {
     const bool went_back = goes_back();
     const std::size_t kept = navigator.events_kept(), first = next;
-    for (; next < scene.inputs.size() && scene.inputs[next].t_ns <= frame.t_ns; ++next) {
-      navigator.add_imu({scene.inputs[next].t_ns, scene.inputs[next].angular, scene.inputs[next].linear});
-    }
+    add_inputs(scene, frame.t_ns, next, navigator);
     (void)navigator.process(frame);
     EXPECT_EQ(navigator.estimate().nav().t_ns, frame.t_ns);
     if (went_back) {
@@ -65,9 +70,7 @@ TEST(GoingBack, IsNotForWhatNoRigDoes) {
   const auto goes_back = [&] { return navigator.estimate().layout().has_witness; };
   std::size_t next = 0, odd = 0;
   for (const StereoFrame& frame : scene.frames) {
-    for (; next < scene.inputs.size() && scene.inputs[next].t_ns <= frame.t_ns; ++next) {
-      navigator.add_imu({scene.inputs[next].t_ns, scene.inputs[next].angular, scene.inputs[next].linear});
-    }
+    add_inputs(scene, frame.t_ns, next, navigator);
     if (!is_odd(seconds_between(0, frame.t_ns))) {
       (void)navigator.process(frame);
       continue;
