@@ -125,6 +125,12 @@ void bind_state_of(py::class_<Guarded<T>>& bound) {
             });
           },
           py::arg("t_ns"), DOC(Navigator_predict))
+      .def_property_readonly(
+          "clock_offset_ns",
+          [](Owner& self) {
+            return self.with([](const T& navigator) { return navigator.clock_offset_ns(); });
+          },
+          DOC(Navigator_clock_offset_ns))
       .def(
           "estimate",
           [](Owner& self) {

@@ -175,7 +175,8 @@ void ImageNavigator::pair_up() {
 }
 
 bool ImageNavigator::is_covered(std::int64_t t_ns) const {
-  return motion_ == MotionModel::kConstantVelocity || (last_input_ns_ && *last_input_ns_ >= t_ns);
+  const std::int64_t late_ns = session_ ? session_->navigator.clock_offset_ns() : 0;
+  return motion_ == MotionModel::kConstantVelocity || (last_input_ns_ && *last_input_ns_ >= t_ns + late_ns);
 }
 
 void ImageNavigator::advance() {
@@ -224,7 +225,7 @@ void ImageNavigator::begin_session(const Pair& pair) {
 
 void ImageNavigator::navigate(const StereoFrame& frame) {
   Session& session = *session_;
-  session.feed(inputs_, frame.t_ns);
+  session.feed(inputs_, frame.t_ns + session.navigator.clock_offset_ns());
   const OnlineReport report = session.navigator.process(frame);
   if (report.start) {
     tell_start(frame.t_ns, *report.start);

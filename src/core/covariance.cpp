@@ -142,6 +142,16 @@ void Covariance::propagate_cross(const Eigen::Ref<const MatrixXd>& Phi) {
   cross = multiply(cross, transposed(Phi));
 }
 
+void Covariance::couple_leading(const Eigen::Ref<const MatrixXd>& U, Index from) {
+  const Index k = U.rows();
+  MatrixXd columns;
+  gather(std::array{from}, columns);
+  const MatrixXd own = U * columns.topRows(k).transpose();
+  const MatrixXd leading = own + own.transpose() + U * columns.middleRows<kTriplet>(from) * U.transpose();
+  data_.topLeftCorner(k, k).triangularView<Eigen::Lower>() += leading;
+  data_.block(k, 0, size_ - k, k) += columns.bottomRows(size_ - k) * U.transpose();
+}
+
 void Covariance::reserve(Index size) {
   if (size > data_.rows()) {
     const Index capacity = std::max(size, data_.rows() + data_.rows() / 2 + 64);

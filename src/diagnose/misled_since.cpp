@@ -171,7 +171,7 @@ std::optional<LateStep> late_step_in(std::span<const FrameReport> frames) {
 void judge_late_step(const RunOptions& options, const LateStep& step, RunRecord& record,
                      RunSummary& summary) {
   const std::string what =
-      fmt::format("steps of the IMU's biases after {:.3f} s were found at {:.3f} s",
+      fmt::format("steps of the IMU's biases or its clock after {:.3f} s were found at {:.3f} s",
                   1e-9 * static_cast<double>(step.since_ns), 1e-9 * static_cast<double>(step.found_ns));
   const RunEvent event{"misled", step.since_ns, step.found_ns};
   if (acquits_the_rig(summary)) {

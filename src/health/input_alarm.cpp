@@ -21,7 +21,7 @@ constexpr double kDoubtful = 22.46;  // 0.999 quantile of chi-square with 6 degr
 
 }  // namespace
 
-bool InputAlarm::judge(const PoseCorrection& c, const BiasStepFit& fit, InputContradiction& found) {
+bool InputAlarm::judge(const PoseCorrection& c, const StepFit& fit, InputContradiction& found) {
   if (!corrections_.add(c)) {
     return false;
   }
@@ -30,7 +30,9 @@ bool InputAlarm::judge(const PoseCorrection& c, const BiasStepFit& fit, InputCon
                square_of_mean = corrections_.mean().squaredNorm();
   const double now = square / (kStatedNoise * noise),
                lasting = square_of_mean / (kPersistence * corrections_.expected_square() * noise),
-               step = is_open ? 0.0 : fit.explained / (std::max(kPersistence, fit.factor) * noise);
+               by_steps = std::max(fit.explained / std::max(kPersistence, fit.factor),
+                                   fit.explained_by_clock / std::max(kStatedNoise, fit.factor)),
+               step = is_open ? 0.0 : by_steps / noise;
   statistic_ = std::max({now, lasting, step});
   doubtful_ = statistic_ > kDoubtful;
   static const double threshold = chi_square_quantile(1.0 - kFalseAlarms, 6.0);
@@ -44,9 +46,10 @@ bool InputAlarm::judge(const PoseCorrection& c, const BiasStepFit& fit, InputCon
            c.dt,
            statistic_,
            std::nullopt,
+           std::nullopt,
            std::nullopt};
   if (!is_sudden && !is_open && fit.explained > std::max(kStatedNoise, fit.factor) * noise * threshold) {
-    found.bias_step = fit.size;
+    found.step = fit.size;
   }
   corrections_.restart_mean();
   last_ns_ = c.t_ns;

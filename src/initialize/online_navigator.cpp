@@ -191,6 +191,10 @@ const Navigator& OnlineNavigator::navigator() const {
   return *navigator_;
 }
 
+std::int64_t OnlineNavigator::clock_offset_ns() const {
+  return navigator_ ? navigator_->clock_offset_ns() + (clock_step_ ? clock_step_->offset_ns : 0) : 0;
+}
+
 std::optional<HealthReport> OnlineNavigator::health() const {
   return navigator_ ? navigator_->health() : std::nullopt;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "limber/health/input_alarm.hpp"
 #include "limber/navigate/navigator_options.hpp"
 #include "limber/sensors/samples.hpp"
 #include "limber/state/initial_state.hpp"
@@ -10,6 +11,8 @@ namespace limber::detail {
 
 /// Further ahead of the state than this a frame or a sample is of another clock [s].
 inline constexpr double kLongestJump = 3600.0;
+/// Largest steps that a contradiction opens, of biases per axis.
+inline constexpr StepSize kLargestStep = {0.2, 2.0, 0.15};
 
 /// @throws std::invalid_argument for a noise that is negative or not finite, and the like
 void check_options(const NavigatorOptions& options);

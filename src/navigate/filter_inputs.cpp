@@ -28,12 +28,7 @@ namespace {
 constexpr double kNeverGivenATime = 60.0;
 /// Where theta is trusted or estimated a wrong rig moves the pose, too: only what no rig can do counts [-].
 constexpr double kTrustingFactor = 30.0;
-/// The same of steps of the biases, which a rig does not look like: where no frame accuses it, and where one
-/// does.
-constexpr double kStepWhereRigIsTrusted = 16.0, kStepWhereRigIsAccused = 60.0;
-/// Largest biases that a contradiction opens [rad/s], [m/s^2].
-constexpr double kLargestBiasGyro = 0.2, kLargestBiasAccel = 2.0;
-constexpr double kStepAge = 1.0;    // [s], after which steps of the biases are supposed to begin anew
+constexpr double kStepAge = 1.0;    // [s], after which steps are supposed to begin anew
 constexpr double kQuiet = 6.0;      // of the alarm's statistic: what 6 degrees of freedom show of themselves
 constexpr double kFastest = 1e3;    // [m/s]: faster is broken
 constexpr double kFarthest = 1e8;   // [m]
@@ -53,7 +48,8 @@ std::int64_t StereoFilter::started_at(std::int64_t t_ns) const {
   return is_untouched && seconds_between(0, t_ns) > kNeverGivenATime ? t_ns : state_ns;
 }
 
-void StereoFilter::add(const InputSample& sample) {
+void StereoFilter::add(InputSample sample) {
+  const std::int64_t stamp_ns = std::exchange(sample.t_ns, sample.t_ns - clock_offset_ns_);
   const std::int64_t state_ns = started_at(sample.t_ns);
   if (seconds_between(state_ns, sample.t_ns) > kLongestJump) {
     throw std::invalid_argument("input sample at " + std::to_string(sample.t_ns) +
@@ -63,7 +59,7 @@ void StereoFilter::add(const InputSample& sample) {
   checks_.add(sample, inputs_);
   estimate_.set_time(state_ns);
   if (has_processed_) {
-    late_ += sample.t_ns < state_ns ? 1 : 0;
+    late_ += std::max(sample.t_ns, stamp_ns) < state_ns ? 1 : 0;
   } else if (sample.t_ns <= state_ns) {
     (void)checks_.take_counts();  // what failed before the state was is the start's to say
   }
@@ -112,6 +108,9 @@ void StereoFilter::predict_to(std::int64_t t_ns) {
   if (estimate_.layout().has_odometry_scale) {
     estimate_.move_with_odometry_scale(way);
   }
+  if (estimate_.layout().has_supposed_steps) {
+    estimate_.move_with_clock_step(to.by_clock);
+  }
   blind_turn_ += to.whole.Q.diagonal().segment<3>(StateLayout::kAttitude).maxCoeff();
   walk_parameters(dt);
 }
@@ -138,13 +137,20 @@ PredictedState StereoFilter::predict(std::int64_t t_ns) const {
   }
   const Propagation to = propagated(t_ns);
   PredictedState out{to.nav, to.whole.Phi * P * to.whole.Phi.transpose() + to.whole.Q};
+  // What a state behind the body moves the position, or all of the body, by.
+  const auto couple = [&](Index at, const VectorXd& by) {
+    const Index n = by.size();
+    const MatrixXd with_body = to.whole.Phi * estimate_.P().block(0, at, k, 1) * by.transpose();
+    out.body_covariance.leftCols(n) += with_body;
+    out.body_covariance.topRows(n) += with_body.transpose();
+    out.body_covariance.topLeftCorner(n, n) += estimate_.P().block(at, at, 1, 1)(0) * by * by.transpose();
+  };
   if (layout.has_odometry_scale) {
-    const Index at = layout.odometry_scale();
-    const Eigen::Vector3d way = to.nav.T_world_body.p - estimate_.nav().T_world_body.p;
-    const MatrixXd with_body = to.whole.Phi * estimate_.P().block(0, at, k, 1) * way.transpose();
-    out.body_covariance.leftCols<3>() += with_body;
-    out.body_covariance.topRows<3>() += with_body.transpose();
-    out.body_covariance.topLeftCorner<3, 3>() += estimate_.P().block(at, at, 1, 1)(0) * way * way.transpose();
+    couple(layout.odometry_scale(), to.nav.T_world_body.p - estimate_.nav().T_world_body.p);
+  }
+  if (layout.has_supposed_steps) {
+    couple(layout.clock_step(), to.by_clock);
+    out.nav = estimate_.moved_with_clock_step(to.nav, to.by_clock);
   }
   return with_doubtful_lengths(std::move(out));
 }
@@ -177,12 +183,12 @@ void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& r
     counted.covariance *= kTrustingFactor;
   }
   InputContradiction found;
-  const bool contradicted = input_alarm_.judge(counted, fit_bias_step(), found);
+  const bool contradicted = input_alarm_.judge(counted, fit_steps(), found);
   report.inputs.chi2 = input_alarm_.statistic() * (blind_to_rig ? 1.0 : kTrustingFactor);
   if (contradicted) {
     report.inputs.status = std::max(report.inputs.status, InputStatus::kContradicted);
-    if (found.bias_step && !blind_to_rig) {
-      found.astray_since_ns = bias_step_ns_;
+    if (found.step && !blind_to_rig) {
+      found.astray_since_ns = steps_ns_;
     }
     report.inputs.contradiction = found;
     distrust_inputs(found);
@@ -190,64 +196,26 @@ void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& r
       restart_monitor();
       last_health_.reset();
     }
-  } else if (estimate_.layout().has_bias_step && input_alarm_.statistic() < kQuiet &&
-             seconds_between(bias_step_ns_, estimate_.nav().t_ns) >= kStepAge) {
-    restart_bias_step();
+  } else if (follow_clock()) {
+    report.inputs.status = std::max(report.inputs.status, InputStatus::kContradicted);
+    report.inputs.contradiction = InputContradiction{};
+    report.inputs.contradiction->clock_offset_ns = clock_offset_ns_;
+  } else if (estimate_.layout().has_supposed_steps && input_alarm_.statistic() < kQuiet &&
+             seconds_between(steps_ns_, estimate_.nav().t_ns) >= kStepAge) {
+    restart_steps();
   }
-}
-
-/// By how much a wrong rig or lens may enlarge what steps of the biases explain [-].
-double StereoFilter::doubt_of_bias_step() const {
-  if (is_blind_to_rig()) {
-    return 1.0;
-  }
-  return seems_misled(estimate_.nav().t_ns) ? kStepWhereRigIsAccused : kStepWhereRigIsTrusted;
-}
-
-BiasStepFit StereoFilter::fit_bias_step() const {
-  if (!estimate_.layout().has_bias_step) {
-    return {};
-  }
-  const Estimate::BiasStep step = estimate_.bias_step();
-  Vector6 prior;
-  prior << Eigen::Vector3d::Constant(kLargestBiasGyro), Eigen::Vector3d::Constant(kLargestBiasAccel);
-  const Matrix6 weight = prior.cwiseAbs2().cwiseInverse().asDiagonal();
-  const Matrix6 covariance = (step.information + weight).inverse();
-  const Vector6 best = covariance * step.evidence;
-  const Vector6 square = best.cwiseAbs2() + covariance.diagonal().cwiseMax(0.0);
-  return {step.evidence.dot(best),
-          doubt_of_bias_step(),
-          {std::sqrt(square.head<3>().sum()), std::sqrt(square.tail<3>().sum())}};
-}
-
-/// Steps of the biases, of that size: what they did to everything if they began when they are supposed to
-/// have, which is no more than the innovations allow; and the biases alone, as if they began now.
-void StereoFilter::open_bias_step(const BiasStepSize& size) {
-  const BiasStepSize allowed = fit_bias_step().size;
-  const auto of_each = [](double gyro, double accel) {
-    Vector6 out;
-    out << Eigen::Vector3d::Constant(gyro), Eigen::Vector3d::Constant(accel);
-    return out;
-  };
-  estimate_.suppose_bias_step(
-      of_each(std::min(size.gyro, allowed.gyro), std::min(size.accel, allowed.accel)));
-  const Matrix6 now = of_each(size.gyro, size.accel).cwiseAbs2().asDiagonal();
-  estimate_.mutable_P().set_diagonal_block(StateLayout::kBiasGyro,
-                                           estimate_.P().diagonal_block<6>(StateLayout::kBiasGyro) + now);
-  restart_bias_step();
-}
-
-void StereoFilter::restart_bias_step() {
-  estimate_.restart_bias_step();
-  bias_step_ns_ = estimate_.nav().t_ns;
 }
 
 void StereoFilter::distrust_inputs(const InputContradiction& found) {
   if (excitation_) {
     excitation_->jump();
   }
-  if (found.bias_step) {
-    open_bias_step(*found.bias_step);
+  if (found.clock_offset_ns) {
+    set_clock_offset(*found.clock_offset_ns);
+    return;
+  }
+  if (found.step) {
+    open_steps(*found.step);
     return;
   }
   const double turn = found.turn / found.dt, speed = found.shift / found.dt;
@@ -259,9 +227,8 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
   open(StateLayout::kAttitude, found.turn);
   if (imu) {
     open(StateLayout::kVelocity, speed);
-    const BiasStepSize size{std::min(turn, kLargestBiasGyro),
-                            std::min(speed / InputAlarm::kCalm, kLargestBiasAccel)};
-    open_bias_step(size);
+    open_steps({std::min(turn, kLargestStep.gyro), std::min(speed / InputAlarm::kCalm, kLargestStep.accel),
+                kLargestStep.clock});
   }
   const double of_turn = turn * turn * found.dt;
   const double of_speed = speed * speed * (imu ? 1.0 / InputAlarm::kCalm : found.dt);
@@ -326,7 +293,8 @@ void StereoFilter::begin_anew() {
   anew.body_covariance = P;
   sound_ = anew;
   estimate_ = make_estimate(options_, given_, anew);
-  bias_step_ns_ = t_ns;
+  steps_ns_ = t_ns;
+  clock_opened_ns_.reset();
   calibration_ = given_;
   if (excitation_) {
     excitation_->jump();

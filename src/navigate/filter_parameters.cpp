@@ -149,7 +149,9 @@ void StereoFilter::copy_state(const StereoFilter& constrained) {
   estimate_ = constrained.estimate_;
   inputs_ = constrained.inputs_;
   checks_ = constrained.checks_;
-  bias_step_ns_ = constrained.bias_step_ns_;
+  steps_ns_ = constrained.steps_ns_;
+  clock_opened_ns_ = constrained.clock_opened_ns_;
+  clock_offset_ns_ = constrained.clock_offset_ns_;
   distrust_ = constrained.distrust_;
   trusted_again_ns_ = constrained.trusted_again_ns_;
   omega_input_ = constrained.omega_input_;

@@ -42,7 +42,7 @@ Estimate make_estimate(const NavigatorOptions& options, const StereoCalibration&
       leaves_scale_unseen(options, calibration) &&
       (options.carries_scale || options.motion == MotionModel::kOdometry || !initial.landmarks.empty());
   layout.has_odometry_scale = options.motion == MotionModel::kOdometry && options.odometry_scale > 0.0;
-  layout.has_bias_step = options.motion == MotionModel::kImu;
+  layout.has_supposed_steps = options.motion == MotionModel::kImu;
   Estimate out(layout, initial.nav, initial.body_covariance, calibration.theta,
                theta_prior(options, calibration).cwiseAbs2().asDiagonal());
   if (initial.landmarks.empty()) {  // a start from the sensors has the world's origin at its own begin

@@ -139,6 +139,11 @@ void Navigator::add_odometry(const OdometrySample& sample) {
   }
 }
 
+std::int64_t Navigator::clock_offset_ns() const {
+  return supervision_ ? std::max(filter_.clock_offset_ns(), supervision_->parallel.clock_offset_ns())
+                      : filter_.clock_offset_ns();
+}
+
 CalibrationPrior Navigator::prior_after(const HealthReport& why) const {
   const RigParameters& delta = why.p_value < why.gathered_p_value ? why.delta : why.gathered_delta;
   CalibrationPrior out;

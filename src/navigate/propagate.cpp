@@ -7,6 +7,7 @@ namespace limber::detail {
 
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
+using Eigen::VectorXd;
 
 namespace {
 
@@ -26,16 +27,28 @@ Transition predict_step(NavigationState& nav, const InputStep& step, const Navig
   return predict_constant_velocity(nav, step.dt, options.constant_velocity_noise);
 }
 
+/// What the body's error gains where samples were taken before they are stamped: the inputs then are what
+/// they will be, as if biases were off by as much. The biases stay.
+VectorXd late_by_a_second(const InputStep& step, const Transition& part) {
+  VectorXd out = -part.Phi.middleCols<3>(StateLayout::kBiasGyro) * step.angular_slope -
+                 part.Phi.middleCols<3>(StateLayout::kBiasAccel) * step.linear_slope;
+  out.segment<6>(StateLayout::kBiasGyro).setZero();
+  return out;
+}
+
 }  // namespace
 
 Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& steps,
                       const NavigatorOptions& options, const OdometryNoise& odometry_noise,
                       double usual_interval_s, const MoreNoise& more) {
   const Eigen::Index k = StateLayout{options.motion}.body_size();
-  Propagation out{nav, {MatrixXd::Identity(k, k), MatrixXd::Zero(k, k)}, Vector3d::Zero()};
+  Propagation out{nav, {MatrixXd::Identity(k, k), MatrixXd::Zero(k, k)}, Vector3d::Zero(), VectorXd::Zero(k)};
   for (const InputStep& step : steps) {
     out.omega_input = step.angular;
     const Transition part = predict_step(out.nav, step, options, odometry_noise, usual_interval_s, more);
+    if (options.motion == MotionModel::kImu) {
+      out.by_clock = part.Phi * out.by_clock + late_by_a_second(step, part);
+    }
     out.whole.Phi = multiply(part.Phi, out.whole.Phi);
     out.whole.Q = congruence(part.Phi, out.whole.Q) + part.Q;
     out.nav.t_ns = step.t_end_ns;

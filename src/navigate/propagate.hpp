@@ -15,6 +15,9 @@ struct Propagation {
   NavigationState nav;
   Transition whole;             ///< of all steps
   Eigen::Vector3d omega_input;  ///< [rad/s], of the last step
+  /// By how much the body's error is off for each second that an IMU's samples are stamped later than they
+  /// were taken [unit/s]; of other inputs nothing.
+  Eigen::VectorXd by_clock;
 };
 
 /// @brief Carries the body through the steps by the options' motion model.

@@ -14,6 +14,8 @@ namespace {
 constexpr double kGap = 1.5;
 constexpr double kIntervalUnknown = 2e7;            // [ns], taken for usual before the second sample
 constexpr std::int64_t kLongestGapStep = 50000000;  // [ns]
+/// Noise of samples changes faster than any motion [s].
+constexpr double kSmoothing = 0.03;
 /// What stays unknown in a gap is taken for white with this correlation time at most [s]: an error that lasts
 /// as long as a short gap, and changes sign now and then in a long one.
 constexpr double kLongestError = 1.0;
@@ -50,7 +52,14 @@ void InputBuffer::add(const InputSample& sample) {
   }
   angular_seen_.add(sample.t_ns, sample.angular);
   linear_seen_.add(sample.t_ns, sample.linear);
+  Smooth smooth{sample.angular, sample.linear};
+  if (!samples_.empty()) {
+    const double kept = std::exp(-seconds(sample.t_ns - samples_.back().t_ns) / kSmoothing);
+    smooth.angular += kept * (smooth_.back().angular - sample.angular);
+    smooth.linear += kept * (smooth_.back().linear - sample.linear);
+  }
   samples_.push_back(sample);
+  smooth_.push_back(smooth);
 }
 
 std::size_t InputBuffer::first_after(std::int64_t t_ns) const {
@@ -76,6 +85,19 @@ InputSample InputBuffer::at(std::int64_t t_ns, std::size_t next) const {
   const double s = static_cast<double>(t_ns - a.t_ns) / static_cast<double>(b.t_ns - a.t_ns);
   return {t_ns, (1.0 - s) * a.angular + s * b.angular, (1.0 - s) * a.linear + s * b.linear,
           std::max(a.angular_density, b.angular_density), std::max(a.linear_density, b.linear_density)};
+}
+
+InputBuffer::Smooth InputBuffer::smooth_at(std::int64_t t_ns, std::size_t next) const {
+  if (samples_.empty()) {
+    return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  }
+  if (next == 0 || next == samples_.size()) {
+    return next == 0 ? smooth_.front() : smooth_.back();
+  }
+  const double s = static_cast<double>(t_ns - samples_[next - 1].t_ns) /
+                   static_cast<double>(samples_[next].t_ns - samples_[next - 1].t_ns);
+  const Smooth &a = smooth_[next - 1], &b = smooth_[next];
+  return {(1.0 - s) * a.angular + s * b.angular, (1.0 - s) * a.linear + s * b.linear};
 }
 
 /// Time between the samples around, in usual intervals; without one of them, from where it is asked for.
@@ -110,6 +132,7 @@ std::vector<InputStep> InputBuffer::steps(std::int64_t begin_ns, std::int64_t en
   }
   std::size_t next = first_after(begin_ns);
   InputSample from = at(begin_ns, next);
+  Smooth smooth_from = smooth_at(begin_ns, next);
   std::int64_t t = begin_ns;
   while (t < end_ns) {
     const double gap = gap_around(next, begin_ns, end_ns);
@@ -122,10 +145,14 @@ std::vector<InputStep> InputBuffer::steps(std::int64_t begin_ns, std::int64_t en
     if (gap > 1.0) {
       doubt(step, next, t);
     }
+    const Smooth smooth_to = smooth_at(t_to, next);
+    step.angular_slope = (smooth_to.angular - smooth_from.angular) / step.dt;
+    step.linear_slope = (smooth_to.linear - smooth_from.linear) / step.dt;
     step.angular_unknown.density += std::max(from.angular_density, to.angular_density);
     step.linear_unknown.density += std::max(from.linear_density, to.linear_density);
     out.push_back(step);
     from = to;
+    smooth_from = smooth_to;
     t = t_to;
     next += reaches_sample ? 1 : 0;
   }
@@ -136,7 +163,16 @@ void InputBuffer::forget_before(std::int64_t begin_ns) {
   // The sample before the beginning is still needed.
   while (samples_.size() > 1 && samples_[1].t_ns <= begin_ns) {
     samples_.pop_front();
+    smooth_.pop_front();
   }
+}
+
+void InputBuffer::shift(std::int64_t by_ns) {
+  for (InputSample& sample : samples_) {
+    sample.t_ns += by_ns;
+  }
+  angular_seen_.shift(by_ns);
+  linear_seen_.shift(by_ns);
 }
 
 double InputBuffer::longest_gap_s(std::int64_t begin_ns, std::int64_t end_ns) const {

@@ -39,6 +39,15 @@ bool InputFaultCounts::any() const {
 
 InputFaultCounts InputChecks::take_counts() { return std::exchange(counts_, {}); }
 
+void InputChecks::shift(std::int64_t by_ns) {
+  newest_ns_ += by_ns;
+  for (std::optional<InputSample>* sample : {&last_, &held_}) {
+    if (*sample) {
+      (*sample)->t_ns += by_ns;
+    }
+  }
+}
+
 /// Six floating point numbers that all repeat themselves twice are no measurement of anything that moves.
 bool InputChecks::is_stuck(const Six& value) {
   if (limits_.rests_at_zero && value.isZero(0.0)) {

@@ -46,6 +46,13 @@ void MotionSeen::add(std::int64_t t_ns, const Eigen::Vector3d& value) {
   }
 }
 
+void MotionSeen::shift(std::int64_t by_ns) {
+  if (last_ns_ != std::numeric_limits<std::int64_t>::min()) {
+    last_ns_ += by_ns;
+    reference_ns_ += by_ns;
+  }
+}
+
 double MotionSeen::spread() const {
   const Eigen::Vector3d variance = squares_ / weight_ - (sum_ / weight_).cwiseAbs2();
   return std::sqrt(std::max(variance.maxCoeff(), 0.0));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace limber {
@@ -22,6 +23,7 @@ constexpr const char* kOverruled = "gate overruled";
 constexpr const char* kMostMove = "most points move";
 constexpr const char* kLedAstray = "led astray";
 constexpr const char* kLeapt = "leapt";
+constexpr const char* kClockStepped = "clock stepped";
 constexpr double kWorthARemark = 0.05;  // [s], a shorter gap is a dropped sample or two
 
 double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
@@ -90,6 +92,12 @@ std::string in_words(const RunEvent& e) {
         "and the calibration not judged",
         when);
   }
+  if (e.what == kClockStepped) {
+    return fmt::format(
+        "{} the images showed that the IMU's clock had stepped: its samples were taken {:.4f} s {} than they "
+        "are stamped, and are used so since then",
+        when, std::abs(e.late_s), e.late_s > 0.0 ? "earlier" : "later");
+  }
   if (e.what == "no inputs") {
     return fmt::format("{} no input sample had come yet: the motion was guessed", when);
   }
@@ -151,7 +159,9 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
         add(to_string(static_cast<InputFault>(k))).samples += frame.inputs.faults.count[k];
       }
     }
-    if (frame.inputs.contradiction) {
+    if (frame.inputs.contradiction && frame.inputs.contradiction->clock_offset_ns) {
+      add(kClockStepped).late_s = seconds(*frame.inputs.contradiction->clock_offset_ns);
+    } else if (frame.inputs.contradiction) {
       add("contradicted");
     }
     if (frame.status == UpdateStatus::kEmpty && frame.t_ns > before_ns) {

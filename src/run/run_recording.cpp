@@ -304,6 +304,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     window = sensor_window(recording, setup, frames, first, callbacks, shared);
     record.start = window.result.initial;
     record.sensor_start = window.report;
+    record.clock_step_of_start = window.result.clock_step;
     record.stopped = window.stopped;
   }
   if (record.stopped && window.frames.empty()) return record;
@@ -339,7 +340,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     done(row, nullptr);
   }
   detail::PointCount points = window.points;
-  InputFeed feed(recording, window.result.clock_step);
+  InputFeed feed(recording, record.clock_step_of_start);
   for (std::size_t n = first + record.frames.size(); n < frame_count(recording); ++n) {
     if (record.stopped || (callbacks.stop && callbacks.stop())) {
       record.stopped = true;
@@ -353,7 +354,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     const auto begin_filter = Clock::now();
     record.source_ms.push_back(read.ms);
     points.add(frame);
-    feed.feed(navigator, motion, frame.t_ns);
+    feed.feed(navigator, motion, frame.t_ns + navigator.clock_offset_ns());
     if (options.method == Method::kOracle) {
       navigator.show_true_rig(true_rig_at(recording.truth.rig, frame.t_ns));
     }

@@ -53,8 +53,9 @@ Estimate::Estimate(StateLayout layout, const NavigationState& nav_state, const M
   if (layout.has_odometry_scale) {
     P_.set_diagonal_block(layout.odometry_scale(), Matrix3d::Identity());
   }
-  if (layout.has_bias_step) {
-    restart_bias_step();
+  if (layout.has_supposed_steps) {
+    restart_bias_steps();
+    restart_clock_step();
   }
 }
 
@@ -92,8 +93,8 @@ void Estimate::retract(const Eigen::VectorXd& dx, const ScaleShares& grows) {
   if (layout_.has_witness) {
     witness_ += dx.segment<6>(layout_.witness());
   }
-  if (layout_.has_bias_step) {
-    bias_step_ += dx.segment<6>(layout_.bias_step());
+  if (layout_.has_supposed_steps) {
+    steps_ += dx.segment<7>(layout_.supposed_steps());
   }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     retract_triplet(active_blocks_[k],

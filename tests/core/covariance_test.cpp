@@ -229,6 +229,19 @@ TEST(Covariance, PropagationMovesTheLeadingBlockAndItsCrossTerms) {
   }
 }
 
+TEST(Covariance, CouplesTheLeadingBlockToATripletBehindIt) {
+  Generator generator(10);
+  for (const Index from : {kBody, Index{12}, Index{27}}) {
+    Pair pair(generator, 30);
+    const MatrixXd U = random_matrix(generator, kBody, kTriplet);
+    pair.covariance.couple_leading(U, from);
+    MatrixXd T = MatrixXd::Identity(30, 30);
+    T.block(0, from, kBody, kTriplet) = U;
+    pair.twin.P = (T * pair.twin.P * T.transpose()).eval();
+    pair.expect_equal(1e-12);
+  }
+}
+
 TEST(Covariance, CrossPropagationLeavesTheLeadingBlockAlone) {
   Generator generator(8);
   Pair pair(generator, 30);

@@ -99,7 +99,7 @@ void expect_same_snapshot(const Estimate& found, const Estimate& expected) {
 /// One correction an epoch: then the transport that waits for its end is the one that others had at once.
 TEST(Epoch, WhoSleepsAndComesBackIsAsIfHeHadBeenAwake) {
   for (const StateLayout& layout : {StateLayout{MotionModel::kImu, false},
-                                    StateLayout{MotionModel::kImu, true}, testing::with_bias_step()}) {
+                                    StateLayout{MotionModel::kImu, true}, testing::with_supposed_steps()}) {
     Generator generator(5);
     Estimate sleepy = random_map(generator, kLandmarks, layout);
     Estimate awake = sleepy;
@@ -117,10 +117,10 @@ TEST(Epoch, WhoSleepsAndComesBackIsAsIfHeHadBeenAwake) {
       std::erase_if(in_view, [&](std::int64_t id) { return sleepy.find(id)->passive; });
       correct(sleepy, epoch, in_view);
       correct(awake, epoch, in_view);
-      if (layout.has_bias_step && epoch % 2 == 1) {  // what began in the epoch before
+      if (layout.has_supposed_steps && epoch % 2 == 1) {  // what began in the epoch before
         for (Estimate* estimate : {&sleepy, &awake}) {
-          estimate->suppose_bias_step(Eigen::Matrix<double, 6, 1>::Constant(0.01));
-          estimate->restart_bias_step();
+          estimate->suppose_steps(Estimate::Steps::Constant(0.01));
+          estimate->restart_bias_steps();
         }
       }
     }

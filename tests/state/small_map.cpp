@@ -14,9 +14,9 @@ Eigen::MatrixXd random_positive_definite(Generator& generator, Eigen::Index n, d
   return sigma * sigma * (W * W.transpose() / static_cast<double>(n) + 0.2 * Eigen::MatrixXd::Identity(n, n));
 }
 
-StateLayout with_bias_step() {
+StateLayout with_supposed_steps() {
   StateLayout layout{MotionModel::kImu};
-  layout.has_bias_step = true;
+  layout.has_supposed_steps = true;
   return layout;
 }
 

@@ -22,7 +22,7 @@ void move_body(Estimate& estimate, Change change) {
 }
 
 /// Of an IMU, with steps of its biases.
-StateLayout with_bias_step();
+StateLayout with_supposed_steps();
 
 Estimate random_estimate(Generator& generator, StateLayout layout = {MotionModel::kImu, false});
 

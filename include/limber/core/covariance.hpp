@@ -92,6 +92,9 @@ class Covariance {
   /// P_ba = P_ba Phiᵀ for the rows b below the leading k×k block, which stays as it is.
   void propagate_cross(const Eigen::Ref<const Eigen::MatrixXd>& Phi);
 
+  /// Applies x_a' = x_a + U x_c, a: the leading k, c: the triplet at `from`, behind them. U: k×3.
+  void couple_leading(const Eigen::Ref<const Eigen::MatrixXd>& U, Eigen::Index from);
+
   /// Two triplets change places.
   void swap_triplets(Eigen::Index a, Eigen::Index b);
 

@@ -41,6 +41,10 @@ class Navigator {
   /// As add_imu, in the place of an IMU.
   void add_odometry(const OdometrySample& sample);
 
+  /// How much later than taken an IMU's samples are stamped by now, as far as the images showed it [ns]: they
+  /// are used so. Where it is positive, feed them up to a frame's time and as much more.
+  [[nodiscard]] std::int64_t clock_offset_ns() const;
+
   /// @brief Advances the state to the frame and corrects it.
   /// @throws std::invalid_argument as StereoFilter::process
   FrameReport process(const StereoFrame& frame);

@@ -72,6 +72,10 @@ class StereoFilter {
   /// As add_imu, in the place of an IMU.
   void add_odometry(const OdometrySample& sample);
 
+  /// How much later than taken an IMU's samples are stamped by now, as far as the images showed it [ns]: they
+  /// are used so. Where it is positive, feed them up to a frame's time and as much more.
+  [[nodiscard]] std::int64_t clock_offset_ns() const { return clock_offset_ns_; }
+
   /// Advances the state to t_ns with the inputs so far; nothing happens if t_ns is not later.
   void predict_to(std::int64_t t_ns);
 
@@ -122,7 +126,8 @@ class StereoFilter {
   friend struct testing::StereoFilterDoubt;
 
   /// Opens the state for what the images of a filter beside this one said against the inputs: velocity and
-  /// biases may be off by as much, and for some time the inputs are noisier by as much.
+  /// biases may be off by as much, and for some time the inputs are noisier by as much. Or a step that they
+  /// found: of the biases, or of the clock, whose offset is taken for true.
   void distrust_inputs(const InputContradiction& found);
 
   /// adaptive: begins to estimate theta, as a constant that walks and a part that is fresh in every frame,
@@ -168,7 +173,7 @@ class StereoFilter {
     std::optional<Correction> correction{};  ///< where it had to be known
   };
 
-  void add(const InputSample& sample);
+  void add(InputSample sample);
   void take_in(const StereoFrame& frame, FrameReport& report);
   /// The time of the state once something of t_ns has come.
   [[nodiscard]] std::int64_t started_at(std::int64_t t_ns) const;
@@ -178,10 +183,12 @@ class StereoFilter {
   [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);
   [[nodiscard]] bool is_blind_to_rig() const;
   void judge_inputs(const PoseCorrection& correction, FrameReport& report);
-  [[nodiscard]] double doubt_of_bias_step() const;
-  [[nodiscard]] BiasStepFit fit_bias_step() const;
-  void open_bias_step(const BiasStepSize& size);
-  void restart_bias_step();
+  [[nodiscard]] double doubt_of_steps() const;
+  [[nodiscard]] StepFit fit_steps() const;
+  void open_steps(const StepSize& size);
+  bool follow_clock();
+  void set_clock_offset(std::int64_t offset_ns);
+  void restart_steps();
   [[nodiscard]] bool is_broken() const;
   void begin_anew();
   void restart_monitor();
@@ -250,8 +257,10 @@ class StereoFilter {
   bool postpones_epoch_ = false;
   bool has_processed_ = false;  // a frame: from then on what is older than the state comes too late
   InputAlarm input_alarm_;
-  std::int64_t bias_step_ns_ = 0;  // steps of biases are supposed to have begun then
-  MoreNoise distrust_;             // what the images said against the inputs, for a while
+  std::int64_t steps_ns_ = 0;                    // steps of biases and clock are supposed to have begun then
+  std::optional<std::int64_t> clock_opened_ns_;  // it may have stepped: its step is estimated
+  std::int64_t clock_offset_ns_ = 0;             // of an IMU's stamps, beside when its samples were taken
+  MoreNoise distrust_;                           // what the images said against the inputs, for a while
   std::int64_t trusted_again_ns_ = std::numeric_limits<std::int64_t>::min();
   double blind_turn_ = 0.0;  // variance of attitude that predictions added since the last update [rad^2]
   InitialState sound_;       // body after the last sound frame, to begin anew from

@@ -46,6 +46,8 @@ struct InputStep {
   /// interpolated grows by this factor (in variance).
   double gap = 1.0;
   Unknown angular_unknown{}, linear_unknown{};  ///< of a step in a gap
+  /// How fast the inputs change in it, smoothed over the last tens of milliseconds [unit/s].
+  Eigen::Vector3d angular_slope = Eigen::Vector3d::Zero(), linear_slope = Eigen::Vector3d::Zero();
 };
 
 /// What was seen of an input before any sample, per axis.
@@ -88,6 +90,9 @@ class InputBuffer {
   /// Forgets the samples that no step from `begin_ns` on needs.
   void forget_before(std::int64_t begin_ns);
 
+  /// All samples, and those that are to come, were taken that much later [ns].
+  void shift(std::int64_t by_ns);
+
   /// There is no sample.
   [[nodiscard]] bool empty() const { return samples_.empty(); }
   /// Samples that are held.
@@ -103,12 +108,17 @@ class InputBuffer {
   [[nodiscard]] double longest_gap_s(std::int64_t begin_ns, std::int64_t end_ns) const;
 
  private:
+  struct Smooth {
+    Eigen::Vector3d angular, linear;
+  };
   [[nodiscard]] std::size_t first_after(std::int64_t t_ns) const;
+  [[nodiscard]] Smooth smooth_at(std::int64_t t_ns, std::size_t next) const;
   [[nodiscard]] InputSample at(std::int64_t t_ns, std::size_t next) const;
   [[nodiscard]] double gap_around(std::size_t next, std::int64_t begin_ns, std::int64_t end_ns) const;
   void doubt(InputStep& step, std::size_t next, std::int64_t begin_ns) const;
 
   std::deque<InputSample> samples_;
+  std::deque<Smooth> smooth_;  // of each sample
   double usual_interval_ns_ = 0.0;
   InputPrior prior_;
   MotionSeen angular_seen_, linear_seen_;

@@ -67,6 +67,9 @@ class InputChecks {
   /// @throws std::invalid_argument if the time does not increase or a value is not finite
   void add(const InputSample& sample, InputBuffer& buffer);
 
+  /// All samples so far were taken that much later [ns].
+  void shift(std::int64_t by_ns);
+
   /// Counts since the last call.
   [[nodiscard]] InputFaultCounts take_counts();
 

@@ -23,6 +23,9 @@ class MotionSeen {
   /// @param value  per axis [unit]
   void add(std::int64_t t_ns, const Eigen::Vector3d& value);
 
+  /// All values were taken that much later [ns].
+  void shift(std::int64_t by_ns);
+
   [[nodiscard]] double spread() const;  ///< about the mean [unit]
   [[nodiscard]] double rms() const;     ///< about zero [unit]
   [[nodiscard]] double rate() const;    ///< rms change per second, seen over some 50 ms [unit/s]

@@ -97,6 +97,8 @@ struct RunRecord {
   MotionModel motion = MotionModel::kImu;
   InitialState start;                       ///< what the filter was told of its first state
   std::optional<StartReport> sensor_start;  ///< StartMode::kAuto: what was known by then, and when that was
+  /// That of the IMU's clock which the start found; for those that the filter did see FrameReport::inputs.
+  std::optional<StampJump> clock_step_of_start;
   /// Frames of the last 30 s, of those of the start as well, as the navigator saw them, where the method
   /// takes the length of the baseline for exact (trusts_length) although an IMU knows a metre: enough to ask
   /// what that shows alone.

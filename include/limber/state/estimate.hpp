@@ -123,22 +123,44 @@ class Estimate {
   /// layouts that have its scale.
   void move_with_odometry_scale(const Eigen::Vector3d& by);
 
-  /// What the innovations say of steps of the biases since the last restart, in information form: gyro
-  /// [rad/s], then accelerometer [m/s^2].
-  struct BiasStep {
-    Eigen::Matrix<double, 6, 6> information;  ///< inverse covariance
-    Eigen::Matrix<double, 6, 1> evidence;     ///< information times the steps that explain them best
+  /// Steps of an IMU: gyro bias [rad/s], accelerometer bias [m/s^2], and of its clock: how much later than
+  /// taken samples are stamped [s].
+  using Steps = Eigen::Matrix<double, 7, 1>;
+  /// What the innovations say of steps since the last restart, in information form. Of a clock that is open
+  /// (suppose_steps) nothing.
+  struct SupposedSteps {
+    Eigen::Matrix<double, 7, 7> information;  ///< inverse covariance
+    Steps evidence;                           ///< information times the steps that explain them best
   };
   /// For layouts that have them. The statistic of a likelihood ratio test of jumps [WillskyJones1976].
-  [[nodiscard]] BiasStep bias_step() const;
+  [[nodiscard]] SupposedSteps supposed_steps() const;
   /// Steps of the biases are supposed to begin now; of those before nothing is left. For layouts that have
   /// them.
-  void restart_bias_step();
-  /// @brief Opens everything along what steps of the biases since the last restart did to it: biases,
-  /// velocity, attitude, the map and its scale. To first order that is the covariance that the state has
-  /// if there was a step which no gain knew of. See docs/derivations/faults.md.
-  /// @param sigma  of each step: gyro [rad/s], accelerometer [m/s^2]
-  void suppose_bias_step(const Eigen::Matrix<double, 6, 1>& sigma);
+  void restart_bias_steps();
+  /// The same of the clock's.
+  void restart_clock_step();
+  /// The clock's step and its standard deviation [s]. For layouts that have steps.
+  struct ClockStep {
+    double mean, sigma;
+  };
+  [[nodiscard]] ClockStep clock_step() const;
+  /// Another mean of it [s]; nothing else changes.
+  void set_clock_step(double mean) { steps_(6) = mean; }
+  /// It may begin now, with that standard deviation [s], and is corrected like any state then, until it is
+  /// restarted.
+  void open_clock_step(double sigma);
+  /// Carries mean and covariance along with a prediction that moves the body by that much for each second of
+  /// the clock's step [unit/s]. For layouts that have steps.
+  void move_with_clock_step(const Eigen::Matrix<double, 15, 1>& by);
+  /// A predicted state as that moves it.
+  [[nodiscard]] NavigationState moved_with_clock_step(NavigationState nav,
+                                                      const Eigen::Matrix<double, 15, 1>& by) const;
+  /// @brief Opens everything along what steps since the last restart did to it: biases, velocity, attitude,
+  /// the map and its scale. To first order that is the covariance that the state has if there was a step
+  /// which no gain knew of: the supposed steps as well, which are corrected like any state then, until they
+  /// are restarted. See docs/derivations/faults.md.
+  /// @param sigma  of each step
+  void suppose_steps(const Steps& sigma);
 
   /// The witness forgets what it has learned: mean zero, standard deviation `sigma` [plausible errors] each,
   /// correlated with nothing. For layouts that have one.
@@ -293,7 +315,7 @@ class Estimate {
   Vector6 witness_ = Vector6::Zero();
   Covariance P_;
   StateLayout layout_;
-  Vector6 bias_step_ = Vector6::Zero();  // mean
+  Steps steps_ = Steps::Zero();  // supposed ones, mean
   std::vector<Anchor> anchors_;
   std::vector<int> free_anchors_;
   std::vector<Landmark> landmarks_;

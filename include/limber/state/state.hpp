@@ -60,9 +60,9 @@ struct StateLayout {
   /// Odometry's speeds may be long or short by a constant factor: considered, never corrected. kOdometry
   /// only.
   bool has_odometry_scale = false;
-  /// Steps of the biases that nobody believes in: what they would have done to everything else is carried
-  /// along in the covariance (Estimate::suppose_bias_step). kImu only.
-  bool has_bias_step = false;
+  /// Steps of the biases and of the clock that nobody believes in: what they would have done to everything
+  /// else is carried along in the covariance (Estimate::suppose_steps). kImu only.
+  bool has_supposed_steps = false;
 
   /// of the position error, world axes [m]
   static constexpr Eigen::Index kPosition = 0;
@@ -105,13 +105,18 @@ struct StateLayout {
   /// Start of the odometry's scale, valid only if has_odometry_scale: a triplet of which the first entry
   /// counts, the error of the factor [-]; the others are nothing.
   [[nodiscard]] Eigen::Index odometry_scale() const { return map_scale() + (has_map_scale ? kTriplet : 0); }
-  /// Start of the steps of gyro bias [rad/s] and accelerometer bias [m/s^2], six wide, valid only if
-  /// has_bias_step.
-  [[nodiscard]] Eigen::Index bias_step() const {
+  /// Start of the steps of gyro bias [rad/s], accelerometer bias [m/s^2] and clock, valid only if
+  /// has_supposed_steps: three triplets, of the last of which the first entry counts, how much later than
+  /// taken samples are stamped [s]; the others are nothing.
+  [[nodiscard]] Eigen::Index supposed_steps() const {
     return odometry_scale() + (has_odometry_scale ? kTriplet : 0);
   }
+  /// The clock's step among them.
+  [[nodiscard]] Eigen::Index clock_step() const { return supposed_steps() + 2 * kTriplet; }
   /// Start of the map.
-  [[nodiscard]] Eigen::Index map_begin() const { return bias_step() + (has_bias_step ? 6 : 0); }
+  [[nodiscard]] Eigen::Index map_begin() const {
+    return supposed_steps() + (has_supposed_steps ? 3 * kTriplet : 0);
+  }
 };
 
 /// @brief The body's pose at the initialisation of some landmarks, a clone that stays in the state while they
