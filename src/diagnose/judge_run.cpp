@@ -10,7 +10,7 @@ namespace limber {
 RunSummary judge_run(const Recording& recording, const RunOptions& options,
                      const std::optional<ReadoutTime>& readout, RunRecord& record) {
   RunSummary out = summarize(recording, options, record);
-  add_misled(options, record, out);
+  add_misled(recording, options, record, out);
   add_scale_check(recording, options, record, out);
   add_readout(readout, recording.calibration, record, out);
   add_trusted_rig(options, record, out);

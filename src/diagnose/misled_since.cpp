@@ -13,6 +13,7 @@
 #include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
 #include "limber/diagnose/bias_move.hpp"
+#include "limber/diagnose/scale_check.hpp"
 #include "limber/diagnose/trusted_rig.hpp"
 
 namespace limber {
@@ -216,7 +217,8 @@ std::optional<std::int64_t> misled_since(std::span<const FrameReport> frames,
   return std::nullopt;
 }
 
-void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summary) {
+void add_misled(const Recording& recording, const RunOptions& options, RunRecord& record,
+                RunSummary& summary) {
   if (record.frames.empty() || summary.inputs.lost_since_ns) {
     return;
   }
@@ -235,7 +237,8 @@ void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summar
   const std::optional<LateStep> late = late_step_in(record.frames);
   if (late && !moved_before(late->since_ns) && (!misled || late->since_ns < *misled)) {
     judge_late_step(options, *late, record, summary);
-  } else if (misled && !moved_before(*misled)) {
+  } else if (misled && !moved_before(*misled) &&
+             !agrees_with_lcekf(recording, options, record, *misled).value_or(false)) {
     call_lost({"misled", *misled, end_ns},
               "points contradict the prediction since then, and the rig did not change: an input failed (a "
               "bias or a clock that stepped). --method lcekf would notice and go on",

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include "limber/core/divergence_error.hpp"
+#include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/trusted_axes.hpp"
@@ -15,6 +17,7 @@ namespace limber {
 namespace {
 
 constexpr std::size_t kFewestRows = 20;
+constexpr double kDisagrees = 2.0;                   // squared, over the variance
 constexpr std::int64_t kInputsBefore = 100'000'000;  // [ns], of the first frame
 constexpr std::size_t kMostPoints = 60;              // a frame: enough, and what it costs is bounded
 
@@ -128,25 +131,40 @@ double scale_sigma(const std::vector<TwoRows>& rows) {
   return std::hypot(std::sqrt(variance / squared), kLeastScale);
 }
 
-}  // namespace
-
-std::optional<ScaleCheck> check_scale(const Recording& recording, const RunOptions& options,
-                                      const RunRecord& record) {
+/// The last frames once more, by a filter that asks the IMU alone; nothing where it does not go through.
+std::optional<RunRecord> run_without_trust(const Recording& recording, const RunOptions& options,
+                                           const RunRecord& record) {
   if (record.last_frames.size() < kFewestRows) {
     return std::nullopt;
   }
-  RunRecord blind;
   try {
-    blind = run_recording(stretch_of(recording, record), without_trust(options),
-                          [&](std::size_t n) { return record.last_frames[n]; });
+    RunRecord blind = run_recording(stretch_of(recording, record), without_trust(options),
+                                    [&](std::size_t n) { return record.last_frames[n]; });
+    return summarize_inputs(blind.frames).lost_since_ns ? std::nullopt : std::optional(std::move(blind));
   } catch (const DivergenceError&) {
     return std::nullopt;
   } catch (const std::invalid_argument&) {  // no frame to start from
     return std::nullopt;
   }
-  const std::vector<TwoRows> rows = common_rows(record.trajectory, blind.trajectory);
+}
+
+/// Squared difference of the velocities, as the body sees them, over the variance of both.
+double disagreement(const TwoRows& rows) {
+  const Eigen::Vector3d off = velocity_in(*rows.trusting) - velocity_in(*rows.blind);
+  return off.squaredNorm() / (rows.trusting->sigma_v->squaredNorm() + rows.blind->sigma_v->squaredNorm());
+}
+
+}  // namespace
+
+std::optional<ScaleCheck> check_scale(const Recording& recording, const RunOptions& options,
+                                      const RunRecord& record) {
+  const std::optional<RunRecord> blind = run_without_trust(recording, options, record);
+  if (!blind) {
+    return std::nullopt;
+  }
+  const std::vector<TwoRows> rows = common_rows(record.trajectory, blind->trajectory);
   const std::optional<double> share = too_fast(rows);
-  if (!share || summarize_inputs(blind.frames).lost_since_ns) {
+  if (!share) {
     return std::nullopt;
   }
   const double sigma = scale_sigma(rows);
@@ -154,6 +172,19 @@ std::optional<ScaleCheck> check_scale(const Recording& recording, const RunOptio
     return std::nullopt;
   }
   return ScaleCheck{rows.front().blind->t_ns, rows.back().blind->t_ns, {*share, sigma}};
+}
+
+std::optional<bool> agrees_with_lcekf(const Recording& recording, const RunOptions& options,
+                                      const RunRecord& record, std::int64_t since_ns) {
+  const std::optional<RunRecord> blind = run_without_trust(recording, options, record);
+  std::vector<double> off;
+  for (const TwoRows& rows :
+       blind ? common_rows(record.trajectory, blind->trajectory) : std::vector<TwoRows>{}) {
+    if (rows.trusting->t_ns >= since_ns) {
+      off.push_back(disagreement(rows));
+    }
+  }
+  return off.size() < kFewestRows ? std::nullopt : std::optional(upper_median(std::move(off)) < kDisagrees);
 }
 
 void add_scale_check(const Recording& recording, const RunOptions& options, const RunRecord& record,

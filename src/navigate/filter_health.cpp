@@ -80,6 +80,13 @@ bool StereoFilter::seems_misled(std::int64_t t_ns) const {
   return rig_accused_ns_ && seconds_between(*rig_accused_ns_, t_ns) <= kMisled;
 }
 
+/// Whether points contradict each other: what they say against the inputs is not to be believed.
+bool StereoFilter::points_quarrel(const FrameReport& report) const {
+  return report.gate_overruled || report.most_move || report.led_astray ||
+         static_cast<double>(report.refused.size()) > kContested * static_cast<double>(report.observed) ||
+         (pixel_noise_ && pixel_noise_->report().sigma_px > kPointsQuarrel);
+}
+
 /// What is learned of pixels and inputs. Nothing where a filter that trusts the rig is misled by it: what is
 /// off then is neither.
 void StereoFilter::learn_noise(const ParameterErrorModel& model, const UpdateReport& update,
@@ -101,12 +108,9 @@ void StereoFilter::learn_noise(const ParameterErrorModel& model, const UpdateRep
   if (pixel_noise_) {
     pixel_noise_->learn(scatter * rest.dof, rest.dof);
   }
-  const bool quarrels =
-      report.gate_overruled || report.most_move || report.led_astray ||
-      static_cast<double>(report.refused.size()) > kContested * static_cast<double>(report.observed) ||
-      (pixel_noise_ && pixel_noise_->report().sigma_px > kPointsQuarrel);
   const bool learns = imu_noise_ && options_.method != Method::kAdaptive;  // it is told: share_imu_noise
-  if (learns && !quarrels && !input_alarm_.active(correction.t_ns) && report.inputs.gap_s <= kLongGap) {
+  if (learns && !points_quarrel(report) && !input_alarm_.active(correction.t_ns) &&
+      report.inputs.gap_s <= kLongGap) {
     imu_noise_->learn(counted, is_blind_to_rig() || detail::estimates_theta(options_));
   }
 }

@@ -196,7 +196,7 @@ void StereoFilter::judge_inputs(const PoseCorrection& correction, FrameReport& r
       restart_monitor();
       last_health_.reset();
     }
-  } else if (follow_clock()) {
+  } else if (follow_clock(report)) {
     report.inputs.status = std::max(report.inputs.status, InputStatus::kContradicted);
     report.inputs.contradiction = InputContradiction{};
     report.inputs.contradiction->clock_offset_ns = clock_offset_ns_;
@@ -227,8 +227,8 @@ void StereoFilter::distrust_inputs(const InputContradiction& found) {
   open(StateLayout::kAttitude, found.turn);
   if (imu) {
     open(StateLayout::kVelocity, speed);
-    open_steps({std::min(turn, kLargestStep.gyro), std::min(speed / InputAlarm::kCalm, kLargestStep.accel),
-                kLargestStep.clock});
+    open_steps({std::min(turn, kLargestStep.gyro), std::min(speed / InputAlarm::kCalm, kLargestStep.accel)});
+    doubts_clock_ = true;
   }
   const double of_turn = turn * turn * found.dt;
   const double of_speed = speed * speed * (imu ? 1.0 / InputAlarm::kCalm : found.dt);

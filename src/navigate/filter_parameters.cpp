@@ -150,6 +150,7 @@ void StereoFilter::copy_state(const StereoFilter& constrained) {
   inputs_ = constrained.inputs_;
   checks_ = constrained.checks_;
   steps_ns_ = constrained.steps_ns_;
+  doubts_clock_ = constrained.doubts_clock_;
   clock_opened_ns_ = constrained.clock_opened_ns_;
   clock_offset_ns_ = constrained.clock_offset_ns_;
   distrust_ = constrained.distrust_;

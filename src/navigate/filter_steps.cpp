@@ -8,6 +8,7 @@
 #include "check_inputs.hpp"
 #include "limber/core/time.hpp"
 #include "limber/navigate/stereo_filter.hpp"
+#include "parameter_roles.hpp"
 
 namespace limber {
 
@@ -23,6 +24,8 @@ constexpr double kWhereRigIsTrusted = 16.0, kWhereRigIsAccused = 60.0;
 constexpr double kSmallestClock = 0.005;  // [s]: less is noise of stamps
 constexpr double kCertainClock = 5.0;     // sigmas
 constexpr double kOpen = 6.0;             // [s], for which it is estimated
+constexpr double kLeastOpen = 0.5;        // [s]
+constexpr double kExplained = 2.0;        // NIS per degree of freedom
 
 Steps of_each(double gyro, double accel, double clock) {
   Steps out;
@@ -81,29 +84,44 @@ StepFit StereoFilter::fit_steps() const {
 /// more than the innovations allow; and the biases alone, as if they began now.
 void StereoFilter::open_steps(const StepSize& size) {
   const StepSize allowed = fit_steps().size;
+  const double clock = clock_opened_ns_ || estimates_time_offset(options_) ? 0.0 : size.clock;
   estimate_.suppose_steps(of_each(std::min(size.gyro, allowed.gyro), std::min(size.accel, allowed.accel),
-                                  clock_opened_ns_ ? 0.0 : std::min(size.clock, allowed.clock)));
+                                  std::min(clock, allowed.clock)));
   const Steps now = of_each(size.gyro, size.accel, 0.0);
   estimate_.mutable_P().set_diagonal_block(
       StateLayout::kBiasGyro, estimate_.P().diagonal_block<6>(StateLayout::kBiasGyro) +
                                   Eigen::Matrix<double, 6, 6>(now.head<6>().cwiseAbs2().asDiagonal()));
-  if (!clock_opened_ns_) {
-    clock_opened_ns_ = estimate_.nav().t_ns;
-    estimate_.open_clock_step(kLargestStep.clock);
+  if (clock > 0.0) {
+    open_clock();
   }
   restart_steps();
 }
 
-/// Follows a clock that is open for a while. @return whether it shows that it stepped
-bool StereoFilter::follow_clock() {
+/// The clock may have stepped: from now on its step is estimated.
+void StereoFilter::open_clock() {
+  clock_opened_ns_ = estimate_.nav().t_ns;
+  estimate_.open_clock_step(kLargestStep.clock);
+}
+
+/// Opens a clock that is in doubt once the frame behind the one that contradicted fits, and follows it for a
+/// while. Things that move contradict the inputs as well, but then nothing that is open explains the points.
+/// @return whether it shows that it stepped
+bool StereoFilter::follow_clock(const FrameReport& report) {
+  const bool explains = report.nis < kExplained * static_cast<double>(report.dof) && !points_quarrel(report);
+  if (std::exchange(doubts_clock_, false) && explains && !clock_opened_ns_ &&
+      !estimates_time_offset(options_)) {
+    open_clock();
+  }
   if (!clock_opened_ns_) {
     return false;
   }
   const Estimate::ClockStep step = estimate_.clock_step();
-  const bool shows = std::abs(step.mean) > std::max(kSmallestClock, kCertainClock * step.sigma);
+  const double open_s = seconds_between(*clock_opened_ns_, estimate_.nav().t_ns);
+  const bool shows = explains && open_s > kLeastOpen &&
+                     std::abs(step.mean) > std::max(kSmallestClock, kCertainClock * step.sigma);
   if (shows) {
     set_clock_offset(clock_offset_ns_ + std::llround(1e9 * step.mean));
-  } else if (seconds_between(*clock_opened_ns_, estimate_.nav().t_ns) > kOpen) {
+  } else if (!explains || open_s > kOpen) {
     clock_opened_ns_.reset();
     restart_steps();
   }

@@ -11,6 +11,9 @@ using Eigen::MatrixXd;
 
 namespace {
 
+constexpr std::size_t kTimeOffset0 = 11;  // dt0
+static_assert(kParameterNames[kTimeOffset0] == "dt0");
+
 bool constrains_theta(const NavigatorOptions& options) {
   return options.method == Method::kLcekf && options.constraints.has_theta();
 }
@@ -58,6 +61,7 @@ bool always_has_theta(Method method) {
 }
 
 ParameterSet estimated(const NavigatorOptions& options) { return parameters_of(options.estimated); }
+bool estimates_time_offset(const NavigatorOptions& options) { return estimated(options)[kTimeOffset0]; }
 ParameterSet softened(const NavigatorOptions& options) { return parameters_of(options.softened); }
 
 bool doubts_lenses(const NavigatorOptions& options) {

@@ -26,6 +26,8 @@ inline constexpr double kNotEstimated =
 /// theta is in the state whatever else is estimated.
 [[nodiscard]] bool always_has_theta(Method method);
 [[nodiscard]] ParameterSet estimated(const NavigatorOptions& options);
+/// The time offset of the cameras is: an IMU's clock that steps is a part of it.
+[[nodiscard]] bool estimates_time_offset(const NavigatorOptions& options);
 [[nodiscard]] ParameterSet softened(const NavigatorOptions& options);
 [[nodiscard]] bool has_theta(const NavigatorOptions& options);
 /// An ekf that has to learn what its pixels are worth: what lenses leave of them looks like a rig that is

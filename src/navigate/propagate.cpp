@@ -2,6 +2,7 @@
 #include "propagate.hpp"
 
 #include "limber/core/dense.hpp"
+#include "parameter_roles.hpp"
 
 namespace limber::detail {
 
@@ -46,7 +47,7 @@ Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& 
   for (const InputStep& step : steps) {
     out.omega_input = step.angular;
     const Transition part = predict_step(out.nav, step, options, odometry_noise, usual_interval_s, more);
-    if (options.motion == MotionModel::kImu) {
+    if (options.motion == MotionModel::kImu && !estimates_time_offset(options)) {
       out.by_clock = part.Phi * out.by_clock + late_by_a_second(step, part);
     }
     out.whole.Phi = multiply(part.Phi, out.whole.Phi);

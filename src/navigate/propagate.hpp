@@ -16,7 +16,7 @@ struct Propagation {
   Transition whole;             ///< of all steps
   Eigen::Vector3d omega_input;  ///< [rad/s], of the last step
   /// By how much the body's error is off for each second that an IMU's samples are stamped later than they
-  /// were taken [unit/s]; of other inputs nothing.
+  /// were taken [unit/s]; nothing of other inputs, and where a time offset is estimated anyway.
   Eigen::VectorXd by_clock;
 };
 

@@ -66,7 +66,7 @@ MethodResult compute_method(const Recording& recording, const Scenario& scenario
     RunRecord record =
         run_recording(recording, options, matched_frames(recording), {.observe = observe}, &starts);
     RunSummary summary = summarize(recording, options, record);
-    add_misled(options, record, summary);
+    add_misled(recording, options, record, summary);
     out.run.figures = figures_of(summary, observer.map_error());
     if (summary.inputs.lost_since_ns) {
       out.run.figures.lost_s = seconds_between(recording.frames.front().t_ns, *summary.inputs.lost_since_ns);

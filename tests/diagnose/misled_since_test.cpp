@@ -91,7 +91,7 @@ TEST(MisledSince, LosesARunWithoutAnImuSinceItsBodyLeapt) {
     record.trajectory.resize(10);
     RunSummary summary;
     if (leapt) summary.inputs.events.push_back({"leapt", 4'950'000'000, 5'000'000'000});
-    add_misled({}, record, summary);
+    add_misled({}, {}, record, summary);
     EXPECT_EQ(record.notes.size(), summary.inputs.lost_since_ns ? 1U : 0U);
     return summary.inputs.lost_since_ns;
   };
@@ -112,7 +112,7 @@ InputSummary judged(const Recording& log, Method method, bool learn_imu_noise = 
   options.learn_imu_noise = learn_imu_noise;
   RunRecord record = run_recording(log, options, matched_frames(log));
   RunSummary summary = summarize(log, options, record);
-  add_misled(options, record, summary);
+  add_misled(log, options, record, summary);
   EXPECT_EQ(summary.inputs.lost_since_ns.has_value(),
             !record.notes.empty() && record.notes.back().find("the run is lost since") == 0);
   return summary.inputs;
@@ -155,7 +155,7 @@ TEST(MisledSince, LeavesOpenThatTheRigIsOffWhereItMayBe) {
     options.method = Method::kEkf;
     RunRecord record = run_recording(log, options, matched_frames(log));
     RunSummary summary = summarize(log, options, record);
-    add_misled(options, record, summary);
+    add_misled(log, options, record, summary);
     EXPECT_TRUE(summary.inputs.lost_since_ns);
     return record.notes.back();
   };
@@ -175,7 +175,7 @@ TEST(MisledSince, LosesAFilterThatFoundAStepLate) {
     record.frames[60].inputs.contradiction->astray_since_ns = astray_since_ns;
     RunSummary summary;
     summary.health = rig(verdict);
-    add_misled({}, record, summary);
+    add_misled({}, {}, record, summary);
     EXPECT_EQ(record.notes.size(), astray_since_ns ? 1U : 0U);
     return summary.inputs.lost_since_ns;
   };

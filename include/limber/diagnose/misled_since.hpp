@@ -28,6 +28,9 @@ namespace limber {
 /// Where the rig is wrong, which may move a bias as well, nobody judged it, or biases move all along, the
 /// last is said, but the run is not lost for it. A run without an IMU is lost since points that contradicted
 /// its state moved it by more than its sigmas allow ("leapt"). Does nothing where it is lost already.
-void add_misled(const RunOptions& options, RunRecord& record, RunSummary& summary);
+/// `ekf` whose trajectory agrees with that of `lcekf` (agrees_with_lcekf) was not misled: things that move
+/// make points contradict each other, too.
+void add_misled(const Recording& recording, const RunOptions& options, RunRecord& record,
+                RunSummary& summary);
 
 }  // namespace limber

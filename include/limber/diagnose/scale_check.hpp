@@ -8,7 +8,8 @@
 #include "limber/run/run_recording.hpp"
 
 /// @file
-/// Whether the scale of a trajectory that rests on the baseline's length is the one that the IMU shows alone.
+/// Whether the scale of a trajectory that rests on the baseline's length is the one that the IMU shows alone,
+/// and whether the trajectory is.
 namespace limber {
 
 /// The scale of a run over a stretch, beside that of `lcekf`, which asks the IMU alone.
@@ -25,5 +26,11 @@ struct ScaleCheck {
 /// @return nothing where no frames were kept, `lcekf` did not go through, or does not know its scale either
 [[nodiscard]] std::optional<ScaleCheck> check_scale(const Recording& recording, const RunOptions& options,
                                                     const RunRecord& record);
+
+/// @brief The same run: whether the velocities since `since_ns` agree with those of `lcekf` within what both
+/// claim, in the median frame. A filter that points led astray does not.
+/// @return nothing where there is nothing to compare
+[[nodiscard]] std::optional<bool> agrees_with_lcekf(const Recording& recording, const RunOptions& options,
+                                                    const RunRecord& record, std::int64_t since_ns);
 
 }  // namespace limber

@@ -186,7 +186,8 @@ class StereoFilter {
   [[nodiscard]] double doubt_of_steps() const;
   [[nodiscard]] StepFit fit_steps() const;
   void open_steps(const StepSize& size);
-  bool follow_clock();
+  void open_clock();
+  bool follow_clock(const FrameReport& report);
   void set_clock_offset(std::int64_t offset_ns);
   void restart_steps();
   [[nodiscard]] bool is_broken() const;
@@ -236,6 +237,7 @@ class StereoFilter {
                   FrameReport& report);
   /// A frame accused the rig a moment ago, which this filter trusts.
   [[nodiscard]] bool seems_misled(std::int64_t t_ns) const;
+  [[nodiscard]] bool points_quarrel(const FrameReport& report) const;
   void learn_noise(const ParameterErrorModel& model, const UpdateReport& update,
                    const PoseCorrection& correction, const FrameReport& report);
   [[nodiscard]] PixelNoise sigma_px() const {
@@ -258,6 +260,7 @@ class StereoFilter {
   bool has_processed_ = false;  // a frame: from then on what is older than the state comes too late
   InputAlarm input_alarm_;
   std::int64_t steps_ns_ = 0;                    // steps of biases and clock are supposed to have begun then
+  bool doubts_clock_ = false;                    // a frame contradicted the inputs, and no step explains it
   std::optional<std::int64_t> clock_opened_ns_;  // it may have stepped: its step is estimated
   std::int64_t clock_offset_ns_ = 0;             // of an IMU's stamps, beside when its samples were taken
   MoreNoise distrust_;                           // what the images said against the inputs, for a while

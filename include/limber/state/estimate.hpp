@@ -139,10 +139,12 @@ class Estimate {
   void restart_bias_steps();
   /// The same of the clock's.
   void restart_clock_step();
-  /// The clock's step and its standard deviation [s]. For layouts that have steps.
+  /// Of the clock.
   struct ClockStep {
-    double mean, sigma;
+    double mean;   ///< how much later than taken samples are stamped [s]
+    double sigma;  ///< its standard deviation [s]
   };
+  /// The clock's step as it is known. For layouts that have steps.
   [[nodiscard]] ClockStep clock_step() const;
   /// Another mean of it [s]; nothing else changes.
   void set_clock_step(double mean) { steps_(6) = mean; }
