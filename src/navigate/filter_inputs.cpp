@@ -294,6 +294,7 @@ void StereoFilter::begin_anew() {
   sound_ = anew;
   estimate_ = make_estimate(options_, given_, anew);
   steps_ns_ = t_ns;
+  doubts_clock_ = false;
   clock_opened_ns_.reset();
   calibration_ = given_;
   if (excitation_) {

@@ -96,7 +96,7 @@ std::string in_words(const RunEvent& e) {
     return fmt::format(
         "{} the images showed that the IMU's clock had stepped: its samples were taken {:.4f} s {} than they "
         "are stamped, and are used so since then",
-        when, std::abs(e.late_s), e.late_s > 0.0 ? "earlier" : "later");
+        when, std::abs(e.clock_offset_s), e.clock_offset_s > 0.0 ? "earlier" : "later");
   }
   if (e.what == "no inputs") {
     return fmt::format("{} no input sample had come yet: the motion was guessed", when);
@@ -160,7 +160,7 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
       }
     }
     if (frame.inputs.contradiction && frame.inputs.contradiction->clock_offset_ns) {
-      add(kClockStepped).late_s = seconds(*frame.inputs.contradiction->clock_offset_ns);
+      add(kClockStepped).clock_offset_s = seconds(*frame.inputs.contradiction->clock_offset_ns);
     } else if (frame.inputs.contradiction) {
       add("contradicted");
     }

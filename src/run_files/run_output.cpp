@@ -88,6 +88,9 @@ Json to_json(const std::vector<RunEvent>& events) {
                    {"to_s", 1e-9 * static_cast<double>(e.to_ns)},
                    {"frames", e.frames},
                    {"samples", e.samples}});
+    if (e.clock_offset_s != 0.0) {
+      out.back()["clock_offset_s"] = e.clock_offset_s;
+    }
   }
   return out;
 }

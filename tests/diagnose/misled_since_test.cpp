@@ -139,6 +139,37 @@ TEST(MisledSince, SaysSinceWhenEkfIsLostAfterAnInputFailedAndNothingOfASoundRun)
   EXPECT_TRUE(judged(turned, Method::kEkf).lost_since_ns);
 }
 
+/// The run as if its points had contradicted each other from the eighth second on, and it had gone that many
+/// times as fast.
+RunRecord contested(RunRecord record, std::int64_t since_ns, double faster) {
+  for (std::size_t k = 0; k < record.frames.size(); ++k) {
+    FrameReport& frame = record.frames[k];
+    if (frame.t_ns >= since_ns) {
+      frame.nis *= 50.0;
+      frame.refused.resize(frame.used);
+      *record.trajectory[k].v_world_body *= faster;
+    }
+  }
+  return record;
+}
+
+/// Innovations and refusals grow for a body that moves as after a fault of the IMU, but poses are right.
+TEST(MisledSince, IsNotWhereTheTrajectoryIsThatOfAMethodThatAsksTheImuAlone) {
+  const Recording recording = drone(131);
+  RunOptions options;
+  options.method = Method::kEkf;
+  const RunRecord sound = run_recording(recording, options, matched_frames(recording));
+  const auto is_lost = [&](double faster) {
+    RunRecord record = contested(sound, eighth_second(recording), faster);
+    RunSummary summary = summarize(recording, options, record);
+    EXPECT_TRUE(misled_since(record.frames, summary.health));
+    add_misled(recording, options, record, summary);
+    return summary.inputs.lost_since_ns.has_value();
+  };
+  EXPECT_FALSE(is_lost(1.0));
+  EXPECT_TRUE(is_lost(1.3));
+}
+
 /// As if the accelerometer's bias stepped at the eighth second [m/s^2].
 Recording pushed(Recording log, double step) {
   const std::int64_t at_ns = eighth_second(log);

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "limber/run/run_recording.hpp"
 #include "short_recording.hpp"
 
@@ -52,6 +54,20 @@ TEST(InputSummary, FramesWithTheSameTroubleAreOneEvent) {
   EXPECT_EQ(summary.events[2].samples, 3U);
   EXPECT_THAT(remarks_on_inputs(summary),
               Contains(HasSubstr("from 0.950 s to 1.950 s 200 input samples were stuck")));
+}
+
+TEST(InputSummary, SaysHowFarOffAClockIsThatStepped) {
+  std::vector<FrameReport> frames = sound_frames(200);
+  for (const auto& [k, offset_ns] : {std::pair(40U, 55'000'000), std::pair(45U, 60'000'000)}) {
+    frames[k].inputs.contradiction = InputContradiction{};
+    frames[k].inputs.contradiction->clock_offset_ns = offset_ns;
+  }
+  const InputSummary summary = summarize_inputs(frames);
+  ASSERT_EQ(summary.events.size(), 1U);
+  EXPECT_EQ(summary.events[0].what, "clock stepped");
+  EXPECT_NEAR(summary.events[0].clock_offset_s, 0.06, 1e-9);
+  EXPECT_THAT(remarks_on_inputs(summary),
+              Contains(HasSubstr("taken 0.0600 s earlier than they are stamped")));
 }
 
 TEST(InputSummary, SaysInHowManyFramesNothingWasSeen) {

@@ -19,7 +19,7 @@ struct RunEvent {
   std::int64_t from_ns = 0, to_ns = 0;
   std::size_t frames = 0, samples = 0;  ///< samples: those with the fault; zero where it has none
   double longest_s = 0.0;               ///< gap: the longest time without a sample
-  double late_s = 0.0;  ///< clock stepped: how much later than taken samples are stamped since then
+  double clock_offset_s = 0.0;  ///< clock stepped: how much later than taken samples are stamped since
 };
 
 /// What a run's frames rested on.
