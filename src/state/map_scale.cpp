@@ -188,9 +188,10 @@ void Estimate::set_odometry_scale_sigma(double sigma) {
 }
 
 void Estimate::move_with_odometry_scale(const Vector3d& by) {
-  MatrixXd U = MatrixXd::Zero(size(), kTriplet);
-  U.block<kTriplet, 1>(L::kPosition, 0) = by;
-  add_couplings(U, std::array<Index, 1>{layout_.odometry_scale()});
+  Matrix3d U = Matrix3d::Zero();
+  U.col(0) = by;
+  static_assert(L::kPosition == 0);
+  P_.couple_leading(U, layout_.odometry_scale());
 }
 
 }  // namespace limber
