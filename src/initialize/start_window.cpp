@@ -78,6 +78,19 @@ void turn_to(const Matrix3d& R, WindowState& state) {
   }
 }
 
+/// The unknowns of a solution that has lost some of the points.
+void take_values(const WindowState& from, WindowState& to) {
+  to.frames = from.frames;
+  auto known = from.points.begin();
+  for (WindowPoint& point : to.points) {
+    if (known != from.points.end() && known->anchor() == point.anchor() &&
+        known->landmark.track_id == point.landmark.track_id) {
+      point.landmark = known->landmark;
+      ++known;
+    }
+  }
+}
+
 }  // namespace
 
 WindowModel window_model(const NavigatorOptions& options, const StereoCalibration& calibration) {
@@ -232,30 +245,60 @@ double StartWindow::good_fit() const {
              : kFits;
 }
 
+/// Mismatches outweigh all else in the cost of a guess, and keep it from settling. Most are far off; what is
+/// left shows where it settles without those.
+/// @return where it settles without any, if it fits there
+std::optional<WindowState> StartWindow::without_mismatches(WindowState guess) const {
+  const std::size_t frames = guess.frames.size();
+  const WindowState whole = guess;
+  if (!drop_far_off(model, guess)) {
+    return std::nullopt;
+  }
+  WindowNormal there = settled(guess);
+  if (drop_mismatches(model, guess, frames) > 0) {
+    there = settled(guess);
+  }
+  const bool good = fits(model, guess, there, good_fit()) && contradicted_from(whole, guess) == frames;
+  return good ? std::optional(std::move(guess)) : std::nullopt;
+}
+
+/// Where it fits without mismatches it stands, with all of its pixels; else where it settles with them.
+/// @return whether no other guess has to be tried
+bool StartWindow::try_guess(WindowState guess) {
+  if (model.options.motion == MotionModel::kImu) {
+    model.R_first = guess.frames.front().nav.T_world_body.R;
+  }
+  if (const std::optional<WindowState> fitting = without_mismatches(guess)) {
+    take_values(*fitting, guess);
+    normal = linearise(model, guess);
+    normal.left = promised_decrease(normal);
+    solution = std::move(guess);
+    return true;
+  }
+  WindowNormal there = settled(guess);
+  if (!solution || weighed(there, guess) < weighed(normal, *solution)) {
+    normal = std::move(there);
+    solution = std::move(guess);
+  }
+  return fits(model, *solution, normal, good_fit());
+}
+
+bool StartWindow::try_guesses(std::vector<WindowState> guesses) {
+  return std::ranges::any_of(guesses, [this](WindowState& guess) { return try_guess(std::move(guess)); });
+}
+
 void StartWindow::solve() {
   if (clock_step) {
     read_inputs_anew();  // samples that are stamped late came after their frames
   }
   const Frames now = kept();
-  std::vector<WindowState> starts = continuations(now);
+  std::vector<WindowState> carried_on = continuations(now);
   if (model.options.motion == MotionModel::kConstantVelocity) {
     model.R_first = assumed_attitude();
   }
-  const std::vector<WindowState> fresh = guesses(model, now.frames, now.raw);
-  starts.insert(starts.end(), fresh.begin(), fresh.end());
   solution.reset();
-  for (WindowState& start : starts) {
-    if (model.options.motion == MotionModel::kImu) {
-      model.R_first = start.frames.front().nav.T_world_body.R;
-    }
-    WindowNormal there = settled(start);
-    if (!solution || weighed(there, start) < weighed(normal, *solution)) {
-      normal = std::move(there);
-      solution = std::move(start);
-    }
-    if (fits(model, *solution, normal, good_fit())) {
-      break;  // no other guess is tried
-    }
+  if (!try_guesses(std::move(carried_on))) {
+    (void)try_guesses(guesses(model, now.frames, now.raw));
   }
   if (R_first) {
     turn_to(*R_first, *solution);

@@ -162,6 +162,11 @@ std::size_t drop_mismatches(const WindowModel& model, WindowState& state, std::s
 /// pass a point sees it anywhere, and along such residuals no step is short enough. Not where many are.
 void drop_unreachable(const WindowModel& model, WindowState& state);
 
+/// @brief Takes out of a guess the pixels that are off by more than a tenth of an image. Of a point whose
+/// first pixel is a mismatch that is all others.
+/// @return false if these are more than six tenths of all: nothing is taken out, the guess is wrong
+[[nodiscard]] bool drop_far_off(const WindowModel& model, WindowState& state);
+
 /// A solution in which the biases step once.
 struct BiasStep {
   std::int64_t before_ns = 0;  ///< the frame after it

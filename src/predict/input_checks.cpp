@@ -16,6 +16,7 @@ constexpr std::size_t kRepeats = 2;        // in a row: more is stuck (some driv
 constexpr double kUsualRepeats = 0.05;     // of the samples that vary
 constexpr std::size_t kVaried = 20;        // samples before a stream is known to vary
 constexpr double kUsualJump = 12.0;        // times the mean change between samples
+constexpr double kSmallJump = 0.05;        // of what is worth a second look
 constexpr double kBack = 0.5;              // of the jump: then the next sample is back where it was
 constexpr double kUsualShare = 0.01;       // of one sample in the mean change
 constexpr double kLongestNeighbour = 0.1;  // [s]: further apart, samples are no neighbours
@@ -70,16 +71,21 @@ bool InputChecks::counts_steps() const {
   return limits_.rests_at_zero && earlier > kUsualRepeats * static_cast<double>(varied_);
 }
 
-bool InputChecks::jumps(const InputSample& from, const InputSample& to) const {
-  if (varied_ <= kVaried || seconds_between(from.t_ns, to.t_ns) > kLongestNeighbour) {
-    return false;
-  }
+bool InputChecks::jumps(const InputSample& from, const InputSample& to, std::size_t k, double limit) const {
+  return varied_ > kVaried && seconds_between(from.t_ns, to.t_ns) <= kLongestNeighbour &&
+         change(from, to, k) > std::max(limit, kUsualJump * usual_change_[k]);
+}
+
+/// A jolt of the body, or a spike too small to be left out: its noise is of its size. While one was held
+/// back, frames may have gone by without it.
+void InputChecks::doubt_jolt(InputSample& sample, double dt) const {
   for (std::size_t k = 0; k < 2; ++k) {
-    if (change(from, to, k) > std::max(limits_.jump[k], kUsualJump * usual_change_[k])) {
-      return true;
+    if (jumps(*last_, sample, k, kSmallJump * limits_.jump[k])) {
+      const double size = change(*last_, sample, k);
+      double& density = k == 0 ? sample.angular_density : sample.linear_density;
+      density = std::max(density, size * size * dt);
     }
   }
-  return false;
 }
 
 /// The largest value that an axis ever had in that direction, several times in a row to the last digit: the
@@ -101,7 +107,8 @@ void InputChecks::doubt_saturated(InputSample& sample, double dt) {
       saturated = true;
       const auto length = static_cast<double>(plateau_[k]);
       const double missed = kOvershoot * peak + length * usual_change_[k];
-      (k == 0 ? sample.angular_density : sample.linear_density) = missed * missed * length * dt;
+      double& density = k == 0 ? sample.angular_density : sample.linear_density;
+      density = std::max(density, missed * missed * length * dt);
     }
   }
   counts_[InputFault::kSaturated] += saturated ? 1 : 0;
@@ -110,6 +117,7 @@ void InputChecks::doubt_saturated(InputSample& sample, double dt) {
 void InputChecks::accept(InputSample sample, InputBuffer& buffer) {
   if (last_) {
     const double dt = seconds_between(last_->t_ns, sample.t_ns);
+    doubt_jolt(sample, dt);
     doubt_saturated(sample, dt);
     if (dt <= kLongestNeighbour) {
       for (std::size_t k = 0; k < 2; ++k) {
@@ -151,16 +159,11 @@ void InputChecks::add(const InputSample& sample, InputBuffer& buffer) {
       accept(sample, buffer);
       return;
     }
-    // It stays there: a jolt. While it was held back, frames may have gone by without it.
-    const double dt = seconds_between(last_->t_ns, held.t_ns);
-    const double jolt = change(*last_, held, 1), turn = change(*last_, held, 0);
-    held.angular_density = turn * turn * dt;
-    held.linear_density = jolt * jolt * dt;
-    accept(held, buffer);
+    accept(held, buffer);  // it stays there: a jolt
     accept(sample, buffer);
     return;
   }
-  if (last_ && jumps(*last_, sample)) {
+  if (last_ && (jumps(*last_, sample, 0, limits_.jump[0]) || jumps(*last_, sample, 1, limits_.jump[1]))) {
     held_ = sample;
     return;
   }

@@ -80,7 +80,8 @@ class InputChecks {
 
   [[nodiscard]] bool is_stuck(const Six& value);
   [[nodiscard]] bool counts_steps() const;
-  [[nodiscard]] bool jumps(const InputSample& from, const InputSample& to) const;
+  [[nodiscard]] bool jumps(const InputSample& from, const InputSample& to, std::size_t k, double limit) const;
+  void doubt_jolt(InputSample& sample, double dt) const;
   void doubt_saturated(InputSample& sample, double dt);
   void accept(InputSample sample, InputBuffer& buffer);
 
