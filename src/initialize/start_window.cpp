@@ -247,7 +247,7 @@ double StartWindow::good_fit() const {
 
 /// Mismatches outweigh all else in the cost of a guess, and keep it from settling. Most are far off; what is
 /// left shows where it settles without those.
-/// @return where it settles without any, if it fits there
+/// @return where it settles without any, if there are some and it fits then
 std::optional<WindowState> StartWindow::without_mismatches(WindowState guess) const {
   const std::size_t frames = guess.frames.size();
   const WindowState whole = guess;

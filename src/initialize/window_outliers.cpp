@@ -18,10 +18,11 @@ namespace {
 constexpr double kGross = 6.0;
 constexpr double kMedianOfNorm = 1.1774;  // of a two-dimensional Gaussian of unit variance
 constexpr double kNotProjected = 1e9;
-constexpr double kFinePixels = 0.15;                     // [px]
-constexpr double kFewBeyond = 0.1;                       // of all pixels
-constexpr double kShareFarOff = 0.1, kMostFarOff = 0.6;  // of an image; of all pixels
-constexpr double kMany = 0.25;                           // of a frame's
+constexpr double kFinePixels = 0.15;                    // [px]
+constexpr double kFewBeyond = 0.1;                      // of all pixels
+constexpr double kShareFarOff = 0.1;                    // of an image
+constexpr double kFewFarOff = 0.02, kMostFarOff = 0.6;  // of all pixels
+constexpr double kMany = 0.25;                          // of a frame's
 // Inverse depths times the baseline: nearer than it, or that far behind the camera, is no point.
 constexpr double kNearestPoint = 1.0, kFarBehind = -0.1;
 /// Baselines to the usual point, at least: a map whose scale nothing tells may have shrunk to any size.
@@ -90,14 +91,16 @@ bool can_be(const WindowPoint& point, double unit) {
 }
 
 /// @param share  of an image, by which they are off
-/// @return false, and nothing is done, if they are more than `most` of all: the guess is wrong, not the
-/// points
-bool drop_beyond(const WindowModel& model, double share, double most, WindowState& state) {
+/// @return whether they are between the two shares of all. Else nothing is done: more, and the guess is
+/// wrong, not the points
+bool drop_beyond(const WindowModel& model, double share, double least, double most, WindowState& state) {
   const Camera& camera = model.calibration.cam0;
   const double limit = share * std::hypot(camera.width, camera.height) / model.options.sigma_px.minCoeff();
   const std::vector<View> all = views(model, state);
   const auto is_beyond = [&](const View& view) { return view.norm > limit; };
-  if (static_cast<double>(std::ranges::count_if(all, is_beyond)) > most * static_cast<double>(all.size())) {
+  const auto beyond = static_cast<double>(std::ranges::count_if(all, is_beyond));
+  const auto pixels = static_cast<double>(all.size());
+  if (beyond < least * pixels || beyond > most * pixels) {
     return false;
   }
   for (const View& view : all) {
@@ -121,11 +124,11 @@ double fine_pixels(const WindowModel& model) {
 }
 
 void drop_unreachable(const WindowModel& model, WindowState& state) {
-  (void)drop_beyond(model, 1.0, kFewBeyond, state);
+  (void)drop_beyond(model, 1.0, 0.0, kFewBeyond, state);
 }
 
 bool drop_far_off(const WindowModel& model, WindowState& state) {
-  return drop_beyond(model, kShareFarOff, kMostFarOff, state);
+  return drop_beyond(model, kShareFarOff, kFewFarOff, kMostFarOff, state);
 }
 
 std::size_t contradicted_from(const WindowState& whole, const WindowState& without_mismatches) {

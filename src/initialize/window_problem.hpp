@@ -164,7 +164,8 @@ void drop_unreachable(const WindowModel& model, WindowState& state);
 
 /// @brief Takes out of a guess the pixels that are off by more than a tenth of an image. Of a point whose
 /// first pixel is a mismatch that is all others.
-/// @return false if these are more than six tenths of all: nothing is taken out, the guess is wrong
+/// @return whether these are between 2 % and six tenths of all. Else nothing is taken out: a guess settles
+/// with fewer, and with more it is wrong
 [[nodiscard]] bool drop_far_off(const WindowModel& model, WindowState& state);
 
 /// A solution in which the biases step once.
