@@ -248,18 +248,18 @@ double StartWindow::good_fit() const {
 /// Mismatches outweigh all else in the cost of a guess, and keep it from settling. Most are far off; what is
 /// left shows where it settles without those.
 /// @return where it settles without any, if there are some and it fits then
-std::optional<WindowState> StartWindow::without_mismatches(WindowState guess) const {
+std::optional<WindowState> StartWindow::without_mismatches(const WindowState& guess) const {
   const std::size_t frames = guess.frames.size();
-  const WindowState whole = guess;
-  if (!drop_far_off(model, guess)) {
+  WindowState out = guess;
+  if (!drop_far_off(model, out)) {
     return std::nullopt;
   }
-  WindowNormal there = settled(guess);
-  if (drop_mismatches(model, guess, frames) > 0) {
-    there = settled(guess);
+  WindowNormal there = settled(out);
+  if (drop_mismatches(model, out, frames) > 0) {
+    there = settled(out);
   }
-  const bool good = fits(model, guess, there, good_fit()) && contradicted_from(whole, guess) == frames;
-  return good ? std::optional(std::move(guess)) : std::nullopt;
+  const bool good = fits(model, out, there, good_fit()) && contradicted_from(guess, out) == frames;
+  return good ? std::optional(std::move(out)) : std::nullopt;
 }
 
 /// Where it fits without mismatches it stands, with all of its pixels; else where it settles with them.

@@ -32,6 +32,11 @@ double change(const InputSample& a, const InputSample& b, std::size_t k) {
   return (part(a, k) - part(b, k)).norm();
 }
 
+void raise_density(InputSample& sample, std::size_t k, double to) {
+  double& density = k == 0 ? sample.angular_density : sample.linear_density;
+  density = std::max(density, to);
+}
+
 }  // namespace
 
 bool InputFaultCounts::any() const {
@@ -83,8 +88,7 @@ void InputChecks::doubt_jolt(InputSample& sample, double dt) const {
   for (std::size_t k = 0; k < 2; ++k) {
     if (jumps(*last_, sample, k, share * limits_.jump[k])) {
       const double size = change(*last_, sample, k);
-      double& density = k == 0 ? sample.angular_density : sample.linear_density;
-      density = std::max(density, size * size * dt);
+      raise_density(sample, k, size * size * dt);
     }
   }
 }
@@ -108,8 +112,7 @@ void InputChecks::doubt_saturated(InputSample& sample, double dt) {
       saturated = true;
       const auto length = static_cast<double>(plateau_[k]);
       const double missed = kOvershoot * peak + length * usual_change_[k];
-      double& density = k == 0 ? sample.angular_density : sample.linear_density;
-      density = std::max(density, missed * missed * length * dt);
+      raise_density(sample, k, missed * missed * length * dt);
     }
   }
   counts_[InputFault::kSaturated] += saturated ? 1 : 0;
