@@ -13,18 +13,11 @@
 #include "limber/core/time.hpp"
 #include "limber/diagnose/calibration_mistakes.hpp"
 #include "limber/diagnose/imu_mistakes.hpp"
+#include "limber/diagnose/judge_run.hpp"
 
 namespace limber::app {
 
 namespace {
-
-std::vector<StampedPose> poses_of(const RunRecord& record) {
-  std::vector<StampedPose> out;
-  for (const TrajectoryRow& row : record.trajectory) {
-    out.push_back({row.t_ns, row.T_world_body});
-  }
-  return out;
-}
 
 /// The same recording by a filter that trusts the calibration, which may lead it astray.
 void compare_with_ekf(const Recording& recording, RunOptions options, const FrameSource& frames,
@@ -32,7 +25,8 @@ void compare_with_ekf(const Recording& recording, RunOptions options, const Fram
   options.method = Method::kEkf;
   options.watch = false;
   try {
-    out.pose = pose_loss(poses_of(run_recording(recording, options, frames)), poses_of(record));
+    const RunRecord trusting = run_recording(recording, options, frames);
+    out.pose = pose_loss(poses_of(trusting.trajectory), poses_of(record.trajectory));
   } catch (const DivergenceError& error) {
     out.ekf_failure = error.what();
   }
@@ -97,9 +91,8 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
       throw std::runtime_error("stopped before the first frame: nothing can be said");
     }
     add_damaged(frames, record);
-    RunSummary summary = summarize(recording, options, record);
     out.readout = readout.estimate();
-    add_readout(out.readout, assumed, record, summary);
+    RunSummary summary = judge_run(recording, options, out.readout, record);
     if (summary.readout_contradicted) {
       out.readout_contradicted = in_words(*out.readout, assumed);
     }

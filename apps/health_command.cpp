@@ -149,10 +149,11 @@ int fleet(const HealthArguments& arguments) {
     }
     try {
       rows.back().diagnosis = diagnose(one);
-    } catch (const DataError& error) {  // the others are judged nevertheless
-      rows.back().failure = error.what();
-    } catch (const DivergenceError& error) {
-      rows.back().failure = error.what();
+    } catch (const CLI::Error&) {  // wrong for every recording
+      throw;
+    } catch (const std::runtime_error& error) {  // the others are judged nevertheless
+      rows.back().stopped = Interrupt::asked();
+      rows.back().failure = rows.back().stopped ? "" : error.what();
     } catch (const std::invalid_argument& error) {  // an option that does not fit this rig
       rows.back().failure = error.what();
     }

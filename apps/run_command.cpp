@@ -13,11 +13,9 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "first_frames.hpp"
 #include "frame_source.hpp"
 #include "interrupt.hpp"
 #include "limber/core/errors.hpp"
-#include "limber/diagnose/judge_run.hpp"
 #include "live_view.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
@@ -29,6 +27,7 @@
 #include "run_methods.hpp"
 #include "run_summary_text.hpp"
 #include "validators.hpp"
+#include "watched_frames.hpp"
 
 namespace limber::app {
 namespace {
@@ -96,15 +95,10 @@ void require_place_of_page(const RunArguments& arguments) {
   }
 }
 
-/// run_recording with what the command shows meanwhile; `readout` and `first` see the frames as they come.
+/// run_recording with what the command shows meanwhile; `watched` are the frames of `source`.
 RunRecord run_and_show(const Recording& recording, const RunOptions& options, const ImageFrames& source,
-                       LiveView* view, ReadoutWatch& readout, FirstFrames& first, SharedStarts* starts) {
+                       LiveView* view, WatchedFrames& watched, SharedStarts* starts) {
   Progress progress(to_string(options.method), frame_count(recording));
-  const FrameSource watched = [&](std::size_t n) {
-    StereoFrame frame = first(n);
-    readout.add(frame);
-    return frame;
-  };
   RunCallbacks callbacks;
   callbacks.progress = [&](std::size_t n) { progress.done(n, timing_text(source.record.get())); };
   callbacks.stop = Interrupt::asked;
@@ -116,15 +110,12 @@ RunRecord run_and_show(const Recording& recording, const RunOptions& options, co
     callbacks.observe = [view](const ObservedFrame& frame) { view->show(frame); };
   }
   try {
-    RunRecord record = run_recording(recording, options, watched, callbacks, starts);
-    first.finish();
-    record.notes.insert(record.notes.end(), first.mistakes().begin(), first.mistakes().end());
-    if (source.record) add_frontend(*source.record, record);
-    add_damaged(source, record);
+    RunRecord record = run_recording(recording, options, watched.frames(), callbacks, starts);
+    watched.complete(record);
     if (view != nullptr) record.elapsed_s -= view->held_s();
     return record;
   } catch (const std::exception& error) {
-    first.finish();
+    watched.finish();
     if (view != nullptr) view->finish(error.what());
     throw;
   }
@@ -136,18 +127,14 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
   const ImageFrames source = frames();
   const std::unique_ptr<LiveView> view =
       open_live_view(arguments.view, recording, options, source.record, Interrupt::asked);
-  ReadoutWatch readout(corrected(recording.calibration, options.assume_error));
-  FirstFrames first(recording, corrected(recording.calibration, options.assume_error), options.gravity,
-                    source.frames, [&](const std::string& mistake) {
-                      if (arguments.said->insert(mistake).second) print_warning(mistake);
-                    });
-  RunRecord record = run_and_show(recording, options, source, view.get(), readout, first, starts);
+  WatchedFrames watched(recording, options, source, [&](const std::string& mistake) {
+    if (arguments.said->insert(mistake).second) print_warning(mistake);
+  });
+  RunRecord record = run_and_show(recording, options, source, view.get(), watched, starts);
   if (record.frames.empty()) {
     throw std::runtime_error("stopped before the first frame: nothing is written");
   }
-  RunSummary summary = judge_run(recording, options, readout.estimate(), record);
-  add_offsets(first.offsets(), summary);
-  summary.mistakes = first.gross();
+  const RunSummary summary = watched.judge(record);
   write_run(arguments.out, arguments.force, options, record, summary);
   if (arguments.notes != nullptr) {
     *arguments.notes = record.notes;

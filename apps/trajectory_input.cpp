@@ -51,10 +51,7 @@ TrajectoryInput load_file(const fs::path& path) {
 }
 
 TrajectoryInput load_groundtruth(const fs::path& folder) {
-  TrajectoryInput input{folder, true, {}, {}, ""};
-  for (const GroundTruthState& state : limber::read_recording(folder).truth.motion.states) {
-    input.poses.push_back({state.t_ns, {state.R_world_body, state.p_world_body}});
-  }
+  TrajectoryInput input{folder, true, poses_of(limber::read_recording(folder).truth.motion.states), {}, ""};
   if (input.poses.empty()) {
     throw DataError(folder.string(), 0,
                     "a trajectory: trajectory.csv of a run, or a recording with ground truth",

@@ -12,12 +12,12 @@
 #include "docs.hpp"
 #include "frame_source.hpp"
 #include "health_since.hpp"
-#include "limber/diagnose/judge_run.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/run_files/run_output.hpp"
 #include "replaceable.hpp"
+#include "watched_frames.hpp"
 #ifdef LIMBER_WITH_SMOOTHER
 #include "limber/run/smooth_recording.hpp"
 #include "recalibration.hpp"
@@ -123,15 +123,10 @@ Run run(const std::shared_ptr<Recording>& recording, const RunOptions& options, 
     };
   }
   const app::ImageFrames images = frames_of(*recording);
-  ReadoutWatch readout(corrected(recording->calibration, options.assume_error));
-  const FrameSource watched = [&](std::size_t n) {
-    StereoFrame frame = images.frames(n);
-    readout.add(frame);
-    return frame;
-  };
-  RunRecord record = run_recording(*recording, options, watched, callbacks);
-  app::add_damaged(images, record);
-  RunSummary summary = judge_run(*recording, options, readout.estimate(), record);
+  app::WatchedFrames watched(*recording, options, images, [](const std::string& /*mistake: a note, too*/) {});
+  RunRecord record = run_recording(*recording, options, watched.frames(), callbacks);
+  watched.complete(record);
+  RunSummary summary = watched.judge(record);
   return {recording, options, std::move(record), std::move(summary)};
 }
 
@@ -333,7 +328,9 @@ void bind_run(py::module_& module) {
       .def_property_readonly("recording", [](const Run& run) { return run.recording; })
       .def_property_readonly(
           "lost", [](const Run& run) { return run.summary.inputs.lost_since_ns.has_value(); },
-          "The filter broke down on the way and began anew: limber run ends with exit code 1.")
+          "No sigma is true from some time on, summary['lost_since_s'], and notes say why: the "
+          "filter "
+          "began anew, or an input, the points or a bias misled it. limber run ends with exit code 1.")
       .def_property_readonly(
           "summary_json", [](const Run& run) { return summary_json(run.options, run.record, run.summary); })
       .def(

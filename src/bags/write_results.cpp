@@ -32,10 +32,7 @@ class ResultsWriter {
  private:
   /// What is there from the beginning.
   void write_whole() {
-    std::vector<StampedPose> path;
-    for (const TrajectoryRow& row : results_.trajectory) {
-      path.push_back({row.t_ns, row.T_world_body});
-    }
+    const std::vector<StampedPose> path = poses_of(results_.trajectory);
     const std::int64_t begin_ns = path.front().t_ns;
     put(begin_ns, "/limber/path", types::kPath, detail::path_message(path, sink_.serialization()), true);
     if (!results_.truth.empty()) {

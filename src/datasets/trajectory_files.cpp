@@ -163,6 +163,16 @@ std::vector<StampedPose> stamped_poses(const std::vector<State>& states, ToPose 
 
 }  // namespace
 
+std::vector<StampedPose> poses_of(const std::vector<TrajectoryRow>& rows) {
+  return stamped_poses(rows, [](const TrajectoryRow& row) { return row.T_world_body; });
+}
+
+std::vector<StampedPose> poses_of(const std::vector<GroundTruthState>& states) {
+  return stamped_poses(states, [](const GroundTruthState& s) {
+    return Pose{s.R_world_body, s.p_world_body};
+  });
+}
+
 Trajectory read_trajectory(const std::filesystem::path& path) {
   const TrajectoryFormat format = recognise(path);
   switch (format) {
@@ -171,15 +181,11 @@ Trajectory read_trajectory(const std::filesystem::path& path) {
     case TrajectoryFormat::kKittiPoses:
       return {format, false, read_kitti_poses(path)};
     case TrajectoryFormat::kEurocGroundTruth:
-      return {format, true, stamped_poses(read_euroc_groundtruth(path).states, [](const GroundTruthState& s) {
-                return Pose{s.R_world_body, s.p_world_body};
-              })};
+      return {format, true, poses_of(read_euroc_groundtruth(path).states)};
     case TrajectoryFormat::kLimber:
       break;
   }
-  return {format, true, stamped_poses(read_trajectory_csv(path), [](const TrajectoryRow& row) {
-            return row.T_world_body;
-          })};
+  return {format, true, poses_of(read_trajectory_csv(path))};
 }
 
 std::vector<StampedPose> read_tum(const std::filesystem::path& path) {

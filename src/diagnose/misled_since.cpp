@@ -141,7 +141,7 @@ void judge_move(const RunOptions& options, const BiasMove& move, RunRecord& reco
       "from {:.3f} s to {:.3f} s the bias of the {} moved by {:.2g} {}, {:.0f} times its sigma",
       1e-9 * static_cast<double>(move.from_ns), 1e-9 * static_cast<double>(move.to_ns),
       move.of_gyro ? "gyroscope" : "accelerometer", move.size, move.of_gyro ? "rad/s" : "m/s^2", move.sigmas);
-  const RunEvent event{"bias moved", move.from_ns, move.to_ns};
+  const RunEvent event{RunEventKind::kBiasMoved, move.from_ns, move.to_ns};
   if (proves_a_fault(move, summary)) {
     call_lost(event,
               what + ": an input failed (a bias or a clock that stepped)" +
@@ -174,7 +174,7 @@ void judge_late_step(const RunOptions& options, const LateStep& step, RunRecord&
   const std::string what =
       fmt::format("steps of the IMU's biases or its clock after {:.3f} s were found at {:.3f} s",
                   1e-9 * static_cast<double>(step.since_ns), 1e-9 * static_cast<double>(step.found_ns));
-  const RunEvent event{"misled", step.since_ns, step.found_ns};
+  const RunEvent event{RunEventKind::kMisled, step.since_ns, step.found_ns};
   if (acquits_the_rig(summary)) {
     call_lost(event,
               what + or_the_rig(options, record, summary) +
@@ -189,8 +189,7 @@ void judge_late_step(const RunOptions& options, const LateStep& step, RunRecord&
 
 /// Without an IMU nothing but images says where the body is once they have thrown it away.
 void lose_after_a_leap(RunRecord& record, InputSummary& inputs) {
-  const auto leap =
-      std::ranges::find_if(inputs.events, [](const RunEvent& event) { return event.what == "leapt"; });
+  const auto leap = std::ranges::find(inputs.events, RunEventKind::kLeapt, &RunEvent::kind);
   if (leap != inputs.events.end()) {
     detail::lose(leap->to_ns, "points that contradicted the state threw it away", record, inputs);
   }
@@ -239,12 +238,12 @@ void add_misled(const Recording& recording, const RunOptions& options, RunRecord
     judge_late_step(options, *late, record, summary);
   } else if (misled && !moved_before(*misled) &&
              !agrees_with_lcekf(recording, options, record, *misled).value_or(false)) {
-    call_lost({"misled", *misled, end_ns},
+    call_lost({RunEventKind::kMisled, *misled, end_ns},
               "points contradict the prediction since then, and the rig did not change: an input failed (a "
               "bias or a clock that stepped). --method lcekf would notice and go on",
               record, summary.inputs);
   } else if (impossible && !moved_before(*impossible)) {
-    call_lost({"impossible bias", *impossible, end_ns},
+    call_lost({RunEventKind::kImpossibleBias, *impossible, end_ns},
               "a bias of the IMU is estimated that no IMU has. Is the calibration wrong, or the IMU's unit?",
               record, summary.inputs);
   } else if (move) {

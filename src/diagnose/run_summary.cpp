@@ -101,16 +101,12 @@ Alignment alignment_of(std::span<const MatchedPose> poses, std::span<const PoseC
 }
 
 void judge(const Recording& recording, const RunOptions& options, const RunRecord& record, RunSummary& out) {
-  std::vector<StampedPose> estimate, truth;
   std::vector<PoseCovariance> covariances;
   for (const TrajectoryRow& row : record.trajectory) {
-    estimate.push_back({row.t_ns, row.T_world_body});
     covariances.push_back(*row.covariance);
   }
-  for (const GroundTruthState& state : recording.truth.motion.states) {
-    truth.push_back({state.t_ns, {state.R_world_body, state.p_world_body}});
-  }
-  const std::vector<MatchedPose> poses = match_by_time(estimate, truth);
+  const std::vector<MatchedPose> poses =
+      match_by_time(poses_of(record.trajectory), poses_of(recording.truth.motion.states));
   if (poses.empty()) {
     return;
   }
@@ -136,7 +132,7 @@ void judge(const Recording& recording, const RunOptions& options, const RunRecor
   const PoseErrorVector last = pose_error(start * poses.back().estimate, poses.back().truth);
   out.position_final_m = last.head<3>().norm();
   out.attitude_final_deg = last.tail<3>().norm() * kToDegrees;
-  const Consistency consistency = average_nees(poses, covariances, start, estimate.front().t_ns);
+  const Consistency consistency = average_nees(poses, covariances, start, record.trajectory.front().t_ns);
   out.frames_refused = consistency.frames_refused;
   out.anees_scale = consistency.anees_scale;
   if (consistency.anees) {

@@ -126,11 +126,11 @@ void add_trusted_rig(const RunOptions& options, RunRecord& record, RunSummary& s
       trusted_rig_off(*summary.health, trusted_parts(options, record.motion, record.theta_assumed));
   if (off) {
     record.notes.push_back(note_on(*off, options, *summary.health));
-    detail::add_event({"trusted rig off", off->from_ns, off->to_ns}, record, summary.inputs);
+    detail::add_event({RunEventKind::kTrustedRigOff, off->from_ns, off->to_ns}, record, summary.inputs);
   }
   if (const auto& check = summary.scale_check; check && is_off(check->scale)) {
     record.notes.push_back(note_on(*check, options, record, *summary.health));
-    detail::add_event({"trusted scale off", check->from_ns, check->to_ns}, record, summary.inputs);
+    detail::add_event({RunEventKind::kTrustedScaleOff, check->from_ns, check->to_ns}, record, summary.inputs);
   }
 }
 

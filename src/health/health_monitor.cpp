@@ -10,7 +10,7 @@
 #include "limber/core/chi_square.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/core/time.hpp"
-#include "limber/navigate/method.hpp"
+#include "limber/sensors/calibration.hpp"
 
 namespace limber {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "limber/core/factors.hpp"
-#include "limber/navigate/method.hpp"
+#include "limber/sensors/calibration.hpp"
 
 namespace limber {
 

@@ -247,33 +247,38 @@ double StartWindow::good_fit() const {
 
 /// Mismatches outweigh all else in the cost of a guess, and keep it from settling. Most are far off; what is
 /// left shows where it settles without those.
-/// @return where it settles without any, if there are some and it fits then
-std::optional<WindowState> StartWindow::without_mismatches(const WindowState& guess) const {
-  const std::size_t frames = guess.frames.size();
-  WindowState out = guess;
-  if (!drop_far_off(model, out)) {
+/// @return where it settles without any, if there are some
+std::optional<StartWindow::Place> StartWindow::without_mismatches(const WindowState& guess) const {
+  Place out{guess, {}};
+  if (!drop_far_off(model, out.state)) {
     return std::nullopt;
   }
-  WindowNormal there = settled(out);
-  if (drop_mismatches(model, out, frames) > 0) {
-    there = settled(out);
+  out.normal = settled(out.state);
+  if (drop_mismatches(model, out.state, guess.frames.size()) > 0) {
+    out.normal = settled(out.state);
   }
-  const bool good = fits(model, out, there, good_fit()) && contradicted_from(guess, out) == frames;
-  return good ? std::optional(std::move(out)) : std::nullopt;
+  return out;
 }
 
-/// Where it fits without mismatches it stands, with all of its pixels; else where it settles with them.
+/// Where it fits without mismatches it stands, with all of its pixels; else where it settles with them, which
+/// costs more: it may be known to be no better before.
 /// @return whether no other guess has to be tried
 bool StartWindow::try_guess(WindowState guess) {
   if (model.options.motion == MotionModel::kImu) {
     model.R_first = guess.frames.front().nav.T_world_body.R;
   }
-  if (const std::optional<WindowState> fitting = without_mismatches(guess)) {
-    take_values(*fitting, guess);
-    normal = linearise(model, guess);
-    normal.left = promised_decrease(normal);
-    solution = std::move(guess);
-    return true;
+  if (const std::optional<Place> without = without_mismatches(guess)) {
+    if (fits(model, without->state, without->normal, good_fit()) &&
+        contradicted_from(guess, without->state) == guess.frames.size()) {
+      take_values(without->state, guess);
+      normal = linearise(model, guess);
+      normal.left = promised_decrease(normal);
+      solution = std::move(guess);
+      return true;
+    }
+    if (solution && without->normal.cost >= weighed(normal, *solution)) {
+      return false;
+    }
   }
   WindowNormal there = settled(guess);
   if (!solution || weighed(there, guess) < weighed(normal, *solution)) {

@@ -105,7 +105,12 @@ struct StartWindow {
   void solve();
   [[nodiscard]] WindowNormal settled(WindowState& guess) const;
   [[nodiscard]] double good_fit() const;
-  [[nodiscard]] std::optional<WindowState> without_mismatches(const WindowState& guess) const;
+  /// Where a guess settles.
+  struct Place {
+    WindowState state;
+    WindowNormal normal;
+  };
+  [[nodiscard]] std::optional<Place> without_mismatches(const WindowState& guess) const;
   [[nodiscard]] bool try_guess(WindowState guess);
   [[nodiscard]] bool try_guesses(std::vector<WindowState> guesses);
   void settle_solution();

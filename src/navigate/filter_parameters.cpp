@@ -147,8 +147,12 @@ void StereoFilter::distrust(const CalibrationPrior& prior) {
 
 void StereoFilter::copy_state(const StereoFilter& constrained) {
   estimate_ = constrained.estimate_;
+  sound_ = constrained.sound_;
+  blind_turn_ = constrained.blind_turn_;
+  moving_ = constrained.moving_;
   inputs_ = constrained.inputs_;
   checks_ = constrained.checks_;
+  input_alarm_ = constrained.input_alarm_;
   steps_ns_ = constrained.steps_ns_;
   doubts_clock_ = constrained.doubts_clock_;
   clock_opened_ns_ = constrained.clock_opened_ns_;

@@ -41,9 +41,9 @@ void refer_to_prediction(LinearMeasurement& rows, const Vector6& shift) {
 /// off, and depths that are corrected along a wrong motion are lost. New landmarks wait for the next frame.
 /// Where the rounds do not settle, the frame is linearised at the prediction.
 StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
-                                            NewLandmarks fresh, const ParameterErrorModel& model,
+                                            NewLandmarks new_landmarks, const ParameterErrorModel& model,
                                             FrameReport& report) {
-  for (auto& [id, rows] : fresh) {
+  for (auto& [id, rows] : new_landmarks) {
     rows = RemainingRows::kNone;
   }
   const NavigationState predicted = estimate_.nav();
@@ -51,7 +51,7 @@ StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const Line
     NavigationState nav = predicted;
     nav.T_world_body = shifted(predicted.T_world_body, shift);
     estimate_.set_nav(nav);
-    StackedFrame out = stack(frame, at, fresh, said);
+    StackedFrame out = stack(frame, at, new_landmarks, said);
     estimate_.set_nav(predicted);
     refer_to_prediction(out.measurement, shift);
     return out;

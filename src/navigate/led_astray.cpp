@@ -82,7 +82,7 @@ bool StereoFilter::leads_astray(const StereoFrame& frame, const ParameterErrorMo
     rig[0] = mounted(calibration_of(corrected))[0];
   }
   std::vector<Refusal> behind;
-  const StackedFrame stacked = stack_frame(corrected, frame, rig, sigma_px(), attempt.fresh, behind);
+  const StackedFrame stacked = stack_frame(corrected, frame, rig, sigma_px(), attempt.new_landmarks, behind);
   const LeftMisfit after =
       left_misfit(stacked, flags_of(stacked, attempt.stacked.track_ids, attempt.accepted));
   return after.rms > before.rms || 2 * after.points < before.points;

@@ -277,6 +277,9 @@ FrameReport Navigator::process(const StereoFrame& frame) {
     filter_.postpone_epoch();
   }
   FrameReport report = filter_.process(frame);
+  if (report.reset && !s.resigned && replaces_reset(parallel)) {
+    return parallel;
+  }
   if (!s.resigned && supervise(report, parallel)) {
     return parallel;
   }
@@ -336,6 +339,19 @@ bool Navigator::contradicts_rig(const FrameReport& report, const FrameReport& pa
   const auto fit = [](const FrameReport& of) { return of.nis / static_cast<double>(of.dof); };
   return supervision_->trusts && std::min(report.dof, parallel.dof) > kEnoughRows && fit(report) > kNoFit &&
          fit(report) > kFarWorse * fit(parallel);
+}
+
+/// The filter has begun anew, without a map, and trusts the rig as it did at first.
+/// @return whether the state is now that of the parallel filter, which has not lost its own
+bool Navigator::replaces_reset(const FrameReport& parallel) {
+  if (!parallel.reset && knows_scale(parallel.t_ns)) {
+    doubt(parallel.t_ns);
+    take_over_from_parallel(parallel.t_ns);
+    return true;
+  }
+  supervision_->trusts = true;
+  watch_anew(parallel.t_ns);
+  return false;
 }
 
 /// @return whether the state is now that of the parallel filter

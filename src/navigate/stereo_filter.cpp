@@ -186,7 +186,7 @@ StereoFilter::NewLandmarks StereoFilter::initialize_landmarks(Estimate& estimate
                                                               const MountedRig& rig) const {
   LandmarkInitOptions how = options_.landmark_init;
   how.mode = initializes_before_update() ? LandmarkInitMode::kDiffuse : LandmarkInitMode::kClassical;
-  NewLandmarks fresh;
+  NewLandmarks new_landmarks;
   int anchor = -1;
   for (const StereoObservation& observation : frame.observations) {
     if (!observation.in_cam0 || estimate.find(observation.track_id) != nullptr) {
@@ -204,16 +204,16 @@ StereoFilter::NewLandmarks StereoFilter::initialize_landmarks(Estimate& estimate
     const std::optional<RemainingRows> remaining =
         initialize_landmark(estimate, observation, rig, sigma_px(), frame.t_ns, anchor, how);
     if (remaining) {
-      fresh[observation.track_id] = *remaining;
+      new_landmarks[observation.track_id] = *remaining;
     }
   }
   estimate.drop_unused_anchor(anchor);
-  return fresh;
+  return new_landmarks;
 }
 
 StackedFrame StereoFilter::stack(const StereoFrame& frame, const LinearizationPoint& at,
-                                 const NewLandmarks& fresh, FrameReport& report) const {
-  StackedFrame stacked = stack_frame(estimate_, frame, at.rig, sigma_px(), fresh, report.refused);
+                                 const NewLandmarks& new_landmarks, FrameReport& report) const {
+  StackedFrame stacked = stack_frame(estimate_, frame, at.rig, sigma_px(), new_landmarks, report.refused);
   if (!at.shift.isZero(0.0)) {
     // r = H dx + D (theta - assumed) + noise, wherever it is linearised. What is constrained does not notice;
     // what is trusted, or expected to be small (soft), is the assumed rig and not the linearisation point.
@@ -227,10 +227,10 @@ StereoFilter::Attempt StereoFilter::attempt(const StereoFrame& frame, const Line
                                             FrameReport& report) {
   Attempt out{at, {}, {}, {}, {}, {}};
   if (initializes_before_update()) {
-    out.fresh = initialize_landmarks(estimate_, frame, at.rig);  // Eqs. (29)-(32)
+    out.new_landmarks = initialize_landmarks(estimate_, frame, at.rig);  // Eqs. (29)-(32)
   }
-  out.stacked = images_alone ? stack_where_seen(frame, at, out.fresh, model, report)
-                             : stack(frame, at, out.fresh, report);  // Eqs. (23)-(28)
+  out.stacked = images_alone ? stack_where_seen(frame, at, out.new_landmarks, model, report)
+                             : stack(frame, at, out.new_landmarks, report);  // Eqs. (23)-(28)
   out.seen = form_frame_innovation(estimate_.P(), out.stacked.measurement);
   out.accepted = gate_points(out.stacked, out.seen, model, report);
   return out;
@@ -290,7 +290,7 @@ void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorMode
 }
 
 void StereoFilter::record(const StackedFrame& stacked, const std::vector<bool>& accepted,
-                          const NewLandmarks& fresh, FrameReport& report) {
+                          const NewLandmarks& new_landmarks, FrameReport& report) {
   for (std::size_t g = 0; g < stacked.track_ids.size(); ++g) {
     Landmark* landmark = estimate_.find(stacked.track_ids[g]);
     landmark->refusals = accepted[g] ? 0 : landmark->refusals + 1;
@@ -304,7 +304,7 @@ void StereoFilter::record(const StackedFrame& stacked, const std::vector<bool>& 
       ++landmark->refusals;
     }
     // A new landmark that contradicts its own frame is none.
-    if (fresh.contains(refusal.track_id)) {
+    if (new_landmarks.contains(refusal.track_id)) {
       estimate_.remove_landmark(refusal.track_id);
     }
   }
@@ -380,11 +380,11 @@ void StereoFilter::take_in(const StereoFrame& frame, FrameReport& report) {
     to_see = attempt(frame, choose_linearization_point(frame), model, images_alone, report);
   }
   constrained_update(to_see, model, dt, report);  // Eqs. (16)-(19)
-  record(to_see.stacked, to_see.accepted, to_see.fresh, report);
+  record(to_see.stacked, to_see.accepted, to_see.new_landmarks, report);
   if (!initializes_before_update()) {
-    to_see.fresh = initialize_landmarks(estimate_, frame, mounted(calibration_));
+    to_see.new_landmarks = initialize_landmarks(estimate_, frame, mounted(calibration_));
   }
-  report.initialized = to_see.fresh.size();
+  report.initialized = to_see.new_landmarks.size();
   moving_.note(report);
   report.removed += manage_map(estimate_, frame.t_ns, options_.map);
 }

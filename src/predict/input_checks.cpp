@@ -16,7 +16,6 @@ constexpr std::size_t kRepeats = 2;        // in a row: more is stuck (some driv
 constexpr double kUsualRepeats = 0.05;     // of the samples that vary
 constexpr std::size_t kVaried = 20;        // samples before a stream is known to vary
 constexpr double kUsualJump = 12.0;        // times the mean change between samples
-constexpr double kSmallJump = 0.05;        // of what is worth a second look, of an IMU
 constexpr double kBack = 0.5;              // of the jump: then the next sample is back where it was
 constexpr double kUsualShare = 0.01;       // of one sample in the mean change
 constexpr double kLongestNeighbour = 0.1;  // [s]: further apart, samples are no neighbours
@@ -82,11 +81,10 @@ bool InputChecks::jumps(const InputSample& from, const InputSample& to, std::siz
 }
 
 /// A jolt of the body, or a spike too small to be left out: its noise is of its size. While one was held
-/// back, frames may have gone by without it. Small jumps of odometry's speeds are usual.
+/// back, frames may have gone by without it.
 void InputChecks::doubt_jolt(InputSample& sample, double dt) const {
-  const double share = limits_.rests_at_zero ? 1.0 : kSmallJump;
   for (std::size_t k = 0; k < 2; ++k) {
-    if (jumps(*last_, sample, k, share * limits_.jump[k])) {
+    if (jumps(*last_, sample, k, limits_.doubted_jump[k])) {
       const double size = change(*last_, sample, k);
       raise_density(sample, k, size * size * dt);
     }

@@ -18,24 +18,18 @@ constexpr std::size_t kMostRemarks = 8;
 constexpr double kLostNis = 300.0, kLost_px = 10.0, kLostAfter = 1.0;
 /// Such a frame that moves the body by that many sigmas of its prediction.
 constexpr double kLeap = 10.0;
-constexpr const char* kContradictedState = "state contradicted";
-constexpr const char* kOverruled = "gate overruled";
-constexpr const char* kMostMove = "most points move";
-constexpr const char* kLedAstray = "led astray";
-constexpr const char* kLeapt = "leapt";
-constexpr const char* kClockStepped = "clock stepped";
 constexpr double kWorthARemark = 0.05;  // [s], a shorter gap is a dropped sample or two
 
 double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
 
 /// The event of that kind to which a frame belongs: the last one, or a new one.
-RunEvent& event_at(std::vector<RunEvent>& events, const std::string& what, std::int64_t from_ns,
+RunEvent& event_at(std::vector<RunEvent>& events, RunEventKind kind, std::int64_t from_ns,
                    std::int64_t t_ns) {
   const auto last =
-      std::find_if(events.rbegin(), events.rend(), [&](const RunEvent& e) { return e.what == what; });
+      std::find_if(events.rbegin(), events.rend(), [&](const RunEvent& e) { return e.kind == kind; });
   RunEvent& event = last != events.rend() && from_ns - last->to_ns <= kSameEventNs
                         ? *last
-                        : events.emplace_back(RunEvent{what, from_ns});
+                        : events.emplace_back(RunEvent{kind, from_ns});
   event.to_ns = t_ns;
   ++event.frames;
   return event;
@@ -75,63 +69,59 @@ bool contradicts_the_state(const FrameReport& frame) {
 
 std::string so_often(std::size_t times) { return times == 1 ? "once" : fmt::format("{} times", times); }
 
+std::string samples_in_words(const RunEvent& e, const std::string& when, const char* then) {
+  return fmt::format("{} {} input samples were {}: {}", when, e.samples, to_string(e.kind), then);
+}
+
 std::string in_words(const RunEvent& e) {
   const std::string when =
       e.to_ns - e.from_ns > 100'000'000
           ? fmt::format("from {:.3f} s to {:.3f} s", seconds(e.from_ns), seconds(e.to_ns))
           : fmt::format("at {:.3f} s", seconds(e.to_ns));
-  if (e.what == "gap") {
-    return fmt::format(
-        "{} up to {:.2f} s without a usable input sample: what could have happened counts as noise", when,
-        e.longest_s);
+  switch (e.kind) {
+    case RunEventKind::kGap:
+      return fmt::format(
+          "{} up to {:.2f} s without a usable input sample: what could have happened counts as noise", when,
+          e.longest_s);
+    case RunEventKind::kContradicted:
+      return fmt::format(
+          "{} the images contradict the inputs (a bias or clock that stepped, a fault): velocity and biases "
+          "were opened, and the calibration not judged",
+          when);
+    case RunEventKind::kClockStepped:
+      return fmt::format(
+          "{} the images showed that the IMU's clock had stepped: its samples were taken {:.4f} s {} than "
+          "they are stamped, and are used so since then",
+          when, std::abs(e.clock_offset_s), e.clock_offset_s > 0.0 ? "earlier" : "later");
+    case RunEventKind::kNoInputs:
+      return fmt::format("{} no input sample had come yet: the motion was guessed", when);
+    case RunEventKind::kNoPoints:
+      return fmt::format("{} no point could be used in {} frames: dead reckoning", when, e.frames);
+    case RunEventKind::kStateContradicted:
+      return fmt::format("{} most points contradict the state by far", when);
+    case RunEventKind::kGateOverruled:
+      return fmt::format("{} most points contradict the rig or the state: sigmas are too small", when);
+    case RunEventKind::kMostMove:
+      return fmt::format(
+          "{} most points were of something that moves: they were left out, the others and the inputs "
+          "carried the state on",
+          when);
+    case RunEventKind::kLedAstray:
+      return fmt::format(
+          "{} the points contradicted the state so far that correcting it would have put them farther off, "
+          "{}: they were taken for new ones, the inputs carried the state on",
+          when, so_often(e.frames));
+    case RunEventKind::kLeapt:
+      return fmt::format("{} the body leapt by more than {:.0f} of its own sigmas", when, kLeap);
+    case RunEventKind::kReset:
+      return fmt::format("{} the filter had broken down and began anew, {}", when, so_often(e.frames));
+    case RunEventKind::kSaturated:
+      return samples_in_words(e, when, "taken with more noise");
+    case RunEventKind::kLate:
+      return samples_in_words(e, when, "they came after the frame they belong to");
+    default:
+      return samples_in_words(e, when, "left out");
   }
-  if (e.what == "contradicted") {
-    return fmt::format(
-        "{} the images contradict the inputs (a bias or clock that stepped, a fault): velocity and biases "
-        "were opened, "
-        "and the calibration not judged",
-        when);
-  }
-  if (e.what == kClockStepped) {
-    return fmt::format(
-        "{} the images showed that the IMU's clock had stepped: its samples were taken {:.4f} s {} than they "
-        "are stamped, and are used so since then",
-        when, std::abs(e.clock_offset_s), e.clock_offset_s > 0.0 ? "earlier" : "later");
-  }
-  if (e.what == "no inputs") {
-    return fmt::format("{} no input sample had come yet: the motion was guessed", when);
-  }
-  if (e.what == "no points") {
-    return fmt::format("{} no point could be used in {} frames: dead reckoning", when, e.frames);
-  }
-  if (e.what == kContradictedState) {
-    return fmt::format("{} most points contradict the state by far", when);
-  }
-  if (e.what == kOverruled) {
-    return fmt::format("{} most points contradict the rig or the state: sigmas are too small", when);
-  }
-  if (e.what == kMostMove) {
-    return fmt::format(
-        "{} most points were of something that moves: they were left out, the others and the inputs carried "
-        "the state on",
-        when);
-  }
-  if (e.what == kLedAstray) {
-    return fmt::format(
-        "{} the points contradicted the state so far that correcting it would have put them farther off, {}: "
-        "they were taken for new ones, the inputs carried the state on",
-        when, so_often(e.frames));
-  }
-  if (e.what == kLeapt) {
-    return fmt::format("{} the body leapt by more than {:.0f} of its own sigmas", when, kLeap);
-  }
-  if (e.what == "reset") {
-    return fmt::format("{} the filter had broken down and began anew, {}", when, so_often(e.frames));
-  }
-  return fmt::format("{} {} input samples were {}{}", when, e.samples, e.what,
-                     e.what == "saturated" ? ": taken with more noise"
-                     : e.what == "late"    ? ": they came after the frame they belong to"
-                                           : ": left out");
 }
 
 }  // namespace
@@ -143,52 +133,52 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
   std::int64_t silent_since_ns = before_ns;  // no sample between this frame and those after it
   for (const FrameReport& frame : frames) {
     count(frame, out);
-    const auto add = [&](const std::string& what) -> RunEvent& {
-      return event_at(out.events, what, before_ns, frame.t_ns);
+    const auto add = [&](RunEventKind kind) -> RunEvent& {
+      return event_at(out.events, kind, before_ns, frame.t_ns);
     };
     if (frame.inputs.gap_s < seconds(frame.t_ns - before_ns)) silent_since_ns = frame.t_ns;
     if (frame.inputs.status == InputStatus::kNone && frame.t_ns > before_ns) {
-      add("no inputs");
+      add(RunEventKind::kNoInputs);
     } else if (frame.inputs.gap_s > 0.0) {
-      RunEvent& event = add("gap");
+      RunEvent& event = add(RunEventKind::kGap);
       event.longest_s =
           std::max({event.longest_s, frame.inputs.gap_s, seconds(frame.t_ns - silent_since_ns)});
     }
     for (std::size_t k = 0; k < kInputFaults; ++k) {
       if (frame.inputs.faults.count[k] > 0) {
-        add(to_string(static_cast<InputFault>(k))).samples += frame.inputs.faults.count[k];
+        add(event_of(static_cast<InputFault>(k))).samples += frame.inputs.faults.count[k];
       }
     }
     if (frame.inputs.contradiction && frame.inputs.contradiction->clock_offset_ns) {
-      add(kClockStepped).clock_offset_s = seconds(*frame.inputs.contradiction->clock_offset_ns);
+      add(RunEventKind::kClockStepped).clock_offset_s = seconds(*frame.inputs.contradiction->clock_offset_ns);
     } else if (frame.inputs.contradiction) {
-      add("contradicted");
+      add(RunEventKind::kContradicted);
     }
     if (frame.status == UpdateStatus::kEmpty && frame.t_ns > before_ns) {
-      add("no points");
+      add(RunEventKind::kNoPoints);
     }
     if (frame.gate_overruled) {
-      add(kOverruled);
+      add(RunEventKind::kGateOverruled);
     }
     if (frame.most_move) {
-      add(kMostMove);
+      add(RunEventKind::kMostMove);
     }
     if (frame.led_astray) {
-      add(kLedAstray);
+      add(RunEventKind::kLedAstray);
     }
     if (contradicts_the_state(frame) && frame.correction > kLeap) {
-      add(kLeapt);
+      add(RunEventKind::kLeapt);
     }
     if (!contradicts_the_state(frame)) {
       contradicted_since_ns.reset();
     } else if (!contradicted_since_ns) {
       contradicted_since_ns = frame.t_ns;
     } else if (seconds(frame.t_ns - *contradicted_since_ns) >= kLostAfter) {
-      add(kContradictedState);
+      add(RunEventKind::kStateContradicted);
       out.lost_since_ns = out.lost_since_ns.value_or(*contradicted_since_ns);
     }
     if (frame.reset) {
-      add("reset");
+      add(RunEventKind::kReset);
       out.lost_since_ns = out.lost_since_ns.value_or(frame.t_ns);
     }
     before_ns = frame.t_ns;
@@ -203,9 +193,10 @@ std::vector<std::string> remarks_on_inputs(const InputSummary& summary) {
   std::vector<std::string> out;
   std::size_t more = 0;
   for (const RunEvent& event : summary.events) {
-    const bool trifle = (event.what == "gap" && event.longest_s < kWorthARemark) ||
-                        ((event.what == "no points" || event.what == kOverruled) &&
-                         event.to_ns - event.from_ns < kSameEventNs);
+    const bool trifle =
+        (event.kind == RunEventKind::kGap && event.longest_s < kWorthARemark) ||
+        ((event.kind == RunEventKind::kNoPoints || event.kind == RunEventKind::kGateOverruled) &&
+         event.to_ns - event.from_ns < kSameEventNs);
     if (trifle) {
       continue;
     }
@@ -218,8 +209,8 @@ std::vector<std::string> remarks_on_inputs(const InputSummary& summary) {
   if (more > 0) {
     out.push_back(fmt::format("{} more such events: see events in summary.json", more));
   }
-  const bool began_anew =
-      std::ranges::any_of(summary.events, [](const RunEvent& event) { return event.what == "reset"; });
+  const bool began_anew = std::ranges::any_of(
+      summary.events, [](const RunEvent& event) { return event.kind == RunEventKind::kReset; });
   if (summary.lost_since_ns && summary.updated == 0 && !began_anew) {
     out.emplace_back("the run is lost from its begin: no frame corrected the state");
   } else if (summary.lost_since_ns) {

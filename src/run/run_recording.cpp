@@ -10,19 +10,18 @@
 #include <stdexcept>
 #include <utility>
 
-#include "limber/core/angle.hpp"
-#include "limber/core/divergence_error.hpp"
+#include "frame_by_frame.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/run/input_summary.hpp"
-#include "limber/run/trajectory_row.hpp"
 #include "limber/run/trusted_axes.hpp"
 #include "remarks.hpp"
 #include "shared_starts.hpp"
 #include "start_from_sensors.hpp"
 #include "start_from_truth.hpp"
+#include "window_record.hpp"
 
 namespace limber {
 namespace {
@@ -38,8 +37,7 @@ using detail::ReadFrame;
 using detail::SensorWindow;
 using detail::WindowSmoother;
 
-constexpr double kLargestPosition = 1e9;  // [m]
-constexpr double kKeptSeconds = 30.0;     // of RunRecord::last_frames
+constexpr double kKeptSeconds = 30.0;  // of RunRecord::last_frames
 
 /// The first and the last time of the inputs that drive the prediction; nothing if it needs none.
 std::optional<std::pair<std::int64_t, std::int64_t>> input_times(const Recording& recording,
@@ -77,28 +75,6 @@ std::size_t first_frame(const Recording& recording, const RunOptions& options, M
   }
   throw std::invalid_argument(recording.name + ": no frame to start from: " + covered +
                               "; do they have the same clock?");
-}
-
-TrajectoryRow row_of(const Navigator& navigator) {
-  const Estimate& estimate = navigator.estimate();
-  constexpr Eigen::Index kPose = StateLayout::kPoseSize;
-  const PredictedState body = navigator.predict(estimate.nav().t_ns);
-  const Eigen::Index rest = body.body_covariance.rows() - kPose;
-  return trajectory_row(body.nav, estimate.layout().motion,
-                        body.body_covariance.topLeftCorner<kPose, kPose>(),
-                        body.body_covariance.bottomRightCorner(rest, rest));
-}
-
-void keep_calibration(const Navigator& navigator, RunRecord& record) {
-  const CalibrationEstimate estimate = navigator.calibration_estimate();
-  if (estimate.parameters.any()) {
-    record.calibration.push_back({navigator.estimate().nav().t_ns, estimate});
-  }
-}
-
-bool is_sane(const TrajectoryRow& row) {
-  return row.T_world_body.p.norm() < kLargestPosition && row.T_world_body.R.allFinite() &&
-         row.v_world_body->allFinite() && row.covariance->allFinite();
 }
 
 /// Of the frames that the filter saw.
@@ -141,16 +117,6 @@ void keep(const StereoFrame& frame, std::deque<StereoFrame>& last) {
   }
 }
 
-[[noreturn]] void fail_diverged(Method method, std::size_t frame, std::int64_t t_ns, const std::string& what,
-                                const std::vector<std::string>& remarks) {
-  std::string message =
-      fmt::format("{} diverged at frame {}, {} ns: {}", to_string(method), frame, t_ns, what);
-  for (const std::string& remark : remarks) {
-    message += "; " + remark;
-  }
-  throw DivergenceError(message);
-}
-
 /// Each note once.
 void append(std::vector<std::string>& notes, const std::vector<std::string>& more) {
   for (const std::string& note : more) {
@@ -179,71 +145,45 @@ SensorWindow sensor_window(const Recording& recording, const RunSetup& setup, co
   return out;
 }
 
-/// The window's states, as far as they are known.
-void write_states(const std::vector<SmoothedState>& states, RunRecord& record) {
-  for (std::size_t k = 0; k < states.size(); ++k) {
-    const SmoothedState& state = states[k];
-    record.trajectory[k] =
-        trajectory_row(state.nav, record.motion, state.pose_covariance, state.motion_covariance);
+/// From the truth, or from the sensors: then with the frames that this has used up.
+SensorWindow begin(const Recording& recording, const RunOptions& options, const RunSetup& setup,
+                   const FrameSource& frames, std::size_t first, const RunCallbacks& callbacks,
+                   SharedStarts* shared, RunRecord& record) {
+  if (options.start == StartMode::kGroundTruth) {
+    record.start = detail::start_from_truth(recording, options, setup, frame_time(recording, first));
+    return {};
+  }
+  SensorWindow window = sensor_window(recording, setup, frames, first, callbacks, shared);
+  record.start = window.result.initial;
+  record.sensor_start = window.report;
+  record.clock_step_of_start = window.result.clock_step;
+  record.stopped = window.stopped;
+  return window;
+}
+
+/// What the run is of, and what is remarkable before its first frame.
+void describe(const Recording& recording, const RunOptions& options, const RunSetup& setup, std::size_t first,
+              RunRecord& record) {
+  record.notes = setup.notes;
+  record.theta_assumed = setup.calibration.theta;
+  record.motion = setup.navigator.motion;
+  record.frames_of_recording = frame_count(recording);
+  record.recording_partial = recording.partial;
+  append(record.notes, detail::remarks_on_input(recording, record.motion, setup.navigator.gravity));
+  if (first > 0) {
+    record.notes.push_back(fmt::format("{} frames skipped: before the first input{}", first,
+                                       options.start == StartMode::kGroundTruth ? " or ground truth" : ""));
   }
 }
 
-/// Who looks at every frame gets those of the start as they stay: what tells of them is read before.
-std::vector<SmoothedState> smoothed_ahead(const FrameSource& source, std::size_t next, std::size_t count,
-                                          SensorWindow& window, WindowSmoother& smoother) {
-  for (std::size_t n = next; n < count && window.smoothing && !window.smoothing->complete(); ++n) {
-    window.ahead.push_back(read_frame(source, n));
-    smoother.add(window.ahead.back().frame);
+/// One that was read ahead, or the recording's.
+ReadFrame next_frame(const FrameSource& frames, std::size_t n, SensorWindow& window) {
+  if (window.ahead.empty()) {
+    return read_frame(frames, n);
   }
-  return smoother.states();
-}
-
-/// Writes the window's frames into the record; says how long it took and what was not known by then.
-void keep_window(const SensorWindow& window, Navigator& navigator, RunRecord& record) {
-  if (window.frames.empty()) {
-    return;
-  }
-  record.frames_of_start = window.frames.size();
-  const CalibrationEstimate calibration = navigator.calibration_estimate();
-  record.trajectory.resize(window.frames.size());
-  write_states(window.result.trajectory, record);
-  for (std::size_t k = 0; k < window.frames.size(); ++k) {
-    record.frames.push_back(window.frames[k]);
-    if (window.result.solved && window.frames[k].observed > 0) {
-      record.frames.back().status = UpdateStatus::kUpdated;
-      record.frames.back().used = window.frames[k].observed;
-    }
-    record.frame_ms.push_back(window.frame_ms[k]);
-    record.source_ms.push_back(window.source_ms[k]);
-    if (calibration.parameters.any()) {
-      record.calibration.push_back({window.frames[k].t_ns, calibration});
-    }
-  }
-  const auto known = show_start(window.result, navigator);
-  for (std::size_t k = 0; k < known.size(); ++k) {
-    record.frames[record.frames.size() - known.size() + k].calibration = known[k];
-  }
-  const StartReport& report = window.report;
-  if (!window.result.solved) {
-    record.notes.push_back(
-        fmt::format("no start was found in the first {:.2g} s, of which no pose is known: {}",
-                    report.waited_s, report.missing));
-    return;
-  }
-  record.notes.push_back(fmt::format(
-      "{}{:.2g} s, which are smoothed: tilt known to {:.2g} deg, {}{}",
-      report.status == StartStatus::kWaiting ? "nothing but a start, all " : "started from the first ",
-      report.waited_s, report.tilt_sigma * kToDegrees,
-      report.scale_sigma < 1.0 ? fmt::format("scale to {:.2g} %", 100.0 * report.scale_sigma)
-                               : "scale not at all",
-      report.missing.empty() ? "" : "; not known: " + report.missing));
-  if (const auto& clock = window.result.clock_step) {
-    record.notes.push_back(fmt::format(
-        "the IMU's clock stepped between {:.3f} s and {:.3f} s: its samples since then were taken {:.4f} s "
-        "{} than they are stamped, and are used so",
-        1e-9 * static_cast<double>(clock->after_ns), 1e-9 * static_cast<double>(clock->before_ns),
-        1e-9 * static_cast<double>(std::abs(clock->offset_ns)), clock->offset_ns > 0 ? "earlier" : "later"));
-  }
+  ReadFrame out = std::move(window.ahead.front());
+  window.ahead.pop_front();
+  return out;
 }
 
 }  // namespace
@@ -296,93 +236,22 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
     return frame;
   };
   const std::size_t first = first_frame(recording, options, motion);
-  const bool from_truth = options.start == StartMode::kGroundTruth;
-  SensorWindow window;
-  if (from_truth) {
-    record.start = detail::start_from_truth(recording, options, setup, frame_time(recording, first));
-  } else {
-    window = sensor_window(recording, setup, frames, first, callbacks, shared);
-    record.start = window.result.initial;
-    record.sensor_start = window.report;
-    record.clock_step_of_start = window.result.clock_step;
-    record.stopped = window.stopped;
-  }
+  SensorWindow window = begin(recording, options, setup, frames, first, callbacks, shared, record);
   if (record.stopped && window.frames.empty()) return record;
   Navigator navigator(setup.navigator, setup.calibration, record.start);
-  record.notes = setup.notes;
-  record.theta_assumed = setup.calibration.theta;
-  record.motion = motion;
-  record.frames_of_recording = frame_count(recording);
-  record.recording_partial = recording.partial;
-  const auto remarks = detail::remarks_on_input(recording, record.motion, setup.navigator.gravity);
-  append(record.notes, remarks);
-  if (first > 0) {
-    record.notes.push_back(fmt::format("{} frames skipped: before the first input{}", first,
-                                       from_truth ? " or ground truth" : ""));
-  }
-  keep_window(window, navigator, record);
+  describe(recording, options, setup, first, record);
+  detail::keep_window(window, navigator, record);
   WindowSmoother smoother(window.smoothing.get(), options.method, record.frames_of_start, options.threads);
   if (callbacks.observe) {
-    write_states(
-        smoothed_ahead(frames, first + record.frames.size(), frame_count(recording), window, smoother),
-        record);
+    detail::write_states(detail::smoothed_ahead(frames, first + record.frames.size(), frame_count(recording),
+                                                window, smoother),
+                         record);
   }
-  const auto done = [&](std::size_t row, const StereoFrame* frame) {
-    if (callbacks.observe) {
-      callbacks.observe({record.trajectory[row], record.frames[row], frame ? &navigator : nullptr, frame,
-                         frame ? record.frame_ms.back() : 0.0});
-    }
-    if (callbacks.progress) {
-      callbacks.progress(first + row + 1);
-    }
-  };
-  for (std::size_t row = 0; row < record.frames.size(); ++row) {
-    done(row, nullptr);
+  detail::FrameByFrame run(recording, options, setup, callbacks, first, window.points, navigator, record);
+  while (run.next() < frame_count(recording) && !run.is_stopped()) {
+    run.take(next_frame(frames, run.next(), window), smoother);
   }
-  detail::PointCount points = window.points;
-  InputFeed feed(recording, record.clock_step_of_start);
-  for (std::size_t n = first + record.frames.size(); n < frame_count(recording); ++n) {
-    if (record.stopped || (callbacks.stop && callbacks.stop())) {
-      record.stopped = true;
-      break;
-    }
-    const ReadFrame read = window.ahead.empty() ? read_frame(frames, n) : std::move(window.ahead.front());
-    const StereoFrame& frame = read.frame;
-    if (!window.ahead.empty()) {
-      window.ahead.pop_front();
-    }
-    const auto begin_filter = Clock::now();
-    record.source_ms.push_back(read.ms);
-    points.add(frame);
-    feed.feed(navigator, motion, frame.t_ns + navigator.clock_offset_ns());
-    if (options.method == Method::kOracle) {
-      navigator.show_true_rig(true_rig_at(recording.truth.rig, frame.t_ns));
-    }
-    try {
-      record.frames.push_back(navigator.process(frame));
-    } catch (const DivergenceError& error) {
-      fail_diverged(options.method, n, frame.t_ns, error.what(), remarks);
-    } catch (const std::exception& error) {
-      if (!is_sane(row_of(navigator))) {  // whatever trips over such numbers is their fault
-        fail_diverged(options.method, n, frame.t_ns, error.what(), remarks);
-      }
-      throw;
-    }
-    record.trajectory.push_back(row_of(navigator));
-    keep_calibration(navigator, record);
-    record.frame_ms.push_back(milliseconds(begin_filter, Clock::now()));
-    if (!is_sane(record.trajectory.back()) || (record.frames.back().reset && options.stop_when_lost)) {
-      fail_diverged(options.method, n, frame.t_ns,
-                    fmt::format("the state is not finite, or further than {:g} m away", kLargestPosition),
-                    remarks);
-    }
-    if (n + 1 == frame_count(recording)) {  // nothing comes any more that the rest of the work could wait for
-      record.frames.back().calibration = navigator.calibration_report();
-    }
-    smoother.add(frame);
-    done(record.frames.size() - 1, &frame);
-  }
-  write_states(smoother.states(), record);
+  detail::write_states(smoother.states(), record);
   record.elapsed_s = window.elsewhere_s + 1e-3 * milliseconds(begin_run, Clock::now());
   take_end(navigator, record);
   append(record.notes, remarks_on_inputs(summarize_inputs(record.frames)));
@@ -393,7 +262,7 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
                                        record.frames.size(), record.frames_of_recording - first));
   }
   append(record.notes,
-         detail::remarks_on_measurements(record, options.method, setup.navigator.sigma_px, points));
+         detail::remarks_on_measurements(record, options.method, setup.navigator.sigma_px, run.points()));
   return record;
 }
 

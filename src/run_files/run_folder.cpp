@@ -33,11 +33,7 @@ std::vector<MatchedPose> match_truth(const RunFolder& folder, const fs::path& pa
   if (!fs::exists(path)) {
     return {};
   }
-  std::vector<StampedPose> estimate;
-  for (const TrajectoryRow& row : folder.trajectory) {
-    estimate.push_back({row.t_ns, row.T_world_body});
-  }
-  std::vector<MatchedPose> matched = match_by_time(estimate, read_tum(path), kSameTime);
+  std::vector<MatchedPose> matched = match_by_time(poses_of(folder.trajectory), read_tum(path), kSameTime);
   if (matched.empty()) {
     throw DataError(path.string(), 0, "the truth at times of trajectory.csv", "other times");
   }

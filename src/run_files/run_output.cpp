@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <system_error>
 
 #include "io/json_text.hpp"
@@ -18,6 +18,7 @@
 #include "limber/io/atomic_file.hpp"
 #include "limber/io/parameter_text.hpp"
 #include "limber/run_files/calibration_file.hpp"
+#include "limber/run_files/frames_file.hpp"
 #include "limber/run_files/health_file.hpp"
 
 namespace limber {
@@ -83,7 +84,7 @@ Json to_json(const RunOptions& options) {
 Json to_json(const std::vector<RunEvent>& events) {
   Json out = Json::array();
   for (const RunEvent& e : events) {
-    out.push_back({{"what", e.what},
+    out.push_back({{"what", to_string(e.kind)},
                    {"from_s", 1e-9 * static_cast<double>(e.from_ns)},
                    {"to_s", 1e-9 * static_cast<double>(e.to_ns)},
                    {"frames", e.frames},
@@ -222,26 +223,6 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   return json;
 }
 
-std::string frames_csv(const RunRecord& record) {
-  std::string text =
-      "#t_ns,observed,used,initialized,removed,refused,gate_overruled,nis "
-      "[-],dof,constrained_rank,status,inputs,gap_s,faulty_samples,reset,sigma_px [px],inputs_chi2 "
-      "[-],gyro_noise [-],accel_noise [-],filter_ms,source_ms\n";
-  auto out = std::back_inserter(text);
-  for (std::size_t k = 0; k < record.frames.size(); ++k) {
-    const FrameReport& f = record.frames[k];
-    const auto& faults = f.inputs.faults.count;
-    fmt::format_to(
-        out,
-        "{},{},{},{},{},{},{:d},{},{},{},{},{},{:.6g},{},{:d},{:.4g},{:.4g},{:.4g},{:.4g},{:.3f},{:.3f}\n",
-        f.t_ns, f.observed, f.used, f.initialized, f.removed, f.refused.size(), f.gate_overruled, f.nis,
-        f.dof, f.rank, to_string(f.status), to_string(f.inputs.status), f.inputs.gap_s,
-        std::accumulate(faults.begin(), faults.end(), std::size_t{0}), f.reset, f.sigma_px, f.inputs.chi2,
-        f.imu_noise.gyro, f.imu_noise.accel, record.frame_ms[k], record.source_ms[k]);
-  }
-  return text;
-}
-
 std::string refusals_csv(const RunRecord& record) {
   std::string text = "#t_ns,track_id,reason,squared_distance [-],threshold [-]\n";
   auto out = std::back_inserter(text);
@@ -269,10 +250,7 @@ std::string summary_json(const RunOptions& options, const RunRecord& record, con
 
 void write_run_output(const std::filesystem::path& folder, const RunOptions& options, const RunRecord& record,
                       const RunSummary& summary) {
-  std::vector<StampedPose> poses;
-  for (const TrajectoryRow& row : record.trajectory) {
-    poses.push_back({row.t_ns, row.T_world_body});
-  }
+  const std::vector<StampedPose> poses = poses_of(record.trajectory);
   try {
     const FolderUnlessEmpty outer(folder);
     StagedFolder staged(folder / "results");
@@ -281,7 +259,7 @@ void write_run_output(const std::filesystem::path& folder, const RunOptions& opt
     write_tum(staged.path() / "trajectory.tum", poses);
     write_trajectory_csv(staged.path() / "trajectory.csv", record.trajectory);
     write_landmarks_ply(staged.path() / "landmarks.ply", record.landmarks);
-    write_file_atomically(staged.path() / "frames.csv", frames_csv(record));
+    write_frames_csv(staged.path() / "frames.csv", record);
     write_file_atomically(staged.path() / "refusals.csv", refusals_csv(record));
     if (summary.health) {
       write_health_csv(staged.path() / "health.csv", record.frames);
@@ -301,13 +279,13 @@ void write_run_output(const std::filesystem::path& folder, const RunOptions& opt
     }
     write_file_atomically(staged.path() / "summary.json", summary_json(options, record, summary));
     names.emplace_back("summary.json");
-    // An older run's must not stand beside new files.
+    // An older run's must not stand beside new files; without a summary they are no run.
     std::filesystem::remove(folder / "summary.json");
-    std::filesystem::remove(folder / "truth.tum");
-    std::filesystem::remove(folder / "truth.csv");
-    std::filesystem::remove(folder / "health.csv");
-    std::filesystem::remove(folder / "health_state.json");
-    std::filesystem::remove(folder / "calibration.csv");
+    for (const std::string& name : run_file_names()) {
+      if (std::ranges::find(names, name) == names.end()) {
+        std::filesystem::remove(folder / name);
+      }
+    }
     staged.move_files(names, folder);
   } catch (const std::filesystem::filesystem_error& error) {
     throw DataError(folder.string(), 0, "a folder that can be made and written", error.code().message());

@@ -31,6 +31,8 @@ Level level_of(HealthVerdict verdict) {
   return Level::kStale;
 }
 
+constexpr double kSameInstant_s = 1e-4;  // seconds of this century have that many digits
+
 std::string number(double value) { return fmt::format("{:.4g}", value); }
 
 void add(const std::string& name, const SizeInterval& interval, double unit, Diagnostic& out) {
@@ -42,7 +44,7 @@ void add(const std::string& name, const SizeInterval& interval, double unit, Dia
 /// What is wrong with a frame; empty: nothing.
 std::string remark_on(const FrameRow& row, bool is_lost) {
   if (is_lost) {
-    return "the filter broke down: position and heading are lost since then";
+    return "the run is lost: no position and no sigma since then is true";
   }
   if (row.status != UpdateStatus::kUpdated) {
     return "the frame corrected nothing: " + to_string(row.status);
@@ -109,9 +111,11 @@ RunResults read_run_results(const fs::path& folder) {
     out.truth = read_tum(folder / "truth.tum");
   }
   out.landmarks = std::move(run.landmarks);
+  const std::optional<double> lost_since_s = detail::number_at(run.summary, {"lost_since_s"});
   bool is_lost = false;
   for (const FrameRow& row : run.frames) {
-    is_lost = is_lost || row.reset;
+    const double now_s = 1e-9 * static_cast<double>(row.t_ns);
+    is_lost = is_lost || row.reset || (lost_since_s && now_s >= *lost_since_s - kSameInstant_s);
     out.diagnostics.push_back(navigation_diagnostic(row, is_lost));
   }
   for (const HealthRow& row : run.health) {

@@ -8,7 +8,7 @@
 
 #include "factors.hpp"
 #include "limber/core/time.hpp"
-#include "limber/navigate/method.hpp"
+#include "limber/sensors/calibration.hpp"
 #include "limber/sensors/image_cell.hpp"
 #include "pose_manifold.hpp"
 

@@ -104,12 +104,12 @@ void RunObserver::observe_map(const Navigator& navigator) {
   const std::vector<Eigen::Vector3d> positions = estimate.landmark_positions();
   for (std::size_t k = 0; k < positions.size(); ++k) {
     const Landmark& landmark = estimate.landmarks()[k];
-    if (landmark.kind == LandmarkKind::kInverseDepth && landmark.value.z() * farthest < 1.0) {
+    const auto known = recording_.truth.landmarks.find(landmark.track_id);
+    const bool moves = known == recording_.truth.landmarks.end();
+    if (moves || (landmark.kind == LandmarkKind::kInverseDepth && landmark.value.z() * farthest < 1.0)) {
       continue;
     }
-    map_error_.mean_squared +=
-        (alignment_->T_true_est * positions[k] - recording_.truth.landmarks.at(landmark.track_id))
-            .squaredNorm();
+    map_error_.mean_squared += (alignment_->T_true_est * positions[k] - known->second).squaredNorm();
     ++map_error_.points;
   }
   if (map_error_.points > 0) {

@@ -87,20 +87,20 @@ struct Judged {
 
 /// Rows of an innovation as they are judged. What is white in time correlates all of them.
 Judged judged_rows(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                   const ParameterErrorModel& treatment) {
+                   const ParameterErrorModel& model) {
   const Index m = innovation.r.size(), q = innovation.stateless.residual.size();
-  Judged out{VectorXd(m + q), innovation.S, MatrixXd(m + q, treatment.constrained.cols()), groups};
+  Judged out{VectorXd(m + q), innovation.S, MatrixXd(m + q, model.constrained.cols()), groups};
   out.r << innovation.r, innovation.stateless.residual;
-  if (treatment.constrained.cols() > 0) {
-    out.DC.topRows(m) = multiply(innovation.D, treatment.constrained);
-    out.DC.bottomRows(q) = multiply(innovation.stateless.D, treatment.constrained);
+  if (model.constrained.cols() > 0) {
+    out.DC.topRows(m) = multiply(innovation.D, model.constrained);
+    out.DC.bottomRows(q) = multiply(innovation.stateless.D, model.constrained);
   }
-  if (treatment.white_covariance.size() > 0) {
+  if (model.white_covariance.size() > 0) {
     MatrixXd D(m + q, innovation.D.cols());
     D << innovation.D, innovation.stateless.D;
     out.S.setIdentity(m + q, m + q);
     out.S.topLeftCorner(m, m) = innovation.S;
-    add_product(out.S, 1.0, D, multiply(treatment.white_covariance, transposed(D)));
+    add_product(out.S, 1.0, D, multiply(model.white_covariance, transposed(D)));
   }
   return out;
 }
@@ -354,8 +354,8 @@ bool GateReport::all_accepted() const {
 }
 
 GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                const ParameterErrorModel& treatment, const GateThresholds& thresholds, Majority majority) {
-  const Judged judged = judged_rows(innovation, groups, treatment);
+                const ParameterErrorModel& model, const GateThresholds& thresholds, Majority majority) {
+  const Judged judged = judged_rows(innovation, groups, model);
   GateReport report = nothing_refused(groups.size());
   Judge judge(judged, thresholds);
   if (!judge.valid()) {
@@ -374,7 +374,7 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   GateReport flagged = nothing_refused(groups.size());
   const std::size_t gross = flag_gross(judge.white(), thresholds, flagged);
   // What is constrained cannot put most points far from each other; what is trusted can.
-  const bool trusts = treatment.constrained.cols() == 0;
+  const bool trusts = model.constrained.cols() == 0;
   if (gross > 0 && (trusts ? 2 : 3) * gross <= (trusts ? 1 : 2) * groups.size()) {
     return gate_robustly(judged, flagged, gross, thresholds, stands);
   }

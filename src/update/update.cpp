@@ -20,20 +20,20 @@ using Eigen::VectorXd;
 
 namespace {
 
-void check(const Innovation& innovation, const ParameterErrorModel& treatment) {
+void check(const Innovation& innovation, const ParameterErrorModel& model) {
   const Index c = innovation.D.cols();
-  if ((treatment.constrained.cols() > 0 && treatment.constrained.rows() != c) ||
-      (treatment.white_covariance.size() > 0 && treatment.white_covariance.rows() != c)) {
+  if ((model.constrained.cols() > 0 && model.constrained.rows() != c) ||
+      (model.white_covariance.size() > 0 && model.white_covariance.rows() != c)) {
     throw std::invalid_argument("update: D has " + std::to_string(c) + " columns, but C has " +
-                                std::to_string(treatment.constrained.rows()) + " rows and Sigma_w " +
-                                std::to_string(treatment.white_covariance.rows()));
+                                std::to_string(model.constrained.rows()) + " rows and Sigma_w " +
+                                std::to_string(model.white_covariance.rows()));
   }
-  if (treatment.nuisance < 0 || treatment.nuisance > treatment.constrained.cols() ||
-      (treatment.watched.cols() > 0 && treatment.constrained.cols() > treatment.nuisance &&
-       treatment.watched.cols() != treatment.constrained.cols() - treatment.nuisance)) {
-    throw std::invalid_argument("update: of " + std::to_string(treatment.constrained.cols()) +
-                                " constrained columns " + std::to_string(treatment.nuisance) +
-                                " are nuisance, but " + std::to_string(treatment.watched.cols()) +
+  if (model.nuisance < 0 || model.nuisance > model.constrained.cols() ||
+      (model.watched.cols() > 0 && model.constrained.cols() > model.nuisance &&
+       model.watched.cols() != model.constrained.cols() - model.nuisance)) {
+    throw std::invalid_argument("update: of " + std::to_string(model.constrained.cols()) +
+                                " constrained columns " + std::to_string(model.nuisance) +
+                                " are nuisance, but " + std::to_string(model.watched.cols()) +
                                 " are watched");
   }
 }
@@ -130,21 +130,20 @@ ParameterEvidence evidence_of(const Innovation& innovation, const MatrixXd& B, c
 
 }  // namespace
 
-UpdateReport update(Covariance& P, const LinearMeasurement& measurement,
-                    const ParameterErrorModel& treatment) {
-  return update(P, compressed(form_frame_innovation(P, measurement)), treatment);
+UpdateReport update(Covariance& P, const LinearMeasurement& measurement, const ParameterErrorModel& model) {
+  return update(P, compressed(form_frame_innovation(P, measurement)), model);
 }
 
-UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterErrorModel& treatment) {
-  check(innovation, treatment);
+UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterErrorModel& model) {
+  check(innovation, model);
   if (innovation.r.size() == 0) {
     return untouched(UpdateStatus::kEmpty, P.size());
   }
-  if (treatment.white_covariance.size() > 0) {
-    absorb_white(innovation, treatment.white_covariance);
+  if (model.white_covariance.size() > 0) {
+    absorb_white(innovation, model.white_covariance);
   }
-  const MatrixXd& C = treatment.constrained;
-  const bool watches_another = treatment.watched.cols() > 0 && C.cols() == treatment.nuisance;
+  const MatrixXd& C = model.constrained;
+  const bool watches_another = model.watched.cols() > 0 && C.cols() == model.nuisance;
   const StatelessSolution stateless = solve_stateless(innovation, C, watches_another);
   const MatrixXd D_unseen =
       C.cols() > 0 ? multiply(innovation.D, multiply(C, stateless.unseen)) : MatrixXd(innovation.r.size(), 0);
@@ -176,30 +175,30 @@ UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterError
   report.dof = rows.used() + innovation.stateless.residual.size() + innovation.noise.rows;
   report.rank = stateless.y.size() + rows.constrained;
   P.subtract_outer(W_used);
-  if (treatment.watched.cols() == 0) {
+  if (model.watched.cols() == 0) {
     return report;
   }
   if (watches_another) {
-    report.evidence = evidence_of(innovation, treatment.watched, rows, L, projection);
+    report.evidence = evidence_of(innovation, model.watched, rows, L, projection);
     return report;
   }
   ConstrainedRows lost =
-      constrained_rows(rows, stateless, D_unseen, L, projection, treatment.witness.has_value());
-  if (treatment.nuisance > 0) {
-    project_out(lost, treatment.nuisance);
+      constrained_rows(rows, stateless, D_unseen, L, projection, model.witness.has_value());
+  if (model.nuisance > 0) {
+    project_out(lost, model.nuisance);
   }
   report.evidence = {multiply(transposed(lost.F), lost.F), lost.F.transpose() * lost.y};
-  if (treatment.witness && lost.y.size() > 0) {
-    auto own = report.dx.segment<kWitnessSize>(treatment.witness->at);
-    own += learn(P, treatment.witness->at, treatment.witness->mean + own, {lost.y, lost.F, lost.W});
+  if (model.witness && lost.y.size() > 0) {
+    auto own = report.dx.segment<kWitnessSize>(model.witness->at);
+    own += learn(P, model.witness->at, model.witness->mean + own, {lost.y, lost.F, lost.W});
   }
   return report;
 }
 
 UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measurement,
-                              const ParameterErrorModel& treatment) {
+                              const ParameterErrorModel& model) {
   const Innovation innovation = form_innovation(P, measurement);
-  check(innovation, treatment);
+  check(innovation, model);
   if (measurement.stateless.residual.size() > 0) {
     throw std::invalid_argument("update_gain_form: expected a measurement as it is, not a compressed one");
   }
@@ -208,8 +207,8 @@ UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measuremen
     return untouched(UpdateStatus::kEmpty, n);
   }
   MatrixXd with_white = innovation.S;
-  if (treatment.white_covariance.size() > 0) {
-    with_white += congruence(innovation.D, treatment.white_covariance);
+  if (model.white_covariance.size() > 0) {
+    with_white += congruence(innovation.D, model.white_covariance);
   }
   const Cholesky S(std::move(with_white));
   if (!is_positive_definite(S)) {
@@ -221,8 +220,8 @@ UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measuremen
   add_product(P_new, -1.0, K, transposed(innovation.PHt));
   Index rank = 0;
   double nis = innovation.r.dot(S.solve(innovation.r));
-  if (treatment.constrained.cols() > 0) {
-    const MatrixXd dH = multiply(innovation.D, treatment.constrained);
+  if (model.constrained.cols() > 0) {
+    const MatrixXd dH = multiply(innovation.D, model.constrained);
     const MatrixXd SinvD = S.solve(dH);
     const Eigen::LDLT<MatrixXd> M(multiply(transposed(dH), SinvD));
     if (M.info() != Eigen::Success || !M.isPositive() || M.vectorD().minCoeff() <= 0.0) {

@@ -256,8 +256,10 @@ TEST(FrameCleaner, ThinsCrowdedFramesEvenlyAndKeepsTracks) {
 
 TEST(FrameCleaner, LeavesFramesOfUsualSizeAsTheyAre) {
   const Frames frames = crowded(500);
-  for (std::size_t k = 0; const StereoFrame& frame : cleaned(frames, rig_of(0.5)).frames) {
-    EXPECT_EQ(tracks_of(frame), tracks_of(frames[k++]));
+  const Frames out = cleaned(frames, rig_of(0.5)).frames;
+  ASSERT_EQ(out.size(), frames.size());
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    EXPECT_EQ(tracks_of(out[k]), tracks_of(frames[k]));
   }
 }
 

@@ -63,8 +63,10 @@ TEST(StillPoints, AreWithdrawnFromTheFramesBefore) {
     withdraw_from(kept, frame);
     kept.push_back(frame);
   }
+  ASSERT_EQ(kept.size(), recording.frames.size());
   for (const StereoFrame& frame : kept) {
     EXPECT_EQ(dirt_in(frame), 0U) << frame.t_ns;
+    EXPECT_GT(frame.observations.size(), 10U);
   }
 }
 

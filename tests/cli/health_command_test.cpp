@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/small_log.hpp"
+#include "limber/rig_files/write_rig_files.hpp"
 #include "limber/run_files/health_file.hpp"
 #include "shipped_scenario.hpp"
 
@@ -175,6 +176,24 @@ TEST_F(HealthCommand, OfAFleetIsATableWithTheExitCodeOfTheWorst) {
   EXPECT_THAT(rigs[2]["failure"].get<std::string>(), HasSubstr("sunday"));
 
   expect_refused(run_limber({"health", log_of("monday"), log_of("tuesday")}), 2, "--fleet judges them all");
+}
+
+TEST_F(HealthCommand, OfAFleetJudgesTheOthersWhereACalibrationDoesNotFitOne) {
+  const auto log_of = [this](const std::string& day) { return (folder() / day).string(); };
+  const Recording monday = drone_bent_by(RigParameters::Zero(), 1);
+  write_track_log(monday, log_of("monday"));
+  Recording tuesday = drone_bent_by(RigParameters::Zero(), 2);
+  tuesday.calibration.cam0.width = tuesday.calibration.cam1.width += 1;
+  write_track_log(tuesday, log_of("tuesday"));
+  const fs::path file = testing::write_text(folder() / "camchain.yaml", kalibr_camchain(monday.calibration));
+  const ProgramResult result = run_limber({"health", log_of("tuesday"), log_of("monday"), "--fleet", "--json",
+                                           "--init", "groundtruth", "--calib", file.string()});
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  const Json rigs = Json::parse(result.out);
+  ASSERT_EQ(rigs.size(), 2u);
+  EXPECT_THAT(rigs[0]["failure"].get<std::string>(),
+              HasSubstr("camchain.yaml: the calibration of cam0 is for images of"));
+  EXPECT_EQ(rigs[1]["verdict"], "ok");
 }
 
 TEST_F(HealthCommand, WithoutAFolderLeavesNothing) {

@@ -90,7 +90,7 @@ TEST(MisledSince, LosesARunWithoutAnImuSinceItsBodyLeapt) {
     record.frames.resize(10);
     record.trajectory.resize(10);
     RunSummary summary;
-    if (leapt) summary.inputs.events.push_back({"leapt", 4'950'000'000, 5'000'000'000});
+    if (leapt) summary.inputs.events.push_back({RunEventKind::kLeapt, 4'950'000'000, 5'000'000'000});
     add_misled({}, {}, record, summary);
     EXPECT_EQ(record.notes.size(), summary.inputs.lost_since_ns ? 1U : 0U);
     return summary.inputs.lost_since_ns;
@@ -131,7 +131,8 @@ TEST(MisledSince, SaysSinceWhenEkfIsLostAfterAnInputFailedAndNothingOfASoundRun)
   ASSERT_TRUE(late.lost_since_ns);
   EXPECT_NEAR(1e-9 * static_cast<double>(*late.lost_since_ns - at_ns), 0.0, 2.0);
   EXPECT_THAT(late.events,
-              Contains(::testing::Field(&RunEvent::what, ::testing::AnyOf("misled", "bias moved"))));
+              Contains(::testing::Field(&RunEvent::kind,
+                                        ::testing::AnyOf(RunEventKind::kMisled, RunEventKind::kBiasMoved))));
   Recording turned = recording;
   for (ImuSample& sample : turned.imu) {
     sample.omega_imu.x() += sample.t_ns >= at_ns ? 0.05 : 0.0;
@@ -223,14 +224,14 @@ TEST(MisledSince, LosesNoMethodThatNoticesTheStep) {
     const InputSummary noticed = judged(pushed(recording, 0.12), Method::kLcekf, learns_noise);
     EXPECT_FALSE(noticed.lost_since_ns);
     if (!learns_noise) {
-      EXPECT_THAT(noticed.events, Contains(::testing::Field(&RunEvent::what, "contradicted")));
+      EXPECT_THAT(noticed.events, Contains(::testing::Field(&RunEvent::kind, RunEventKind::kContradicted)));
     }
   }
 }
 
 TEST(MisledSince, LosesNoMethodThatNoticesALargeStep) {
   const InputSummary noticed = judged(pushed(drone(132), 0.5), Method::kLcekf);
-  EXPECT_THAT(noticed.events, Contains(::testing::Field(&RunEvent::what, "contradicted")));
+  EXPECT_THAT(noticed.events, Contains(::testing::Field(&RunEvent::kind, RunEventKind::kContradicted)));
   EXPECT_FALSE(noticed.lost_since_ns);
 }
 

@@ -52,7 +52,7 @@ TEST(ScaleCheck, NamesABaselineThatEkfFollows) {
       run.record.notes,
       Contains(AllOf(HasSubstr("sigmas of ekf take the rig for exact"), kSaysTheScale,
                      HasSubstr("% too long, as of a baseline that is shorter than the assumed 2 m"))));
-  EXPECT_THAT(run.summary.inputs.events, Contains(Field(&RunEvent::what, "trusted scale off")));
+  EXPECT_THAT(run.summary.inputs.events, Contains(Field(&RunEvent::kind, RunEventKind::kTrustedScaleOff)));
   const CalibrationState& rig = run.summary.health->present;
   EXPECT_NE(run.summary.health->verdict, HealthVerdict::kOk);
   EXPECT_NE(rig.axes[kAlong], HealthVerdict::kOk);

@@ -177,7 +177,7 @@ TEST(TrustedRig, IsSaidOfEkfWhereTheRigIsGoodEnoughAndNotExact) {
   EXPECT_THAT(of_ekf.notes,
               Contains(::testing::AllOf(kSaysSo, HasSubstr("at the end by az -0.0"), HasSubstr(" deg"),
                                         HasSubstr(", within the tolerance: they are"))));
-  EXPECT_THAT(of_ekf.events, Contains(Field(&RunEvent::what, "trusted rig off")));
+  EXPECT_THAT(of_ekf.events, Contains(Field(&RunEvent::kind, RunEventKind::kTrustedRigOff)));
   EXPECT_THAT(run_trusting(off, Method::kEkf, true).notes, Not(Contains(kSaysSo)));
   EXPECT_THAT(run_trusting(off, Method::kLcekf).events, IsEmpty());
   EXPECT_THAT(run_trusting(exact, Method::kEkf).notes, Not(Contains(kSaysSo)));

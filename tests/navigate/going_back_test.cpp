@@ -85,5 +85,37 @@ TEST(GoingBack, IsNotForWhatNoRigDoes) {
   EXPECT_EQ(odd, 1U);
 }
 
+/// The filter that answers is lost, the one beside is not: its state goes on.
+TEST(GoingBack, IsNotForAFilterThatBeginsAnew) {
+  for (const bool in_doubt : {false, true}) {
+    SceneOptions scene_options;
+    scene_options.duration_s = 12.0;
+    scene_options.theta_error = [&](double t) {
+      return in_doubt && t > 4.0 ? testing::scene_theta_error() : RigParameters(RigParameters::Zero());
+    };
+    const Scene scene = make_scene(scene_options);
+    Navigator navigator(with_method(scene, Method::kAdaptive), scene.calibration, scene.initial);
+    std::size_t next = 0;
+    for (std::size_t k = 0; k < scene.frames.size(); ++k) {
+      const bool is_lost = std::abs(seconds_between(0, scene.frames[k].t_ns) - 10.0) < 0.01;
+      if (is_lost) {  // by a covariance that nobody could have made
+        auto& estimate = const_cast<Estimate&>(navigator.estimate());
+        ASSERT_FALSE(estimate.layout().has_witness) << "it answers itself";
+        estimate.mutable_P().set_diagonal_block(0, -1e6 * Eigen::Matrix3d::Identity());
+      }
+      add_inputs(scene, scene.frames[k].t_ns, next, navigator);
+      const FrameReport report = navigator.process(scene.frames[k]);
+      EXPECT_FALSE(report.reset) << k;
+      EXPECT_TRUE(report.status == UpdateStatus::kUpdated || k == 0) << k;
+    }
+    const double sigma = std::sqrt(navigator.estimate().P().diagonal_block<3>(0).trace());
+    EXPECT_LT(sigma, 0.3);
+    EXPECT_LT((navigator.estimate().nav().T_world_body.p - scene.truth.back().T_world_body.p).norm(),
+              4.0 * sigma);
+    // It does not trust the rig as it was given.
+    EXPECT_FALSE(navigator.calibration_estimate().trusts_rig);
+  }
+}
+
 }  // namespace
 }  // namespace limber

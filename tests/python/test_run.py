@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: MIT
+import json
 import os
 import signal
 import subprocess
@@ -15,9 +16,13 @@ PROGRAM = os.environ["LIMBER_PROGRAM"]
 
 
 def files_of(folder):
-    """Content of the files that do not tell times of the machine."""
-    return {path.name: path.read_bytes() for path in folder.iterdir()
-            if path.name not in ("summary.json", "report.html", "frames.csv")}
+    """Content of the files, and of the summary, but for what tells times of the machine and its paths."""
+    files = {path.name: path.read_bytes() for path in folder.iterdir()
+             if path.name not in ("summary.json", "report.html", "frames.csv")}
+    summary = json.loads((folder / "summary.json").read_text())
+    for key in ("ms_per_frame", "start_ms", "realtime_factor", "peak_rss_mb"):
+        del summary[key]
+    return files | {"summary": summary}
 
 
 @pytest.mark.parametrize("method", ["lcekf", "adaptive"])
@@ -28,6 +33,17 @@ def test_a_run_is_that_of_the_program_bit_by_bit(recording, tmp_path, method):
     limber.run(tmp_path / "log", method).write(tmp_path / "module")
     ours, theirs = files_of(tmp_path / "module"), files_of(tmp_path / "program")
     assert "trajectory.tum" in ours and ours == theirs
+
+
+def test_mistakes_in_the_first_frames_are_said(recording, tmp_path):
+    recording.write(tmp_path / "log")
+    cameras = [tmp_path / "log" / "mav0" / name / "sensor.yaml" for name in ("cam0", "cam1")]
+    swapped = [camera.read_text() for camera in cameras][::-1]
+    for camera, text in zip(cameras, swapped):
+        camera.write_text(text)
+    run = limber.run(tmp_path / "log")
+    assert any("looks like a mistake" in note for note in run.notes)
+    assert "exchanged" in run.summary["answer"]["headline"]
 
 
 def test_a_simulation_is_that_of_the_program(recording, tmp_path):

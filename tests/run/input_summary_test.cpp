@@ -47,9 +47,9 @@ TEST(InputSummary, FramesWithTheSameTroubleAreOneEvent) {
   const InputSummary summary = summarize_inputs(frames);
   EXPECT_EQ(summary.gap, 20U);
   ASSERT_EQ(summary.events.size(), 3U);
-  EXPECT_EQ(summary.events[0].what, "gap");
+  EXPECT_EQ(summary.events[0].kind, RunEventKind::kGap);
   EXPECT_NEAR(summary.events[0].longest_s, 1.0, 1e-9);
-  EXPECT_EQ(summary.events[1].what, "stuck");
+  EXPECT_EQ(summary.events[1].kind, RunEventKind::kStuck);
   EXPECT_EQ(summary.events[1].samples, 200U);
   EXPECT_EQ(summary.events[2].samples, 3U);
   EXPECT_THAT(remarks_on_inputs(summary),
@@ -64,7 +64,7 @@ TEST(InputSummary, SaysHowFarOffAClockIsThatStepped) {
   }
   const InputSummary summary = summarize_inputs(frames);
   ASSERT_EQ(summary.events.size(), 1U);
-  EXPECT_EQ(summary.events[0].what, "clock stepped");
+  EXPECT_EQ(summary.events[0].kind, RunEventKind::kClockStepped);
   EXPECT_NEAR(summary.events[0].clock_offset_s, 0.06, 1e-9);
   EXPECT_THAT(remarks_on_inputs(summary),
               Contains(HasSubstr("taken 0.0600 s earlier than they are stamped")));

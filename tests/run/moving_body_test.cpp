@@ -77,7 +77,7 @@ void expect_not_carried_away(std::uint64_t seed, std::initializer_list<Method> m
     const RunSummary with = summary(disturbed);
     EXPECT_LT(with.ate_se3_m.value(), 4.0 * summary(sound).ate_se3_m.value());
     if (seed == 41u) {  // the body is most of what is seen
-      EXPECT_THAT(with.inputs.events, Contains(Field(&RunEvent::what, "most points move")));
+      EXPECT_THAT(with.inputs.events, Contains(Field(&RunEvent::kind, RunEventKind::kMostMove)));
     }
     EXPECT_FALSE(with.inputs.lost_since_ns);
   }

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "datasets/files.hpp"
 #include "limber/run_files/run_output.hpp"
 #include "run/short_recording.hpp"
@@ -87,6 +89,13 @@ TEST(RunResults, AreWhatTheFilesOfARunSay) {
     }
   }
   EXPECT_EQ(frames, record.frames.size());
+  RunSummary summary = summarize(recording, options, record);
+  summary.inputs.lost_since_ns = record.frames[10].t_ns;  // what was found out afterwards
+  write_run_output(folder.path(), options, record, summary);
+  const auto errors = std::ranges::count_if(
+      read_run_results(folder.path()).diagnostics,
+      [](const Diagnostic& d) { return d.name == "limber: navigation" && d.level == Level::kError; });
+  EXPECT_EQ(errors, static_cast<std::ptrdiff_t>(record.frames.size() - 10));
   std::filesystem::remove(folder.path() / "frames.csv");
   EXPECT_EQ(testing::data_error_of([&] { (void)read_run_results(folder.path()); }).file(),
             (folder.path() / "frames.csv").string());

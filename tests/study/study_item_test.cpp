@@ -79,6 +79,15 @@ TEST(ComputeItem, KeepsSeriesThatAgreeWithTheFigures) {
   }
 }
 
+TEST(ComputeItem, LeavesPointsOfAMovingBodyOutOfTheErrorOfTheMap) {
+  StudyPlan plan = tiny_plan(1, "lcekf");
+  plan.cases[0].scenario.world.moving_body = MovingBodyScenario{.share = 0.4};
+  const auto landmarks = series_of(compute_item(plan, 0, 0).methods.front()).at(CurveQuantity::kLandmarks);
+  const std::size_t known = simulate(plan.cases[0].scenario, plan.seed, 0).truth.landmarks.size();
+  EXPECT_GT(landmarks.back(), 5.0);
+  EXPECT_LE(landmarks.back(), static_cast<double>(known));
+}
+
 TEST(ComputeItem, CountsTheFramesOfAStartFromTheSensorsInTheWorldOfTheTruth) {
   for (const bool use_imu : {true, false}) {
     StudyPlan plan = tiny_plan(1, use_imu ? "ekf,ekf-full,lcekf,adaptive,mono-left" : "ekf");

@@ -33,9 +33,9 @@ void move_pose(StereoProblem& problem, std::size_t first, double sigmas) {
   }
 }
 
-GateReport gated_where_most_may_move(const StereoProblem& problem, const ParameterErrorModel& treatment) {
+GateReport gated_where_most_may_move(const StereoProblem& problem, const ParameterErrorModel& model) {
   const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
-  return gate(frame.innovation, frame.groups, treatment, GateThresholds(0.999), Majority::kMayMove);
+  return gate(frame.innovation, frame.groups, model, GateThresholds(0.999), Majority::kMayMove);
 }
 
 /// A body that fills two thirds of the view and goes with the camera.
@@ -46,8 +46,8 @@ TEST(GateMajority, WhereMostMoveThoseThatThePredictionKnowsStand) {
     StereoProblem problem = with_state_known(random_frame(generator, 30), times);
     draw_residual(generator, problem);
     move_pose(problem, 10, 400.0 * times);
-    for (const ParameterErrorModel& treatment : {ParameterErrorModel{}, problem.constrained()}) {
-      const GateReport report = gated_where_most_may_move(problem, treatment);
+    for (const ParameterErrorModel& model : {ParameterErrorModel{}, problem.constrained()}) {
+      const GateReport report = gated_where_most_may_move(problem, model);
       EXPECT_FALSE(report.overruled) << run;
       EXPECT_GE(std::count(report.accepted.begin(), report.accepted.begin() + 10, true), 8) << run;
       EXPECT_LE(std::count(report.accepted.begin() + 10, report.accepted.end(), true), 2) << run;

@@ -29,16 +29,15 @@ using testing::StereoProblem;
 
 constexpr double kProbability = 0.999;
 
-GateReport gated(const StereoProblem& problem, const ParameterErrorModel& treatment,
+GateReport gated(const StereoProblem& problem, const ParameterErrorModel& model,
                  double probability = kProbability) {
   const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
-  return gate(frame.innovation, frame.groups, treatment, GateThresholds(probability));
+  return gate(frame.innovation, frame.groups, model, GateThresholds(probability));
 }
 
 /// Row for row, nothing turned.
-GateReport gated_as_it_is(const StereoProblem& problem, const ParameterErrorModel& treatment) {
-  return gate(form_innovation(problem.P, problem.z), problem.z.groups, treatment,
-              GateThresholds(kProbability));
+GateReport gated_as_it_is(const StereoProblem& problem, const ParameterErrorModel& model) {
+  return gate(form_innovation(problem.P, problem.z), problem.z.groups, model, GateThresholds(kProbability));
 }
 
 std::set<std::size_t> refused(const GateReport& report) {
@@ -61,7 +60,7 @@ VectorXd huge_error(const StereoProblem& problem) {
 /// The slow and obvious elimination: after each drop everything anew, dense, on the projected residual
 /// itself.
 /// @return whether no more than `most` groups had to go
-bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel& treatment, std::size_t most,
+bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel& model, std::size_t most,
                          GateReport& report) {
   const MatrixXd P = problem.P.dense();
   for (std::size_t dropped = 0;; ++dropped) {
@@ -69,13 +68,13 @@ bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel
     const MatrixXd W = z.sigma.cwiseInverse().asDiagonal();
     const MatrixXd H = W * z.H.dense(z.rows(), P.rows());
     MatrixXd S = congruence(H, P) + MatrixXd::Identity(z.rows(), z.rows());
-    if (treatment.white_covariance.size() > 0) {
-      S += W * congruence(z.D, treatment.white_covariance) * W;
+    if (model.white_covariance.size() > 0) {
+      S += W * congruence(z.D, model.white_covariance) * W;
     }
     // r − D dtheta_hat and its covariance, by the oblique projector onto what D C cannot explain.
     MatrixXd M = MatrixXd::Identity(z.rows(), z.rows());
-    if (treatment.constrained.cols() > 0) {
-      const MatrixXd A = strong_directions(W * z.D * treatment.constrained);
+    if (model.constrained.cols() > 0) {
+      const MatrixXd A = strong_directions(W * z.D * model.constrained);
       const MatrixXd SinvA = Cholesky(S).solve(A);
       add_product(M, -1.0, A, Cholesky(multiply(transposed(A), SinvA)).solve(SinvA.transpose()));
     }
@@ -118,15 +117,15 @@ bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel
 
 /// The groups that lie far from what most agree upon; none if these are more than half (two thirds of what is
 /// constrained).
-std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErrorModel& treatment) {
+std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErrorModel& model) {
   const Innovation innovation = form_innovation(problem.P, problem.z);
   MatrixXd S = innovation.S;
   MatrixXd A(S.rows(), 0);
-  if (treatment.white_covariance.size() > 0) {
-    S += congruence(innovation.D, treatment.white_covariance);
+  if (model.white_covariance.size() > 0) {
+    S += congruence(innovation.D, model.white_covariance);
   }
-  if (treatment.constrained.cols() > 0) {
-    A = innovation.D * treatment.constrained;
+  if (model.constrained.cols() > 0) {
+    A = innovation.D * model.constrained;
   }
   const Consensus consensus = find_consensus(white_groups(innovation.r, S, A, problem.z.groups), 10.0);
   std::vector<bool> gross(problem.z.groups.size());
@@ -136,25 +135,25 @@ std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErr
         kGrossOutlier * chi_square_quantile(kProbability, static_cast<double>(problem.z.groups[g].rows));
   }
   const auto count = static_cast<std::size_t>(std::count(gross.begin(), gross.end(), true));
-  if (treatment.constrained.cols() > 0 ? 3 * count > 2 * gross.size() : 2 * count > gross.size()) {
+  if (model.constrained.cols() > 0 ? 3 * count > 2 * gross.size() : 2 * count > gross.size()) {
     gross.assign(gross.size(), false);
   }
   return gross;
 }
 
-GateReport obvious_gate(const StereoProblem& problem, const ParameterErrorModel& treatment) {
+GateReport obvious_gate(const StereoProblem& problem, const ParameterErrorModel& model) {
   const std::size_t n = problem.z.groups.size();
   GateReport report{std::vector<bool>(n, true), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
   GateReport first = report;
-  if (obvious_elimination(problem, treatment, 0, first)) {
+  if (obvious_elimination(problem, model, 0, first)) {
     return first;  // none fails
   }
-  std::vector<bool> kept = obvious_gross(problem, treatment);
+  std::vector<bool> kept = obvious_gross(problem, model);
   kept.flip();
   report.accepted = kept;
   const auto gross = static_cast<std::size_t>(std::count(kept.begin(), kept.end(), false));
   const std::size_t most = gross <= n / 2 ? n / 2 - gross : (n - gross) / 4;
-  if (!obvious_elimination(problem, treatment, most, report)) {
+  if (!obvious_elimination(problem, model, most, report)) {
     report.accepted = kept;
     report.overruled = true;
   }
@@ -204,16 +203,16 @@ TEST(Gate, AgreesWithTheSlowObviousOne) {
     for (int outlier = 0; outlier < k % 5 && 7 * outlier < problem.z.rows(); ++outlier) {
       problem.z.residual(7 * outlier) += 40.0;
     }
-    ParameterErrorModel treatment;
+    ParameterErrorModel model;
     if (k % 3 != 0) {
-      treatment.constrained = k % 3 == 1 ? problem.C : MatrixXd(problem.C.leftCols<3>());
+      model.constrained = k % 3 == 1 ? problem.C : MatrixXd(problem.C.leftCols<3>());
     }
     if (k % 2 == 0) {
-      treatment.white_covariance = multiply(problem.C, transposed(problem.C));
+      model.white_covariance = multiply(problem.C, transposed(problem.C));
     }
-    const GateReport expected = obvious_gate(problem, treatment);
-    const std::vector<bool> gross = obvious_gross(problem, treatment);
-    for (const GateReport& found : {gated(problem, treatment), gated_as_it_is(problem, treatment)}) {
+    const GateReport expected = obvious_gate(problem, model);
+    const std::vector<bool> gross = obvious_gross(problem, model);
+    for (const GateReport& found : {gated(problem, model), gated_as_it_is(problem, model)}) {
       EXPECT_EQ(found.accepted, expected.accepted) << k;
       EXPECT_EQ(found.overruled, expected.overruled) << k;
       for (std::size_t g = 0; g < found.accepted.size(); ++g) {
@@ -345,7 +344,7 @@ TEST(Gate, RefusesGoodPointsAsOftenAsItIsTold) {
   Generator generator(7);
   StereoProblem problem = random_frame(generator, 10);
   for (const bool constrained : {false, true}) {
-    const ParameterErrorModel treatment = constrained ? problem.constrained() : ParameterErrorModel{};
+    const ParameterErrorModel model = constrained ? problem.constrained() : ParameterErrorModel{};
     std::vector<int> exceeded(problem.z.groups.size(), 0);
     for (int run = 0; run < kRuns; ++run) {
       draw_residual(generator, problem);
@@ -353,7 +352,7 @@ TEST(Gate, RefusesGoodPointsAsOftenAsItIsTold) {
         problem.z.residual += problem.z.D * huge_error(problem);
       }
       // A gate that drops nothing tells the distances of the first judgement.
-      const GateReport report = gated(problem, treatment, 1.0 - 1e-15);
+      const GateReport report = gated(problem, model, 1.0 - 1e-15);
       for (std::size_t g = 0; g < exceeded.size(); ++g) {
         const auto dof = static_cast<double>(problem.z.groups[g].rows);
         exceeded[g] += report.distance[g] > chi_square_quantile(kPass, dof) ? 1 : 0;

@@ -127,11 +127,11 @@ TEST(Update, ABrokenCovarianceIsReportedAndLeftAsItWas) {
   for (const double variance : {-1e6, std::numeric_limits<double>::quiet_NaN()}) {
     Covariance broken = healthy.P;
     broken.set_diagonal_block(0, variance * Eigen::Matrix3d::Identity());
-    for (const ParameterErrorModel& treatment : {ParameterErrorModel{}, healthy.constrained()}) {
+    for (const ParameterErrorModel& model : {ParameterErrorModel{}, healthy.constrained()}) {
       for (const bool gain_form : {false, true}) {
         Covariance P = broken;
         const UpdateReport report =
-            gain_form ? update_gain_form(P, healthy.z, treatment) : update(P, healthy.z, treatment);
+            gain_form ? update_gain_form(P, healthy.z, model) : update(P, healthy.z, model);
         EXPECT_EQ(report.status, UpdateStatus::kSingularInnovation);
         EXPECT_EQ(report.dx, VectorXd::Zero(P.size()));
         // The same bits, a NaN included.
@@ -147,12 +147,12 @@ TEST(Update, ShapesThatDisagreeAreRefusedWithBothShapes) {
   Generator generator(6);
   StereoProblem problem = small_problem(generator);  // 24 rows, 39 states
   const MatrixXd before = problem.P.dense();
-  const auto expect_refusal = [&](const StereoProblem& bad, const ParameterErrorModel& treatment,
+  const auto expect_refusal = [&](const StereoProblem& bad, const ParameterErrorModel& model,
                                   const std::vector<std::string>& parts) {
     for (const bool gain_form : {false, true}) {
       Covariance P = bad.P;
       const std::string message = message_of(
-          [&] { (void)(gain_form ? update_gain_form(P, bad.z, treatment) : update(P, bad.z, treatment)); });
+          [&] { (void)(gain_form ? update_gain_form(P, bad.z, model) : update(P, bad.z, model)); });
       for (const std::string& part : parts) {
         EXPECT_NE(message.find(part), std::string::npos) << "'" << part << "' is not in: " << message;
       }

@@ -173,21 +173,21 @@ double relative_difference(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, c
   return difference.cwiseAbs().maxCoeff();
 }
 
-Eigen::MatrixXd gain(const StereoProblem& problem, const ParameterErrorModel& treatment) {
+Eigen::MatrixXd gain(const StereoProblem& problem, const ParameterErrorModel& model) {
   Eigen::MatrixXd L(problem.P.size(), problem.z.rows());
   LinearMeasurement z = problem.z;
   for (Eigen::Index k = 0; k < z.rows(); ++k) {
     z.residual = Eigen::VectorXd::Unit(z.rows(), k);
     Covariance P = problem.P;
-    L.col(k) = update(P, z, treatment).dx;
+    L.col(k) = update(P, z, model).dx;
   }
   return L;
 }
 
-Updated updated(const StereoProblem& problem, const ParameterErrorModel& treatment) {
+Updated updated(const StereoProblem& problem, const ParameterErrorModel& model) {
   Covariance P = problem.P;
   Updated out;
-  out.report = update(P, problem.z, treatment);
+  out.report = update(P, problem.z, model);
   out.P = P.dense();
   return out;
 }

@@ -60,7 +60,7 @@ double relative_difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b, c
 double relative_difference(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, const Eigen::VectorXd& sigma);
 
 /// The gain of `update`, column by column: dx is linear in the residual.
-Eigen::MatrixXd gain(const StereoProblem& problem, const ParameterErrorModel& treatment);
+Eigen::MatrixXd gain(const StereoProblem& problem, const ParameterErrorModel& model);
 
 /// What an update makes of a copy.
 struct Updated {
@@ -68,7 +68,7 @@ struct Updated {
   Eigen::MatrixXd P;
 };
 
-Updated updated(const StereoProblem& problem, const ParameterErrorModel& treatment);
+Updated updated(const StereoProblem& problem, const ParameterErrorModel& model);
 
 /// The textbook: K = P Hᵀ S⁻¹, dx = K r, Joseph's form of P. All dense.
 Updated textbook_ekf(const StereoProblem& problem);

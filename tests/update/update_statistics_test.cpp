@@ -31,7 +31,7 @@ struct Sums {
 };
 
 /// x ~ N(0, P), r = H x + noise + D C d with d ~ N(0, spread²).
-Sums draw(Generator& generator, StereoProblem problem, const ParameterErrorModel& treatment, double spread) {
+Sums draw(Generator& generator, StereoProblem problem, const ParameterErrorModel& model, double spread) {
   const MatrixXd root = Cholesky(problem.P.dense()).L();
   const MatrixXd H = problem.H();
   Sums sums;
@@ -40,7 +40,7 @@ Sums draw(Generator& generator, StereoProblem problem, const ParameterErrorModel
     problem.z.residual = H * x + problem.z.sigma.cwiseProduct(testing::random_normal(generator, H.rows())) +
                          problem.z.D * problem.C * (spread * testing::random_normal(generator, 6));
     Covariance P = problem.P;
-    const UpdateReport report = update(P, problem.z, treatment);
+    const UpdateReport report = update(P, problem.z, model);
     sums.nis += report.nis;
     sums.nis_dof += static_cast<double>(report.dof);
     const VectorXd error = x - report.dx;

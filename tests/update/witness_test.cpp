@@ -38,7 +38,7 @@ WitnessProblem witness_problem(Generator& generator, int points) {
   return out;
 }
 
-ParameterErrorModel treatment(const WitnessProblem& problem) {
+ParameterErrorModel model(const WitnessProblem& problem) {
   ParameterErrorModel how;
   how.constrained = how.watched = problem.stereo.C;
   how.witness = problem.witness;
@@ -79,9 +79,8 @@ TEST(Witness, IsTheOptimalGainBesideTheConstrainedOne) {
       const WitnessProblem problem = witness_problem(generator, points);
       const Joint expected = joseph(problem);
       Covariance P = problem.stereo.P;
-      const UpdateReport report = compress
-                                      ? update(P, problem.stereo.z, treatment(problem))
-                                      : update(P, form_innovation(P, problem.stereo.z), treatment(problem));
+      const UpdateReport report = compress ? update(P, problem.stereo.z, model(problem))
+                                           : update(P, form_innovation(P, problem.stereo.z), model(problem));
       const VectorXd sigma = testing::prior_sigma(problem.stereo.P);
       ASSERT_EQ(report.status, UpdateStatus::kUpdated);
       EXPECT_LE(relative_difference(report.dx, expected.dx, sigma), 1e-8) << points;
@@ -93,11 +92,11 @@ TEST(Witness, IsTheOptimalGainBesideTheConstrainedOne) {
 TEST(Witness, NoOtherStateHearsOfIt) {
   Generator generator(2);
   const WitnessProblem problem = witness_problem(generator, 12);
-  ParameterErrorModel without = treatment(problem);
+  ParameterErrorModel without = model(problem);
   without.watched.resize(6, 0);
   without.witness.reset();
   Covariance P_with = problem.stereo.P, P_without = problem.stereo.P;
-  const UpdateReport with = update(P_with, problem.stereo.z, treatment(problem));
+  const UpdateReport with = update(P_with, problem.stereo.z, model(problem));
   const UpdateReport alone = update(P_without, problem.stereo.z, without);
   const Index n = problem.witness.at;
   const VectorXd sigma = testing::prior_sigma(problem.stereo.P).head(n);

@@ -29,7 +29,7 @@ struct SparseJacobian {
 struct RowGroup {
   /// the first
   Eigen::Index row = 0;
-  Eigen::Index rows = 0;  ///< even
+  Eigen::Index rows = 0;  ///< two a camera; three once they are turned and nothing but them sees the point
   Eigen::Index own = -1;  ///< first column of the point's triplet; -1: they see no point of their own
   /// one row more, behind those of all groups (TurnedMeasurement); -1: none
   Eigen::Index fourth = -1;

@@ -71,6 +71,11 @@ struct TrajectoryRow {
   std::optional<Eigen::Vector3d> sigma_v, sigma_bias_gyro, sigma_bias_accel;
 };
 
+/// Times and poses alone.
+[[nodiscard]] std::vector<StampedPose> poses_of(const std::vector<TrajectoryRow>& rows);
+/// The same of a ground truth.
+[[nodiscard]] std::vector<StampedPose> poses_of(const std::vector<GroundTruthState>& states);
+
 /// trajectory.csv: a header line with names and units, then t_ns, position, quaternion (w x y z), velocity,
 /// gyro and accelerometer bias, the upper triangle of the covariance, row by row, and the standard deviations
 /// of velocity and biases (47 columns; older files end with the covariance, 38 columns).

@@ -69,10 +69,6 @@ struct ConstraintSet {
 /// The word that constraint_set_from_string reads back.
 [[nodiscard]] std::string to_string(const ConstraintSet& set);
 
-/// Plausible errors that a rig may be off by where nothing is known of it, one standard deviation: 1 deg,
-/// 50 % of the baseline.
-inline constexpr double kWidestErrors = 10.0;
-
 /// A covariance of theta without its share along the baseline: the length is known for certain.
 [[nodiscard]] Eigen::Matrix<double, 6, 6> without_length(const Eigen::Matrix<double, 6, 6>& covariance,
                                                          const RigParameters& theta);

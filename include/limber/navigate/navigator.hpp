@@ -136,6 +136,7 @@ class Navigator {
   [[nodiscard]] bool knows_scale(std::int64_t t_ns) const;
   [[nodiscard]] bool contradicts_rig(const FrameReport& report, const FrameReport& parallel) const;
   void doubt(std::int64_t t_ns);
+  bool replaces_reset(const FrameReport& parallel);
   bool supervise(const FrameReport& report, const FrameReport& parallel);
   [[nodiscard]] bool vergence_is_off() const;
   void compare_fits(const FrameReport& report, const FrameReport& parallel);

@@ -166,7 +166,7 @@ class StereoFilter {
   /// A frame's rows, and which of its points are taken.
   struct Attempt {
     LinearizationPoint at;
-    NewLandmarks fresh;
+    NewLandmarks new_landmarks;
     StackedFrame stacked;
     FrameInnovation seen;
     std::vector<bool> accepted;
@@ -200,9 +200,9 @@ class StereoFilter {
   [[nodiscard]] NewLandmarks initialize_landmarks(Estimate& estimate, const StereoFrame& frame,
                                                   const MountedRig& rig) const;
   [[nodiscard]] StackedFrame stack(const StereoFrame& frame, const LinearizationPoint& at,
-                                   const NewLandmarks& fresh, FrameReport& report) const;
+                                   const NewLandmarks& new_landmarks, FrameReport& report) const;
   [[nodiscard]] StackedFrame stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
-                                              NewLandmarks fresh, const ParameterErrorModel& model,
+                                              NewLandmarks new_landmarks, const ParameterErrorModel& model,
                                               FrameReport& report);
   [[nodiscard]] ParameterErrorModel gate_model(const ParameterErrorModel& model) const;
   /// @return one flag per stacked point
@@ -214,8 +214,8 @@ class StereoFilter {
                                   Attempt& attempt) const;
   [[nodiscard]] UpdateReport correct_covariance(Attempt& attempt, const ParameterErrorModel& model);
   void constrained_update(Attempt& attempt, const ParameterErrorModel& model, double dt, FrameReport& report);
-  void record(const StackedFrame& stacked, const std::vector<bool>& accepted, const NewLandmarks& fresh,
-              FrameReport& report);
+  void record(const StackedFrame& stacked, const std::vector<bool>& accepted,
+              const NewLandmarks& new_landmarks, FrameReport& report);
 
   void copy_state(const StereoFilter& constrained);
   [[nodiscard]] Eigen::MatrixXd linearization_prior() const;

@@ -41,14 +41,14 @@ struct InputFaultCounts {
 /// linear input.
 struct InputLimits {
   /// [rad/s]; [m/s^2] of an IMU or [m/s] of odometry
-  std::array<double, 2> impossible, jump, saturation;
+  std::array<double, 2> impossible, jump, doubted_jump, saturation;
   bool rests_at_zero = false;  ///< a sensor without noise at rest, such as encoders of wheels
 };
-/// [rad/s], [m/s^2]: twice the widest MEMS ranges; jumps of 2 rad/s and 2 g in one sample; nothing saturates
-/// below.
-inline constexpr InputLimits kImuLimits = {{200.0, 10000.0}, {2.0, 20.0}, {0.3, 12.0}};
-/// [rad/s], [m/s]
-inline constexpr InputLimits kOdometryLimits = {{200.0, 1000.0}, {2.0, 5.0}, {0.3, 1.0}, true};
+/// [rad/s], [m/s^2]: twice the widest MEMS ranges; jumps of 2 rad/s and 2 g in one sample, of a twentieth of
+/// that more noise; nothing saturates below.
+inline constexpr InputLimits kImuLimits = {{200.0, 10000.0}, {2.0, 20.0}, {0.1, 1.0}, {0.3, 12.0}};
+/// [rad/s], [m/s]; small jumps of speeds are usual
+inline constexpr InputLimits kOdometryLimits = {{200.0, 1000.0}, {2.0, 5.0}, {2.0, 5.0}, {0.3, 1.0}, true};
 
 /// Of the samples that drive a motion model.
 [[nodiscard]] constexpr const InputLimits& limits_of(MotionModel motion) {

@@ -8,19 +8,9 @@
 #include <vector>
 
 #include "limber/navigate/frame_report.hpp"
+#include "limber/run/run_event.hpp"
 
 namespace limber {
-
-/// Something that was wrong with the inputs or the filter for a while.
-struct RunEvent {
-  std::string
-      what;  ///< "gap", "stuck", "spike", "saturated", "impossible", "late", "contradicted", "reset", ...
-  /// first and last frame with it [ns]
-  std::int64_t from_ns = 0, to_ns = 0;
-  std::size_t frames = 0, samples = 0;  ///< samples: those with the fault; zero where it has none
-  double longest_s = 0.0;               ///< gap: the longest time without a sample
-  double clock_offset_s = 0.0;  ///< clock stepped: how much later than taken samples are stamped since
-};
 
 /// What a run's frames rested on.
 struct InputSummary {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "limber/navigate/frame_report.hpp"
+#include "limber/run/run_recording.hpp"
 
 namespace limber {
 
@@ -34,6 +35,9 @@ struct FrameRow {
 
 /// What frames.csv says of a frame, but for the times spent.
 [[nodiscard]] FrameRow frame_row(const FrameReport& report);
+
+/// A line for each frame of the record. @throws DataError if the file cannot be written
+void write_frames_csv(const std::filesystem::path& path, const RunRecord& record);
 
 /// @throws DataError if the file cannot be used
 [[nodiscard]] std::vector<FrameRow> read_frames_csv(const std::filesystem::path& path);

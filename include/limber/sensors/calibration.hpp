@@ -61,6 +61,10 @@ inline constexpr double kLongestReadout = 0.1;
 /// One plausible error of theta: 0.1 deg, and 5 % of the baseline [rad, m].
 [[nodiscard]] RigParameters plausible_error(double baseline);
 
+/// Plausible errors that a rig may be off by where nothing is known of it, one standard deviation: 1 deg,
+/// 50 % of the baseline.
+inline constexpr double kWidestErrors = 10.0;
+
 /// IMU noise: continuous densities, as in EuRoC's imu0/sensor.yaml.
 struct ImuNoise {
   double gyro_density = 1.7e-4;   ///< [rad/s/sqrt(Hz)]

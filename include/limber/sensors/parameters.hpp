@@ -21,7 +21,6 @@ namespace limber {
 enum class ParameterBlock : std::size_t { kTheta, kCam0, kCam1, kMount };
 
 inline constexpr Eigen::Index kBlockSize = 6;                              ///< parameters in a block
-inline constexpr std::size_t kParameterBlocks = 4;                         ///< blocks
 inline constexpr Eigen::Index kParameters = 24;                            ///< parameters in all
 inline constexpr Eigen::Index kMoreParameters = kParameters - kBlockSize;  ///< those beyond theta
 

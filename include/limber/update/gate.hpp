@@ -60,7 +60,7 @@ enum class Majority {
 /// @param groups       partition of the rows of the innovation: of a measurement as it is, or turned
 /// @note O(m³) for S⁻¹, then O(m²) for each group that is dropped and nothing for gross outliers.
 [[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                              const ParameterErrorModel& treatment, const GateThresholds& thresholds,
+                              const ParameterErrorModel& model, const GateThresholds& thresholds,
                               Majority majority = Majority::kRight);
 
 /// Groups further than this many times their threshold (in squared distance) from the consensus are gross

@@ -62,16 +62,15 @@ struct UpdateReport {
 /// @note [Vivet2022], Eqs. (16)-(19) as corrected; derivation in docs/derivations/constrained-update.md. O(n²
 /// m).
 [[nodiscard]] UpdateReport update(Covariance& P, const LinearMeasurement& measurement,
-                                  const ParameterErrorModel& treatment);
+                                  const ParameterErrorModel& model);
 
 /// The same, from an innovation that was already formed; consumes it. Row for row, as it comes.
-[[nodiscard]] UpdateReport update(Covariance& P, Innovation&& innovation,
-                                  const ParameterErrorModel& treatment);
+[[nodiscard]] UpdateReport update(Covariance& P, Innovation&& innovation, const ParameterErrorModel& model);
 
 /// @brief The same update in the gain form of the paper: L = K − K D (DᵀS⁻¹D)⁻¹ DᵀS⁻¹, Eq. (17) and (19)
 /// corrected. Dense and slow; singular where D C is rank-deficient (status kSingularInnovation). The
 /// reference of the tests.
 [[nodiscard]] UpdateReport update_gain_form(Covariance& P, const LinearMeasurement& measurement,
-                                            const ParameterErrorModel& treatment);
+                                            const ParameterErrorModel& model);
 
 }  // namespace limber

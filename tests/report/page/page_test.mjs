@@ -279,6 +279,17 @@ test('relative errors stand over the lengths that limber evaluate has', async ()
   assert.equal((await layoutOf(runPage, 'error-over-distance', 'xaxis')).type, 'log');
 });
 
+/** For Plotly a double click is two presses within its delay, and a press before counts as the first of them. On a busy
+ *  machine two may lie further apart. */
+async function doubleClick(page, id, x, y) {
+  await page.waitForFunction((figure) => {
+    const { _mouseDownTime: pressed, _context: { doubleClickDelay } } = window.limberReport.plot(figure);
+    return Date.now() - pressed > doubleClickDelay;
+  }, id);
+  await page.mouse.dblclick(x, y);
+  await settled(page);
+}
+
 test('a figure can be zoomed, and a double click shows all again', async () => {
   const page = await inFront(runPage);
   await curvesOf(page, 'nis');
@@ -296,11 +307,11 @@ test('a figure can be zoomed, and a double click shows all again', async () => {
   const width = all[1] - all[0];
   assert.ok(Math.abs(zoomed[0] - (all[0] + 0.25 * width)) < 0.02 * width, `${all} became ${zoomed}`);
   assert.ok(Math.abs(zoomed[1] - (all[0] + 0.75 * width)) < 0.02 * width, `${all} became ${zoomed}`);
-  await page.mouse.dblclick(to[0], to[1] + dy - 20);
-  await page.waitForFunction(([low, high]) => {
-    const range = window.limberReport.plot('nis')._fullLayout.xaxis.range;
-    return Math.abs(range[0] - low) < 1e-9 && Math.abs(range[1] - high) < 1e-9;
-  }, all);
+  const shown = async () => (await layoutOf(page, 'nis', 'xaxis')).range;
+  for (let attempt = 0; attempt < 20 && Math.abs((await shown())[0] - all[0]) > 1e-9; ++attempt) {
+    await doubleClick(page, 'nis', to[0], to[1] + dy - 20);
+  }
+  (await shown()).forEach((end, k) => assert.ok(Math.abs(end - all[k]) < 1e-9, `${end} is not ${all[k]}`));
 });
 
 test('the log switch turns the axis, and back', async () => {
