@@ -60,6 +60,7 @@ inline bool start_and_kill_limber(const std::vector<std::string>& arguments, int
     const int nowhere = open("/dev/null", O_WRONLY);
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
+    std::signal(signal, SIG_DFL);  // a shell ignores Ctrl-C for what it starts in the background
     execv(LIMBER_PROGRAM, const_cast<char* const*>(argv.data()));
     _exit(127);
   }

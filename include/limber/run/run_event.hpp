@@ -41,6 +41,7 @@ enum class RunEventKind {
 
 /// Something that was wrong with the inputs or the filter for a while.
 struct RunEvent {
+  /// what it was
   RunEventKind kind = RunEventKind::kGap;
   /// first and last frame with it [ns]
   std::int64_t from_ns = 0, to_ns = 0;
