@@ -23,6 +23,7 @@ namespace {
 constexpr double kGrowth = 1.4;  // of the window, from one solution to the next
 constexpr int kStartIterations = 25;
 constexpr int kCleanings = 10;
+constexpr double kSamePlace = 1e-4;      // of the cost, by which two solutions differ
 constexpr int kMoreIterations = 75;      // of a solution that fits and has not settled
 constexpr std::size_t kMostFrames = 64;  // of a window: the cost goes with its cube
 constexpr double kUnseenWay = 1.0;       // [m] that a body goes while no point shows it
@@ -262,8 +263,7 @@ std::optional<StartWindow::Place> StartWindow::without_mismatches(const WindowSt
 
 /// Where it fits without mismatches it stands, with all of its pixels; else where it settles with them, which
 /// costs more: it may be known to be no better before.
-/// @return whether no other guess has to be tried
-bool StartWindow::try_guess(WindowState guess) {
+StartWindow::Tried StartWindow::try_guess(WindowState guess) {
   if (model.options.motion == MotionModel::kImu) {
     model.R_first = guess.frames.front().nav.T_world_body.R;
   }
@@ -274,22 +274,37 @@ bool StartWindow::try_guess(WindowState guess) {
       normal = linearise(model, guess);
       normal.left = promised_decrease(normal);
       solution = std::move(guess);
-      return true;
+      return Tried::kFits;
     }
     if (solution && without->normal.cost >= weighed(normal, *solution)) {
-      return false;
+      return Tried::kNoBetter;
     }
   }
   WindowNormal there = settled(guess);
+  const bool same_place = solution && std::abs(there.cost - normal.cost) < kSamePlace * normal.cost;
   if (!solution || weighed(there, guess) < weighed(normal, *solution)) {
     normal = std::move(there);
     solution = std::move(guess);
   }
-  return fits(model, *solution, normal, good_fit());
+  return fits(model, *solution, normal, good_fit()) ? Tried::kFits
+         : same_place                               ? Tried::kSamePlace
+                                                    : Tried::kNoBetter;
 }
 
-bool StartWindow::try_guesses(std::vector<WindowState> guesses) {
-  return std::ranges::any_of(guesses, [this](WindowState& guess) { return try_guess(std::move(guess)); });
+/// Those that carry on what was known, then new ones, until one fits, or a new one leads to where another
+/// did.
+void StartWindow::try_guesses(const Frames& now) {
+  std::vector<WindowState> carried_on = continuations(now);
+  solution.reset();
+  if (std::ranges::any_of(
+          carried_on, [this](WindowState& guess) { return try_guess(std::move(guess)) == Tried::kFits; })) {
+    return;
+  }
+  for (WindowState& guess : guesses(model, now.frames, now.raw)) {
+    if (try_guess(std::move(guess)) != Tried::kNoBetter) {
+      return;
+    }
+  }
 }
 
 void StartWindow::solve() {
@@ -297,14 +312,10 @@ void StartWindow::solve() {
     read_inputs_anew();  // samples that are stamped late came after their frames
   }
   const Frames now = kept();
-  std::vector<WindowState> carried_on = continuations(now);
   if (model.options.motion == MotionModel::kConstantVelocity) {
     model.R_first = assumed_attitude();
   }
-  solution.reset();
-  if (!try_guesses(std::move(carried_on))) {
-    (void)try_guesses(guesses(model, now.frames, now.raw));
-  }
+  try_guesses(now);
   if (R_first) {
     turn_to(*R_first, *solution);
   }
@@ -324,7 +335,12 @@ void StartWindow::settle_solution() {
 
 /// Takes mismatches out of the solution, but for the frames from `end` on.
 void StartWindow::clean(std::size_t end) {
-  for (int round = 0; round < kCleanings && drop_mismatches(model, *solution, end) > 0; ++round) {
+  int round = 0;
+  while (round < kCleanings && drop_mismatches(model, *solution, end) > 0) {
+    normal = solve_window(model, *solution, 1);  // it has hardly far to go
+    ++round;
+  }
+  if (round > 0) {
     normal = settled(*solution);
   }
 }
@@ -332,12 +348,14 @@ void StartWindow::clean(std::size_t end) {
 /// The solution without mismatches; what it knows then. One that leaves hardly a point is none. Where inputs
 /// fail at its end, pixels that say so are no mismatches: they stay, and the misfit shows it.
 void StartWindow::clean_and_cover() {
-  const WindowState whole = *solution;
+  WindowState whole = *solution;
   const auto fewest = kFewestKept * static_cast<double>(whole.points.size());
   clean(whole.frames.size());
   const std::size_t contradicted = contradicted_from(whole, *solution);
   if (contradicted < whole.frames.size() && model.options.motion == MotionModel::kImu) {
-    solution = whole;
+    take_values(*solution, whole);
+    solution = std::move(whole);
+    (void)drop_mismatches(model, *solution, contradicted);
     normal = settled(*solution);
     clean(contradicted);
   }

@@ -111,8 +111,13 @@ struct StartWindow {
     WindowNormal normal;
   };
   [[nodiscard]] std::optional<Place> without_mismatches(const WindowState& guess) const;
-  [[nodiscard]] bool try_guess(WindowState guess);
-  [[nodiscard]] bool try_guesses(std::vector<WindowState> guesses);
+  enum class Tried {
+    kFits,
+    kSamePlace,  ///< it settles where the best guess before does
+    kNoBetter
+  };
+  [[nodiscard]] Tried try_guess(WindowState guess);
+  void try_guesses(const Frames& now);
   void settle_solution();
   void shift_parameters() { shifted = shifted_solutions(model, *solution); }
   void clean(std::size_t end);
