@@ -60,11 +60,15 @@ bool fits(const WindowModel& model, const WindowState& state, const WindowNormal
   return normal.cost < share * expected_cost(model, state) + 10.0;
 }
 
-/// With all points far away a body may go wherever its inputs and their biases let it, and mismatches, which
-/// the first solutions still hold, cost less. Such a solution has to be much better than one that is seen.
+/// With all points far away a body may go wherever its inputs and their biases let it.
+bool goes_unseen(const WindowState& state) {
+  return way_of(state) > kUnseenWay && parallax(state) <= kSeenParallax;
+}
+
+/// Mismatches, which the first solutions still hold, cost less where a body goes unseen. Such a solution has
+/// to be much better than one that is seen.
 double weighed(const WindowNormal& normal, const WindowState& state) {
-  const bool unseen = way_of(state) > kUnseenWay && parallax(state) <= kSeenParallax;
-  return unseen ? kMuchBetter * normal.cost : normal.cost;
+  return goes_unseen(state) ? kMuchBetter * normal.cost : normal.cost;
 }
 
 /// Which way is ahead is a convention, and has to be the same in each solution: all is turned about the
@@ -248,47 +252,56 @@ double StartWindow::good_fit() const {
 
 /// Mismatches outweigh all else in the cost of a guess, and keep it from settling. Most are far off; what is
 /// left shows where it settles without those.
-/// @return where it settles without any, if there are some
-std::optional<StartWindow::Place> StartWindow::without_mismatches(const WindowState& guess) const {
-  Place out{guess, {}};
-  if (!drop_far_off(model, out.state)) {
-    return std::nullopt;
-  }
-  out.normal = settled(out.state);
-  if (drop_mismatches(model, out.state, guess.frames.size()) > 0) {
+StartWindow::Place StartWindow::without_mismatches(const Place& from) const {
+  Place out = from;
+  if (drop_mismatches(model, out.state, out.state.frames.size()) > 0) {
     out.normal = settled(out.state);
   }
   return out;
 }
 
-/// Where it fits without mismatches it stands, with all of its pixels; else where it settles with them, which
-/// costs more: it may be known to be no better before.
+/// Where it fits without mismatches it stands, with all of its pixels.
+bool StartWindow::stands(const WindowState& guess, const Place& without) {
+  if (goes_unseen(without.state) || !fits(model, without.state, without.normal, good_fit()) ||
+      contradicted_from(guess, without.state) < guess.frames.size()) {
+    return false;
+  }
+  solution = guess;
+  take_values(without.state, *solution);
+  normal = linearise(model, *solution);
+  normal.left = promised_decrease(normal);
+  return true;
+}
+
+/// Without what is far off it may be known to be no better than the one before; else it settles with all.
 StartWindow::Tried StartWindow::try_guess(WindowState guess) {
   if (model.options.motion == MotionModel::kImu) {
     model.R_first = guess.frames.front().nav.T_world_body.R;
   }
-  if (const std::optional<Place> without = without_mismatches(guess)) {
-    if (fits(model, without->state, without->normal, good_fit()) &&
-        contradicted_from(guess, without->state) == guess.frames.size()) {
-      take_values(without->state, guess);
-      normal = linearise(model, guess);
-      normal.left = promised_decrease(normal);
-      solution = std::move(guess);
+  Place near{guess, {}};
+  if (drop_far_off(model, near.state)) {
+    near.normal = settled(near.state);
+    near = without_mismatches(near);
+    if (stands(guess, near)) {
       return Tried::kFits;
     }
-    if (solution && without->normal.cost >= weighed(normal, *solution)) {
+    if (solution && near.normal.cost >= weighed(normal, *solution)) {
       return Tried::kNoBetter;
     }
   }
-  WindowNormal there = settled(guess);
-  const bool same_place = solution && std::abs(there.cost - normal.cost) < kSamePlace * normal.cost;
-  if (!solution || weighed(there, guess) < weighed(normal, *solution)) {
-    normal = std::move(there);
-    solution = std::move(guess);
+  Place there{std::move(guess), {}};
+  there.normal = settled(there.state);
+  const bool fits_whole = fits(model, there.state, there.normal, good_fit());
+  if (!fits_whole && stands(there.state, without_mismatches(there))) {
+    return Tried::kFits;
   }
-  return fits(model, *solution, normal, good_fit()) ? Tried::kFits
-         : same_place                               ? Tried::kSamePlace
-                                                    : Tried::kNoBetter;
+  const bool same_place = solution && std::abs(there.normal.cost - normal.cost) < kSamePlace * normal.cost;
+  const bool better = !solution || weighed(there.normal, there.state) < weighed(normal, *solution);
+  if (better) {
+    normal = std::move(there.normal);
+    solution = std::move(there.state);
+  }
+  return fits_whole && better ? Tried::kFits : same_place ? Tried::kSamePlace : Tried::kNoBetter;
 }
 
 /// Those that carry on what was known, then new ones, until one fits, or a new one leads to where another

@@ -110,7 +110,8 @@ struct StartWindow {
     WindowState state;
     WindowNormal normal;
   };
-  [[nodiscard]] std::optional<Place> without_mismatches(const WindowState& guess) const;
+  [[nodiscard]] Place without_mismatches(const Place& from) const;
+  [[nodiscard]] bool stands(const WindowState& guess, const Place& without);
   enum class Tried {
     kFits,
     kSamePlace,  ///< it settles where the best guess before does
