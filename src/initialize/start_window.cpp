@@ -60,6 +60,11 @@ bool fits(const WindowModel& model, const WindowState& state, const WindowNormal
   return normal.cost < share * expected_cost(model, state) + 10.0;
 }
 
+bool hardly_left(const WindowState& without_mismatches, const WindowState& whole) {
+  return static_cast<double>(without_mismatches.points.size()) <
+         kFewestKept * static_cast<double>(whole.points.size());
+}
+
 /// With all points far away a body may go wherever its inputs and their biases let it.
 bool goes_unseen(const WindowState& state) {
   return way_of(state) > kUnseenWay && parallax(state) <= kSeenParallax;
@@ -260,9 +265,11 @@ StartWindow::Place StartWindow::without_mismatches(const Place& from) const {
   return out;
 }
 
-/// Where it fits without mismatches it stands, with all of its pixels.
-bool StartWindow::stands(const WindowState& guess, const Place& without) {
-  if (goes_unseen(without.state) || !fits(model, without.state, without.normal, good_fit()) ||
+/// Where it fits without mismatches it is the solution, with all of its pixels. What leaves hardly a point
+/// fits anything.
+bool StartWindow::take_if_it_fits(const WindowState& guess, const Place& without) {
+  if (hardly_left(without.state, guess) || goes_unseen(without.state) ||
+      !fits(model, without.state, without.normal, good_fit()) ||
       contradicted_from(guess, without.state) < guess.frames.size()) {
     return false;
   }
@@ -282,7 +289,7 @@ StartWindow::Tried StartWindow::try_guess(WindowState guess) {
   if (drop_far_off(model, near.state)) {
     near.normal = settled(near.state);
     near = without_mismatches(near);
-    if (stands(guess, near)) {
+    if (take_if_it_fits(guess, near)) {
       return Tried::kFits;
     }
     if (solution && near.normal.cost >= weighed(normal, *solution)) {
@@ -292,7 +299,8 @@ StartWindow::Tried StartWindow::try_guess(WindowState guess) {
   Place there{std::move(guess), {}};
   there.normal = settled(there.state);
   const bool fits_whole = fits(model, there.state, there.normal, good_fit());
-  if (!fits_whole && stands(there.state, without_mismatches(there))) {
+  const bool has_settled = there.normal.left <= kSettled;
+  if (!fits_whole && has_settled && take_if_it_fits(there.state, without_mismatches(there))) {
     return Tried::kFits;
   }
   const bool same_place = solution && std::abs(there.normal.cost - normal.cost) < kSamePlace * normal.cost;
@@ -362,18 +370,17 @@ void StartWindow::clean(std::size_t end) {
 /// fail at its end, pixels that say so are no mismatches: they stay, and the misfit shows it.
 void StartWindow::clean_and_cover() {
   WindowState whole = *solution;
-  const auto fewest = kFewestKept * static_cast<double>(whole.points.size());
   clean(whole.frames.size());
   const std::size_t contradicted = contradicted_from(whole, *solution);
   if (contradicted < whole.frames.size() && model.options.motion == MotionModel::kImu) {
     take_values(*solution, whole);
-    solution = std::move(whole);
+    solution = whole;
     (void)drop_mismatches(model, *solution, contradicted);
     normal = settled(*solution);
     clean(contradicted);
   }
   covariance = frame_covariance(normal);
-  if (covariance.size() == 0 || static_cast<double>(solution->points.size()) < fewest) {
+  if (covariance.size() == 0 || hardly_left(*solution, whole)) {
     solution.reset();
   }
 }

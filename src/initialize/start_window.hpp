@@ -111,7 +111,7 @@ struct StartWindow {
     WindowNormal normal;
   };
   [[nodiscard]] Place without_mismatches(const Place& from) const;
-  [[nodiscard]] bool stands(const WindowState& guess, const Place& without);
+  [[nodiscard]] bool take_if_it_fits(const WindowState& guess, const Place& without);
   enum class Tried {
     kFits,
     kSamePlace,  ///< it settles where the best guess before does
