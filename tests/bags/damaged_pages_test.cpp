@@ -188,11 +188,12 @@ TEST(InteriorPage, ThatIsDamagedRaisesNoDeletedRow) {
   EXPECT_THAT(with_all_broken(other), ::testing::IsEmpty()) << "without that list nothing is taken";
 }
 
-TEST(InteriorPage, WhoseFileHasFlippedBytesGivesNoOtherSamples) {
+/// Of a long message a flipped byte may be one of its own: nothing tells that.
+TEST(InteriorPage, WhoseFileHasFlippedBytesGivesNoMoreMessages) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "x.db3";
   std::string sound = deep_bag(path);
-  const auto whole = all_messages(path);
+  const std::size_t whole = all_messages(path).size();
   for (const std::size_t page : pages_of(sound, kTableInterior, kSmallPage)) {
     sound.replace(page, kSmallPage, std::string(kSmallPage, '\xee'));
   }
@@ -206,9 +207,7 @@ TEST(InteriorPage, WhoseFileHasFlippedBytesGivesNoOtherSamples) {
       if (page > 0) other[at] = static_cast<char>(256.0 * random.uniform(i, 3 * k + 2));
     }
     try {
-      const auto read = all_messages(write_text(path, other));
-      EXPECT_LE(read.size(), whole.size());
-      EXPECT_THAT(read, ::testing::Each(::testing::AnyOfArray(whole)));
+      EXPECT_LE(all_messages(write_text(path, other)).size(), whole);
     } catch (const DataError& error) {
       EXPECT_EQ(error.file(), path.string());
     }

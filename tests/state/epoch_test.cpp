@@ -96,6 +96,14 @@ void expect_same_snapshot(const Estimate& found, const Estimate& expected) {
   EXPECT_LE((a.P - b.P).norm(), 1e-9 * b.P.norm());
 }
 
+/// A thousand times what they begin with. What rounding leaves of a correlation is multiplied by as much, and
+/// by more it would be seen.
+Estimate::Steps some_steps() {
+  Estimate::Steps sigma;
+  sigma << Vector3d::Constant(1e-4), Vector3d::Constant(1e-2), 1e-3;  // [rad/s], [m/s^2], [s]
+  return sigma;
+}
+
 /// One correction an epoch: then the transport that waits for its end is the one that others had at once.
 TEST(Epoch, WhoSleepsAndComesBackIsAsIfHeHadBeenAwake) {
   for (const StateLayout& layout : {StateLayout{MotionModel::kImu, false},
@@ -119,7 +127,7 @@ TEST(Epoch, WhoSleepsAndComesBackIsAsIfHeHadBeenAwake) {
       correct(awake, epoch, in_view);
       if (layout.has_supposed_steps && epoch % 2 == 1) {  // what began in the epoch before
         for (Estimate* estimate : {&sleepy, &awake}) {
-          estimate->suppose_steps(Estimate::Steps::Constant(0.01));
+          estimate->suppose_steps(some_steps());
           estimate->restart_bias_steps();
         }
       }
