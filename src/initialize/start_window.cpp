@@ -257,12 +257,11 @@ double StartWindow::good_fit() const {
 
 /// Mismatches outweigh all else in the cost of a guess, and keep it from settling. Most are far off; what is
 /// left shows where it settles without those.
-StartWindow::Place StartWindow::without_mismatches(const Place& from) const {
-  Place out = from;
-  if (drop_mismatches(model, out.state, out.state.frames.size()) > 0) {
-    out.normal = settled(out.state);
+StartWindow::Place StartWindow::without_mismatches(Place from) const {
+  if (drop_mismatches(model, from.state, from.state.frames.size()) > 0) {
+    from.normal = settled(from.state);
   }
-  return out;
+  return from;
 }
 
 /// Where it fits without mismatches it is the solution, with all of its pixels. What leaves hardly a point
@@ -288,7 +287,7 @@ StartWindow::Tried StartWindow::try_guess(WindowState guess) {
   Place near{guess, {}};
   if (drop_far_off(model, near.state)) {
     near.normal = settled(near.state);
-    near = without_mismatches(near);
+    near = without_mismatches(std::move(near));
     if (take_if_it_fits(guess, near)) {
       return Tried::kFits;
     }

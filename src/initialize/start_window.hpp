@@ -110,7 +110,7 @@ struct StartWindow {
     WindowState state;
     WindowNormal normal;
   };
-  [[nodiscard]] Place without_mismatches(const Place& from) const;
+  [[nodiscard]] Place without_mismatches(Place from) const;
   [[nodiscard]] bool take_if_it_fits(const WindowState& guess, const Place& without);
   enum class Tried {
     kFits,
