@@ -15,6 +15,7 @@
 #include "limber/bags/write_results.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/nearest_word.hpp"
+#include "limber/core/time.hpp"
 #include "limber/datasets/read_recording.hpp"
 #include "limber/datasets/recording_place.hpp"
 #include "limber/datasets/trajectory_files.hpp"
@@ -130,8 +131,8 @@ TrajectoryInput load_poses(const fs::path& path, const BagContents& contents, co
 }
 
 std::string seconds_covered(const TrajectoryInput& input) {
-  return fmt::format("{:.3f} s to {:.3f} s", static_cast<double>(input.poses.front().t_ns) * 1e-9,
-                     static_cast<double>(input.poses.back().t_ns) * 1e-9);
+  return fmt::format("{:.3f} s to {:.3f} s", to_seconds(input.poses.front().t_ns),
+                     to_seconds(input.poses.back().t_ns));
 }
 
 }  // namespace

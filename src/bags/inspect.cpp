@@ -10,6 +10,7 @@
 #include "io/times_of.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/median.hpp"
+#include "limber/core/time.hpp"
 #include "limber/datasets/image_files.hpp"
 #include "limber/datasets/read_recording.hpp"
 
@@ -41,7 +42,7 @@ StreamInfo info_of(const BagStream& stream, const BagTopics& topics) {
   if (stream.stamped && !stream.stamps_ns.empty()) {
     std::vector<double> delays;
     for (std::size_t k = 0; k < stream.stamps_ns.size(); ++k) {
-      delays.push_back(static_cast<double>(stream.recorded_ns[k] - stream.stamps_ns[k]) * 1e-9);
+      delays.push_back(seconds_between(stream.stamps_ns[k], stream.recorded_ns[k]));
     }
     out.median_delay_s = upper_median(std::move(delays));
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "compare_folders.hpp"
+#include "limber/core/time.hpp"
 #include "limber/evaluate/evaluation.hpp"
 
 namespace limber::detail {
@@ -60,7 +61,7 @@ std::vector<MatchedPose> poses_on_path(const RunFolder& run) {
 
 double default_piece(std::span<const MatchedPose> poses) {
   const double length = true_path_length(poses);
-  const double duration = 1e-9 * static_cast<double>(poses.back().t_ns - poses.front().t_ns);
+  const double duration = seconds_between(poses.front().t_ns, poses.back().t_ns);
   const double pieces = std::min(kFewPieces, duration / kShortestPiece);
   if (!(length > 0.0) || !(pieces >= 1.0)) {
     return 1.0;
@@ -82,7 +83,7 @@ ComparedRun compared_run(const RunFolder& run, double piece_m) {
       number_at(run.summary, {"frames_of_recording"}).value_or(static_cast<double>(out.frames)));
   out.duration_s = run.seconds(run.trajectory.back().t_ns);
   if (const auto lost = number_at(run.summary, {"lost_since_s"})) {
-    out.lost_since_s = *lost - 1e-9 * static_cast<double>(run.trajectory.front().t_ns);
+    out.lost_since_s = *lost - to_seconds(run.trajectory.front().t_ns);
   }
   out.end = end_of(out, run.summary);
   out.has_truth = !run.matched.empty();

@@ -14,6 +14,7 @@
 #include "io/text_file.hpp"
 #include "limber/core/errors.hpp"
 #include "limber/core/so3.hpp"
+#include "limber/core/time.hpp"
 #include "rig_files/rig_formats.hpp"
 
 namespace limber::detail {
@@ -121,7 +122,7 @@ void read_pairs(const RawDrive& drive, Recording& recording) {
     }
     if (static_cast<double>(std::abs(right[k] - left[k])) > kFarthest * static_cast<double>(interval)) {
       throw DataError(place, k + 1, "a time near that of the left image",
-                      fmt::format("one {:.3f} s away", 1e-9 * static_cast<double>(right[k] - left[k])));
+                      fmt::format("one {:.3f} s away", seconds_between(left[k], right[k])));
     }
     const ImagePair pair{left[k], image_file(drive.camera(0), k), image_file(drive.camera(1), k)};
     if (const bool has_left = is_image_file(pair.cam0); !has_left || !is_image_file(pair.cam1)) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "limber/core/time.hpp"
 #include "limber/datasets/interpolate.hpp"
 
 namespace limber {
@@ -28,8 +29,7 @@ BentRig::BentRig(const Recording& recording, std::vector<DecalibrationSignal> si
     : recording_(recording),
       parts_(parts),
       times_(require_frames(frame_times(recording))),
-      decalibration_(std::move(signals), static_cast<double>(times_.back() - times_.front()) * 1e-9, seed,
-                     0) {}
+      decalibration_(std::move(signals), seconds_between(times_.front(), times_.back()), seed, 0) {}
 
 RigParameters BentRig::delta(std::int64_t t_ns) const {
   return decalibration_.at(std::max<std::int64_t>(t_ns - times_.front(), 0));

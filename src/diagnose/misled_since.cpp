@@ -139,8 +139,8 @@ std::string or_the_rig(const RunOptions& options, const RunRecord& record, const
 void judge_move(const RunOptions& options, const BiasMove& move, RunRecord& record, RunSummary& summary) {
   const std::string what = fmt::format(
       "from {:.3f} s to {:.3f} s the bias of the {} moved by {:.2g} {}, {:.0f} times its sigma",
-      1e-9 * static_cast<double>(move.from_ns), 1e-9 * static_cast<double>(move.to_ns),
-      move.of_gyro ? "gyroscope" : "accelerometer", move.size, move.of_gyro ? "rad/s" : "m/s^2", move.sigmas);
+      to_seconds(move.from_ns), to_seconds(move.to_ns), move.of_gyro ? "gyroscope" : "accelerometer",
+      move.size, move.of_gyro ? "rad/s" : "m/s^2", move.sigmas);
   const RunEvent event{RunEventKind::kBiasMoved, move.from_ns, move.to_ns};
   if (proves_a_fault(move, summary)) {
     call_lost(event,
@@ -173,7 +173,7 @@ void judge_late_step(const RunOptions& options, const LateStep& step, RunRecord&
                      RunSummary& summary) {
   const std::string what =
       fmt::format("steps of the IMU's biases or its clock after {:.3f} s were found at {:.3f} s",
-                  1e-9 * static_cast<double>(step.since_ns), 1e-9 * static_cast<double>(step.found_ns));
+                  to_seconds(step.since_ns), to_seconds(step.found_ns));
   const RunEvent event{RunEventKind::kMisled, step.since_ns, step.found_ns};
   if (acquits_the_rig(summary)) {
     call_lost(event,

@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "limber/core/time.hpp"
+
 namespace limber::detail {
 
 void add_event(RunEvent event, const RunRecord& record, InputSummary& inputs) {
@@ -19,8 +21,7 @@ void add_event(RunEvent event, const RunRecord& record, InputSummary& inputs) {
 
 void lose(std::int64_t since_ns, const std::string& why, RunRecord& record, InputSummary& inputs) {
   inputs.lost_since_ns = since_ns;
-  record.notes.push_back(
-      fmt::format("the run is lost since {:.3f} s: {}", 1e-9 * static_cast<double>(since_ns), why));
+  record.notes.push_back(fmt::format("the run is lost since {:.3f} s: {}", to_seconds(since_ns), why));
 }
 
 }  // namespace limber::detail

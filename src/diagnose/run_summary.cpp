@@ -14,6 +14,7 @@
 
 #include "limber/core/angle.hpp"
 #include "limber/core/median.hpp"
+#include "limber/core/time.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/evaluate/consistency.hpp"
 #include "limber/evaluate/evaluation.hpp"
@@ -236,7 +237,7 @@ RunSummary summarize(const Recording& recording, const RunOptions& options, cons
   out.method = to_string(options.method);
   out.dataset = recording.name;
   out.frames = record.trajectory.size();
-  out.duration_s = 1e-9 * static_cast<double>(record.trajectory.back().t_ns - record.trajectory.front().t_ns);
+  out.duration_s = seconds_between(record.trajectory.front().t_ns, record.trajectory.back().t_ns);
   out.path_length_m = estimated_length(record);
   if (!recording.truth.motion.states.empty()) {
     judge(recording, options, record, out);

@@ -3,6 +3,8 @@
 
 #include <stdexcept>
 
+#include "limber/core/time.hpp"
+
 namespace limber {
 namespace {
 
@@ -23,7 +25,7 @@ TrajectoryEvaluation evaluate_trajectory(std::span<const MatchedPose> poses,
   }
   TrajectoryEvaluation result;
   result.poses = poses.size();
-  result.duration = static_cast<double>(poses.back().t_ns - poses.front().t_ns) * 1e-9;
+  result.duration = seconds_between(poses.front().t_ns, poses.back().t_ns);
   result.path_length = true_path_length(poses);
   result.path_length_estimate = estimated_path_length(poses);
   result.none = aligned_errors(poses, AlignmentKind::kNone);

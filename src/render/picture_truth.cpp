@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "limber/core/time.hpp"
 #include "limber/measure/rig.hpp"
 #include "render/place_boxes.hpp"
 
@@ -61,7 +62,7 @@ PictureTruth::PictureTruth(const Scenario& scenario, const PictureOptions& optio
 }
 
 double PictureTruth::time_of_row(std::size_t camera, std::int64_t stamp_ns, double v) const {
-  return 1e-9 * static_cast<double>(stamp_ns) + (v / lens(camera).height - 0.5) * rolling_shutter_;
+  return to_seconds(stamp_ns) + (v / lens(camera).height - 0.5) * rolling_shutter_;
 }
 
 View PictureTruth::view(std::size_t camera, double t) const {

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "limber/core/time.hpp"
 #include "limber/io/atomic_file.hpp"
 
 namespace limber::detail {
@@ -41,7 +42,7 @@ std::string box_poses_text(const Scene& scene, const std::vector<std::int64_t>& 
   std::string text = "#timestamp [ns],box,p_world_box x,y,z [m],q_world_box w,x,y,z\n";
   for (const std::int64_t t_ns : times_ns) {
     for (std::size_t k = 0; k < scene.boxes().size(); ++k) {
-      const Pose pose = scene.boxes()[k].pose(1e-9 * static_cast<double>(t_ns));
+      const Pose pose = scene.boxes()[k].pose(to_seconds(t_ns));
       const Eigen::Quaterniond q(pose.R);
       text += fmt::format("{},{},{},{},{}\n", t_ns, k, row_of(pose.p), q.w(), row_of(q.vec()));
     }

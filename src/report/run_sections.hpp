@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "limber/core/time.hpp"
 #include "limber/report/document.hpp"
 #include "run_files/run_folder.hpp"
 
@@ -20,7 +21,7 @@ struct DrawnRun {
   std::string name, style;   ///< of its curves
   std::int64_t zero_ns = 0;  ///< where time begins
 
-  [[nodiscard]] double seconds(std::int64_t t_ns) const { return 1e-9 * static_cast<double>(t_ns - zero_ns); }
+  [[nodiscard]] double seconds(std::int64_t t_ns) const { return seconds_between(zero_ns, t_ns); }
 };
 
 [[nodiscard]] ReportSection path_section(const RunFolder& run);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "limber/core/time.hpp"
+
 namespace limber {
 namespace {
 
@@ -19,8 +21,6 @@ constexpr double kLostNis = 300.0, kLost_px = 10.0, kLostAfter = 1.0;
 /// Such a frame that moves the body by that many sigmas of its prediction.
 constexpr double kLeap = 10.0;
 constexpr double kWorthARemark = 0.05;  // [s], a shorter gap is a dropped sample or two
-
-double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
 
 /// The event of that kind to which a frame belongs: the last one, or a new one.
 RunEvent& event_at(std::vector<RunEvent>& events, RunEventKind kind, std::int64_t from_ns,
@@ -76,8 +76,8 @@ std::string samples_in_words(const RunEvent& e, const std::string& when, const c
 std::string in_words(const RunEvent& e) {
   const std::string when =
       e.to_ns - e.from_ns > 100'000'000
-          ? fmt::format("from {:.3f} s to {:.3f} s", seconds(e.from_ns), seconds(e.to_ns))
-          : fmt::format("at {:.3f} s", seconds(e.to_ns));
+          ? fmt::format("from {:.3f} s to {:.3f} s", to_seconds(e.from_ns), to_seconds(e.to_ns))
+          : fmt::format("at {:.3f} s", to_seconds(e.to_ns));
   switch (e.kind) {
     case RunEventKind::kGap:
       return fmt::format(
@@ -136,13 +136,13 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
     const auto add = [&](RunEventKind kind) -> RunEvent& {
       return event_at(out.events, kind, before_ns, frame.t_ns);
     };
-    if (frame.inputs.gap_s < seconds(frame.t_ns - before_ns)) silent_since_ns = frame.t_ns;
+    if (frame.inputs.gap_s < to_seconds(frame.t_ns - before_ns)) silent_since_ns = frame.t_ns;
     if (frame.inputs.status == InputStatus::kNone && frame.t_ns > before_ns) {
       add(RunEventKind::kNoInputs);
     } else if (frame.inputs.gap_s > 0.0) {
       RunEvent& event = add(RunEventKind::kGap);
       event.longest_s =
-          std::max({event.longest_s, frame.inputs.gap_s, seconds(frame.t_ns - silent_since_ns)});
+          std::max({event.longest_s, frame.inputs.gap_s, to_seconds(frame.t_ns - silent_since_ns)});
     }
     for (std::size_t k = 0; k < kInputFaults; ++k) {
       if (frame.inputs.faults.count[k] > 0) {
@@ -150,7 +150,8 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
       }
     }
     if (frame.inputs.contradiction && frame.inputs.contradiction->clock_offset_ns) {
-      add(RunEventKind::kClockStepped).clock_offset_s = seconds(*frame.inputs.contradiction->clock_offset_ns);
+      add(RunEventKind::kClockStepped).clock_offset_s =
+          to_seconds(*frame.inputs.contradiction->clock_offset_ns);
     } else if (frame.inputs.contradiction) {
       add(RunEventKind::kContradicted);
     }
@@ -173,7 +174,7 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
       contradicted_since_ns.reset();
     } else if (!contradicted_since_ns) {
       contradicted_since_ns = frame.t_ns;
-    } else if (seconds(frame.t_ns - *contradicted_since_ns) >= kLostAfter) {
+    } else if (to_seconds(frame.t_ns - *contradicted_since_ns) >= kLostAfter) {
       add(RunEventKind::kStateContradicted);
       out.lost_since_ns = out.lost_since_ns.value_or(*contradicted_since_ns);
     }
@@ -216,7 +217,7 @@ std::vector<std::string> remarks_on_inputs(const InputSummary& summary) {
   } else if (summary.lost_since_ns) {
     out.push_back(
         fmt::format("the run is lost since {:.3f} s: what follows is in another world than what was before",
-                    seconds(*summary.lost_since_ns)));
+                    to_seconds(*summary.lost_since_ns)));
   }
   return out;
 }

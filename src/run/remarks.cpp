@@ -23,8 +23,6 @@ constexpr double kSuspiciousNis = 3.0;                    // per degree of freed
 constexpr double kLargeNoise_px = 4.0;                    // rectified tracks need 0.1 to 3.5
 constexpr double kModestNis = 0.4;                        // "
 
-double seconds(std::int64_t t_ns) { return 1e-9 * static_cast<double>(t_ns); }
-
 /// Where a sensor was silent.
 struct Gaps {
   std::size_t count = 0;
@@ -61,7 +59,7 @@ Gaps gaps_in(const std::vector<Sample>& samples, std::int64_t begin_ns, std::int
 
 /// "for 2.00 s from 10.000 s on, and 2 more such gaps"
 std::string in_words(const Gaps& gaps) {
-  return fmt::format("for {:.2f} s from {:.3f} s on{}", seconds(gaps.longest), seconds(gaps.from),
+  return fmt::format("for {:.2f} s from {:.3f} s on{}", to_seconds(gaps.longest), to_seconds(gaps.from),
                      gaps.count > 1 ? fmt::format(", and {} more such gaps", gaps.count - 1) : "");
 }
 
@@ -131,7 +129,7 @@ void remark_on_large_noise(const std::vector<FrameReport>& frames, std::vector<s
         "contradict "
         "each other or the prediction (moving things, images of another time, a rig that bends), and sigmas "
         "are too small",
-        kLargeNoise_px, seconds(first->t_ns)));
+        kLargeNoise_px, to_seconds(first->t_ns)));
   }
 }
 
@@ -165,7 +163,7 @@ std::int64_t frame_time(const SensorData& sensors, std::size_t n) {
 }
 
 std::string covered_seconds(std::int64_t begin_ns, std::int64_t end_ns) {
-  return fmt::format("{:.3f} s to {:.3f} s", seconds(begin_ns), seconds(end_ns));
+  return fmt::format("{:.3f} s to {:.3f} s", to_seconds(begin_ns), to_seconds(end_ns));
 }
 
 std::string covered_by_frames(const Recording& recording) {

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "limber/core/time.hpp"
+
 namespace limber::detail {
 namespace {
 
@@ -61,7 +63,7 @@ SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup
   const MotionModel motion = setup.navigator.motion;
   StartOptions options;
   const double duration_s =
-      1e-9 * static_cast<double>(frame_time(sensors, frame_count(sensors) - 1) - frame_time(sensors, first));
+      seconds_between(frame_time(sensors, first), frame_time(sensors, frame_count(sensors) - 1));
   options.longest_s = std::min(options.longest_s, kLongestShare * duration_s);
   const double most_s =
       std::max(options.longest_s, std::min(kLongestMovingShare * duration_s, duration_s - kLeastFiltered));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "limber/core/time.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/run/draw_initial_state.hpp"
 
@@ -21,9 +22,9 @@ Eigen::Vector3d differenced_velocity(const Recording& recording, std::int64_t t_
   const std::size_t k = std::min<std::size_t>(static_cast<std::size_t>(it - truth.begin()), truth.size() - 1);
   const GroundTruthState& a = truth[k > 0 ? k - 1 : 0];
   const GroundTruthState& b = truth[std::min(k + 1, truth.size() - 1)];
-  return a.t_ns == b.t_ns ? Eigen::Vector3d::Zero()
-                          : Eigen::Vector3d((b.p_world_body - a.p_world_body) /
-                                            (1e-9 * static_cast<double>(b.t_ns - a.t_ns)));
+  return a.t_ns == b.t_ns
+             ? Eigen::Vector3d::Zero()
+             : Eigen::Vector3d((b.p_world_body - a.p_world_body) / seconds_between(a.t_ns, b.t_ns));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "limber/core/angle.hpp"
+#include "limber/core/time.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/run/trajectory_row.hpp"
 
@@ -32,8 +33,8 @@ void say_start(const SensorWindow& window, RunRecord& record) {
     record.notes.push_back(fmt::format(
         "the IMU's clock stepped between {:.3f} s and {:.3f} s: its samples since then were taken {:.4f} s "
         "{} than they are stamped, and are used so",
-        1e-9 * static_cast<double>(clock->after_ns), 1e-9 * static_cast<double>(clock->before_ns),
-        1e-9 * static_cast<double>(std::abs(clock->offset_ns)), clock->offset_ns > 0 ? "earlier" : "later"));
+        to_seconds(clock->after_ns), to_seconds(clock->before_ns), to_seconds(std::abs(clock->offset_ns)),
+        clock->offset_ns > 0 ? "earlier" : "later"));
   }
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "limber/core/time.hpp"
 #include "limber/datasets/trajectory_files.hpp"
 #include "limber/evaluate/association.hpp"
 #include "limber/evaluate/consistency.hpp"
@@ -35,7 +36,7 @@ struct RunFolder {
 
   /// Seconds since the first frame.
   [[nodiscard]] double seconds(std::int64_t t_ns) const {
-    return 1e-9 * static_cast<double>(t_ns - trajectory.front().t_ns);
+    return seconds_between(trajectory.front().t_ns, t_ns);
   }
 };
 

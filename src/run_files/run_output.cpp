@@ -85,8 +85,8 @@ Json to_json(const std::vector<RunEvent>& events) {
   Json out = Json::array();
   for (const RunEvent& e : events) {
     out.push_back({{"what", to_string(e.kind)},
-                   {"from_s", 1e-9 * static_cast<double>(e.from_ns)},
-                   {"to_s", 1e-9 * static_cast<double>(e.to_ns)},
+                   {"from_s", to_seconds(e.from_ns)},
+                   {"to_s", to_seconds(e.to_ns)},
                    {"frames", e.frames},
                    {"samples", e.samples}});
     if (e.clock_offset_s != 0.0) {
@@ -192,8 +192,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
                               {to_string(InputStatus::kContradicted), s.inputs.contradicted},
                               {to_string(InputStatus::kNone), s.inputs.none}};
   json["events"] = to_json(s.inputs.events);
-  json["lost_since_s"] =
-      s.inputs.lost_since_ns ? Json(1e-9 * static_cast<double>(*s.inputs.lost_since_ns)) : Json(nullptr);
+  json["lost_since_s"] = s.inputs.lost_since_ns ? Json(to_seconds(*s.inputs.lost_since_ns)) : Json(nullptr);
   json["health"] = s.health ? Json::parse(to_json(*s.health, watch_options(options))) : Json(nullptr);
   json["seed"] = options.seed;
   json["options"] = to_json(options);

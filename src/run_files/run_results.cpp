@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "limber/core/time.hpp"
 #include "limber/diagnose/health_summary.hpp"
 #include "limber/sensors/parameters.hpp"
 #include "run_files/run_folder.hpp"
@@ -114,7 +115,7 @@ RunResults read_run_results(const fs::path& folder) {
   const std::optional<double> lost_since_s = detail::number_at(run.summary, {"lost_since_s"});
   bool is_lost = false;
   for (const FrameRow& row : run.frames) {
-    const double now_s = 1e-9 * static_cast<double>(row.t_ns);
+    const double now_s = to_seconds(row.t_ns);
     is_lost = is_lost || row.reset || (lost_since_s && now_s >= *lost_since_s - kSameInstant_s);
     out.diagnostics.push_back(navigation_diagnostic(row, is_lost));
   }

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "limber/core/divergence_error.hpp"
+#include "limber/core/time.hpp"
 #include "limber/datasets/interpolate.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/evaluate/consistency.hpp"
@@ -32,7 +33,7 @@ RunObserver::RunObserver(const Recording& recording, const Scenario& scenario, S
     : recording_(recording), scenario_(scenario), start_(start), slots_(frame_times(scenario).size()) {}
 
 std::size_t RunObserver::slot_of(std::int64_t t_ns) const {
-  return static_cast<std::size_t>(std::llround(1e-9 * static_cast<double>(t_ns) * scenario_.stereo_rate));
+  return static_cast<std::size_t>(std::llround(to_seconds(t_ns) * scenario_.stereo_rate));
 }
 
 Divergence RunObserver::divergence(const std::string& reason) const {

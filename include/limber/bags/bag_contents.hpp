@@ -9,6 +9,7 @@
 
 #include "limber/bags/bag_file.hpp"
 #include "limber/bags/messages.hpp"
+#include "limber/core/time.hpp"
 
 namespace limber {
 
@@ -71,7 +72,7 @@ struct Timing {
   std::size_t repeated = 0;             ///< the same time again
 
   /// From the smallest to the largest time [s].
-  [[nodiscard]] double duration_s() const { return static_cast<double>(last_ns - first_ns) * 1e-9; }
+  [[nodiscard]] double duration_s() const { return seconds_between(first_ns, last_ns); }
   /// One over the median interval [Hz]; 0 for fewer than two times.
   [[nodiscard]] double rate_hz() const { return median_interval_s > 0.0 ? 1.0 / median_interval_s : 0.0; }
 };
