@@ -47,8 +47,6 @@ constexpr Index kBends = 5;             // a rotation, and the direction of the 
 constexpr double kRounding = 1e-3;      // [px]
 constexpr double kPlausibleBend = 0.1;  // [rad], where the points do not tell
 
-double root_mean_square(const PixelNoise& sigma) { return std::sqrt(sigma.squaredNorm() / 4.0); }
-
 /// Of right matches. Of a third that is anywhere the median alone is half as much again.
 double size_of(const VectorXd& errors) {
   const VectorXd magnitude = errors.cwiseAbs();

@@ -120,7 +120,7 @@ double median_inverse_depth(const WindowState& state) {
 }
 
 double fine_pixels(const WindowModel& model) {
-  return kFinePixels / std::sqrt(model.options.sigma_px.squaredNorm() / 4.0);
+  return kFinePixels / root_mean_square(model.options.sigma_px);
 }
 
 void drop_unreachable(const WindowModel& model, WindowState& state) {

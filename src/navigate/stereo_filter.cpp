@@ -321,7 +321,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   const StereoFrame frame = budget_.choose(std::move(seen), estimate_, last_frame_ns_);
   report.t_ns = frame.t_ns;
   report.inputs = report_inputs(frame.t_ns);
-  report.sigma_px = 0.5 * sigma_px().norm();
+  report.sigma_px = root_mean_square(sigma_px());
   report.imu_noise = imu_noise_ ? imu_noise_->factors() : ImuNoiseFactors{};
   if (pixel_noise_) {
     pixel_noise_->see(raw);
@@ -348,7 +348,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
 /// In equilibrium with frames of variance R a walk of R / n² keeps the variance R / n of n frames.
 BearingWalk StereoFilter::bearing_walk() const {
   const double frames = pixel_noise_->telling_frames();
-  return {0.5 * sigma_px().norm() / frames / calibration_.cam0.fu, frames};
+  return {root_mean_square(sigma_px()) / frames / calibration_.cam0.fu, frames};
 }
 
 /// The paper's steps.

@@ -233,7 +233,7 @@ std::vector<std::string> remarks_on_measurements(const RunRecord& record, Method
         "calibration wrong, or the noise larger than assumed (--sigma-px)?",
         nis / dof));
   } else if (dof > 0.0 && nis < kModestNis * dof && !record.pixel_noise) {
-    const double assumed = std::sqrt(sigma_px.squaredNorm() / 4.0);
+    const double assumed = root_mean_square(sigma_px);
     remarks.push_back(fmt::format(
         "NIS per degree of freedom is {:.2g}, 1 is expected: pixels scatter from frame to frame by about "
         "{:.2g} px where {:.2g} px are assumed; where errors do not stay along a track, --sigma-px {:.2g} is "

@@ -93,4 +93,7 @@ struct OdometryNoise {
 /// Standard deviations of (u0, v0, u1, v1) [px].
 using PixelNoise = Eigen::Vector4d;
 
+/// Of the four [px].
+[[nodiscard]] inline double root_mean_square(const PixelNoise& sigma) { return 0.5 * sigma.norm(); }
+
 }  // namespace limber
