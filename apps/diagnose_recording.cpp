@@ -19,6 +19,39 @@ namespace limber::app {
 
 namespace {
 
+/// The frames of a run, kept for all that looks at them once more.
+class SeenFrames {
+ public:
+  /// @param source  must outlive this
+  SeenFrames(const FrameSource& source, const StereoCalibration& assumed)
+      : source_(source), readout_(assumed) {}
+
+  const StereoFrame& take(std::size_t n) {
+    first_ = frames_.empty() ? n : first_;
+    frames_.push_back(source_(n));
+    readout_.add(frames_.back());
+    return frames_.back();
+  }
+
+  /// Mistakes are looked for in as many as a run looks at, also where it failed before.
+  void take_as_many_as_a_run(std::size_t count, const std::function<bool()>& stop) {
+    for (std::size_t n = first_ + frames_.size();
+         n < count && frames_.size() < kLastLook && !(stop && stop()); ++n) {
+      (void)take(n);
+    }
+  }
+
+  const StereoFrame& again(std::size_t n) const { return frames_.at(n - first_); }
+  std::optional<ReadoutTime> readout() const { return readout_.estimate(); }
+  std::vector<StereoFrame> release() { return std::move(frames_); }
+
+ private:
+  const FrameSource& source_;
+  ReadoutWatch readout_;
+  std::vector<StereoFrame> frames_;
+  std::size_t first_ = 0;
+};
+
 /// The same recording by a filter that trusts the calibration, which may lead it astray.
 void compare_with_ekf(const Recording& recording, RunOptions options, const FrameSource& frames,
                       const RunRecord& record, Diagnosis& out) {
@@ -30,6 +63,34 @@ void compare_with_ekf(const Recording& recording, RunOptions options, const Fram
   } catch (const DivergenceError& error) {
     out.ekf_failure = error.what();
   }
+}
+
+/// What a run says of the rig and of itself. @return its summary
+RunSummary judge(const Recording& recording, const RunOptions& options, const StereoCalibration& assumed,
+                 RunRecord& record, Diagnosis& out) {
+  RunSummary summary = judge_run(recording, options, out.readout, record);
+  if (summary.readout_contradicted) {
+    out.readout_contradicted = in_words(*out.readout, assumed);
+  }
+  out.frames = summary.frames;
+  out.frames_of_recording = record.frames_of_recording;
+  out.stopped = record.stopped;
+  out.duration_s = summary.duration_s;
+  out.nis_per_dof = summary.nis_per_dof;
+  if (const auto lost_ns = summary.inputs.lost_since_ns) {
+    out.lost_since_s = seconds_between(record.frames.front().t_ns, *lost_ns);
+    if (summary.health) {
+      summary.health->verdict = verdict_by_lines(*summary.health);
+    }
+  }
+  out.health = summary.health;
+  out.metric = has_scale(record.motion);
+  if (summary.health && !summary.readout_contradicted && !out.stopped && !out.lost_since_s) {
+    out.state = HealthState{recording.name,
+                            {camera_in_words(assumed.cam0), camera_in_words(assumed.cam1)},
+                            rig_record(summary.health->present, assumed.theta, out.metric)};
+  }
+  return summary;
 }
 
 /// What is wrong with the calibration as it was given, else with clocks and mount beside the rig as it was
@@ -74,49 +135,21 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
   out.dataset = recording.name;
   out.judged_by = watch_options(options);
   const StereoCalibration assumed = corrected(recording.calibration, options.assume_error);
-  ReadoutWatch readout(assumed);
-  std::vector<StereoFrame> seen;
-  std::size_t first = 0;
-  const FrameSource remembered = [&](std::size_t n) {
-    first = seen.empty() ? n : first;
-    seen.push_back(frames.frames(n));
-    readout.add(seen.back());
-    return seen.back();
-  };
+  SeenFrames seen(frames.frames, assumed);
   std::exception_ptr failure;
   std::optional<std::pair<RunRecord, RunSummary>> ran;
   try {
-    RunRecord record = run_recording(recording, options, remembered, {.progress = progress, .stop = stop});
+    RunRecord record = run_recording(recording, options, [&](std::size_t n) { return seen.take(n); },
+                                     {.progress = progress, .stop = stop});
     if (record.frames.empty()) {
       throw std::runtime_error("stopped before the first frame: nothing can be said");
     }
     add_damaged(frames, record);
-    out.readout = readout.estimate();
-    RunSummary summary = judge_run(recording, options, out.readout, record);
-    if (summary.readout_contradicted) {
-      out.readout_contradicted = in_words(*out.readout, assumed);
-    }
-    out.frames = summary.frames;
-    out.frames_of_recording = record.frames_of_recording;
-    out.stopped = record.stopped;
-    out.duration_s = summary.duration_s;
-    out.nis_per_dof = summary.nis_per_dof;
-    if (const auto lost_ns = summary.inputs.lost_since_ns) {
-      out.lost_since_s = seconds_between(record.frames.front().t_ns, *lost_ns);
-      if (summary.health) {
-        summary.health->verdict = verdict_by_lines(*summary.health);
-      }
-    }
-    out.health = summary.health;
-    out.metric = has_scale(record.motion);
-    if (summary.health && !summary.readout_contradicted && !out.stopped && !out.lost_since_s) {
-      out.state = HealthState{recording.name,
-                              {camera_in_words(assumed.cam0), camera_in_words(assumed.cam1)},
-                              rig_record(summary.health->present, assumed.theta, out.metric)};
-    }
+    out.readout = seen.readout();
+    RunSummary summary = judge(recording, options, assumed, record, out);
     if (!out.stopped && !out.lost_since_s) {
       compare_with_ekf(
-          recording, options, [&](std::size_t n) { return seen.at(n - first); }, record, out);
+          recording, options, [&](std::size_t n) { return seen.again(n); }, record, out);
     }
     ran.emplace(std::move(record), std::move(summary));
   } catch (const DivergenceError&) {
@@ -124,13 +157,10 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
   } catch (const std::invalid_argument&) {  // no frame to start from
     failure = std::current_exception();
   }
-  if (failure) {  // perhaps with the first frames: mistakes are looked for in as many as a run looks at
-    const auto may_go_on = [&] { return seen.size() < kLastLook && !(stop && stop()); };
-    for (std::size_t n = first + seen.size(); n < frame_count(recording) && may_go_on(); ++n) {
-      (void)remembered(n);
-    }
+  if (failure) {
+    seen.take_as_many_as_a_run(frame_count(recording), stop);
   }
-  add_mistakes(recording, assumed, at_stamps(std::move(seen), assumed), options.gravity, out);
+  add_mistakes(recording, assumed, at_stamps(seen.release(), assumed), options.gravity, out);
   if (failure) {
     explain(failure, out);
   }
