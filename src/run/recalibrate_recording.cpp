@@ -92,6 +92,69 @@ DepthChange depth_change(const Recalibration& found, double depth) {
   return out;
 }
 
+/// Those in which the camera moves: without motion nothing tells lengths from depths.
+std::vector<KeyframeWindow> moving_windows(const std::vector<Keyframe>& keyframes,
+                                           const RecalibrateOptions& options, Recalibration& out) {
+  const double baseline = out.given.baseline();
+  std::vector<KeyframeWindow> windows = detail::windows_of(keyframes, options);
+  const std::size_t still =
+      std::erase_if(windows, [&](const KeyframeWindow& window) { return !detail::moves(window, baseline); });
+  if (still > 0) {
+    out.notes.push_back(
+        fmt::format("{} of {} windows left out: the camera moved by less than a baseline ({:.3g} m)", still,
+                    still + windows.size(), baseline));
+  }
+  return windows;
+}
+
+/// What the filter learned of inputs and pixels; of the latter, what the smoother leaves of them.
+void take_noise(const RunRecord& learned, const std::vector<KeyframeWindow>& windows,
+                const Recording& recording, SmootherOptions& how, Recalibration& out) {
+  detail::take_imu_noise(learned.imu_noise, how, out.notes);
+  if (learned.pixel_noise && !windows.empty()) {
+    how.sigma_px.setConstant(learned.pixel_noise->sigma_px);
+    how.sigma_px *= detail::noise_in_residuals(windows, recording, out.given, how);
+    out.notes.push_back(fmt::format("pixel noise by what the smoother leaves: {:.2g} px", how.sigma_px(0)));
+  }
+}
+
+/// What each window says of the rig. @param told  how many are done
+void solve_windows(const std::vector<KeyframeWindow>& windows, const Recording& recording,
+                   const SmootherOptions& how, std::int64_t begin_ns,
+                   const std::function<void(std::size_t)>& told, Recalibration& out) {
+  for (std::size_t k = 0; k < windows.size(); ++k) {
+    told(k);
+    try {
+      out.windows.push_back(
+          detail::rig_part(detail::smooth_window(windows[k], recording, out.given, how), out.given, how));
+      out.keyframes += windows[k].size();
+    } catch (const UnsolvableError& error) {
+      out.notes.push_back(detail::left_out(windows[k], begin_ns, error));
+    }
+  }
+  if (out.windows.empty() && !windows.empty()) {
+    throw UnsolvableError("recalibrate: no part of the recording could be solved; " + out.notes.back());
+  }
+}
+
+/// The rig of all windows, and whether it is better in those that it was not fitted to.
+/// @param odometry_scale  relative standard deviation, which all lengths share
+void fit_to_windows(const RecalibrateOptions& options, double odometry_scale, Recalibration& out) {
+  RigParameters bounds;
+  bounds << Eigen::Vector3d::Constant(options.seen_angle),
+      Eigen::Vector3d::Constant(options.seen_share * out.given.baseline());
+  out.fit.theta = out.given.theta;
+  out.fit.covariance = bounds.cwiseAbs2().asDiagonal();
+  if (out.windows.empty()) {
+    return;
+  }
+  out.fit = fit_rig(out.windows, out.given.theta, bounds);
+  out.fitted.theta = out.fit.theta;
+  const Eigen::Vector3d by_scale = odometry_scale * out.fitted.theta.tail<3>();
+  out.fit.covariance.bottomRightCorner<3, 3>() += by_scale * by_scale.transpose();
+  out.held_out = held_out(out.windows, out.given.theta, bounds);
+}
+
 RecalibrationVerdict judge(const Recalibration& found, const RecalibrateOptions& options) {
   const double px = found.epipolar_change_px, depth = std::abs(found.at_tolerance.share);
   // The tolerance has room for what lens models do; what is called wrong has to be so in spite of them.
@@ -156,45 +219,14 @@ Recalibration recalibrate_recording(const Recording& recording, const Recalibrat
   const Guess guess = detail::guess_by(Method::kLcekf, recording, smooth_options.run, kept,
                                        [&](std::size_t n) { told(kShareOfFilter * n / frames); });
   const std::vector<Keyframe> keyframes = detail::keyframes_of(guess, kept, options.keyframes_per_s);
-  std::vector<KeyframeWindow> windows = detail::windows_of(keyframes, options);
-  const std::size_t still = std::erase_if(
-      windows, [&](const KeyframeWindow& window) { return !detail::moves(window, out.given.baseline()); });
-  if (still > 0) {
-    out.notes.push_back(
-        fmt::format("{} of {} windows left out: the camera moved by less than a baseline ({:.3g} m)", still,
-                    still + windows.size(), out.given.baseline()));
-  }
-  detail::take_imu_noise(guess.record.imu_noise, how, out.notes);
-  if (guess.record.pixel_noise && !windows.empty()) {
-    how.sigma_px.setConstant(guess.record.pixel_noise->sigma_px);
-    how.sigma_px *= detail::noise_in_residuals(windows, recording, out.given, how);
-    out.notes.push_back(fmt::format("pixel noise by what the smoother leaves: {:.2g} px", how.sigma_px(0)));
-  }
-  for (std::size_t k = 0; k < windows.size(); ++k) {
-    told(kShareOfFilter + (100 - kShareOfFilter) * k / windows.size());
-    try {
-      out.windows.push_back(
-          detail::rig_part(detail::smooth_window(windows[k], recording, out.given, how), out.given, how));
-      out.keyframes += windows[k].size();
-    } catch (const UnsolvableError& error) {
-      out.notes.push_back(detail::left_out(windows[k], keyframes.front().frame.t_ns, error));
-    }
-  }
-  if (out.windows.empty() && !windows.empty()) {
-    throw UnsolvableError("recalibrate: no part of the recording could be solved; " + out.notes.back());
-  }
-  RigParameters bounds;
-  bounds << Eigen::Vector3d::Constant(options.seen_angle),
-      Eigen::Vector3d::Constant(options.seen_share * out.given.baseline());
-  out.fit.theta = out.given.theta;
-  out.fit.covariance = bounds.cwiseAbs2().asDiagonal();
-  if (!out.windows.empty()) {
-    out.fit = fit_rig(out.windows, out.given.theta, bounds);
-    out.fitted.theta = out.fit.theta;
-    const Eigen::Vector3d by_scale = setup.navigator.odometry_scale * out.fitted.theta.tail<3>();
-    out.fit.covariance.bottomRightCorner<3, 3>() += by_scale * by_scale.transpose();  // all lengths are its
-    out.held_out = held_out(out.windows, out.given.theta, bounds);
-  }
+  const std::vector<KeyframeWindow> windows = moving_windows(keyframes, options, out);
+  take_noise(guess.record, windows, recording, how, out);
+  const std::int64_t begin_ns = keyframes.empty() ? 0 : keyframes.front().frame.t_ns;
+  const auto told_windows = [&](std::size_t done) {
+    told(kShareOfFilter + (100 - kShareOfFilter) * done / windows.size());
+  };
+  solve_windows(windows, recording, how, begin_ns, told_windows, out);
+  fit_to_windows(options, setup.navigator.odometry_scale, out);
   compare_epipolar(keyframes, out);
   for (const double depth : kDepths) {
     out.depths.push_back(depth_change(out, depth));
