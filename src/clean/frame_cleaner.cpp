@@ -114,7 +114,7 @@ std::vector<std::string> in_words(const CleaningReport& report) {
     out.push_back(
         "the right pixels of " + std::to_string(report.leapt_matches) +
         " points leap, most of a frame at once, by more than depth can change from one frame to the "
-        "next: they are not used from there on");
+        "next: they are not used until they are back, within half a second");
   }
   if (report.rig_jumps > 0) {
     out.push_back("in " + std::to_string(report.rig_jumps) + of_frames +

@@ -23,7 +23,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr std::size_t kFewestLeaping = 5;  // points that leap together by no chance
 constexpr double kLargestRatio = 1.5;      // of the parallax in two successive frames
-constexpr double kLongestStep = 0.5;       // [s], after a longer one anything may have come near
+constexpr double kLongestStep = 0.5;       // [s], after a longer time anything may have come near
 constexpr double kNoise = 5e-3;            // [rad], about 3 px: a smaller change may be noise
 constexpr double kPixel = 1.5e-3;          // [rad], about 1 px: how well a jump of the rig has to fit
 constexpr double kExplained = 0.95;        // share of the points that a jump of the rig moves as it must
@@ -37,8 +37,13 @@ constexpr double kLargestTranslation =
 
 double ratio(double a, double b) { return std::max(a, b) / std::min(a, b); }
 
+bool leaps(double before, double after) { return ratio(before, after) > kLargestRatio; }
+
 /// Tracks that leap between two frames, if most of those that both hold do so by more than noise; else none.
-std::vector<std::int64_t> leaping(const StereoSights& before, const StereoSights& after) {
+/// @param is_back  whether a track is where it was before it leapt by mistake
+template <typename IsBack>
+std::vector<std::int64_t> leaping(const StereoSights& before, const StereoSights& after,
+                                  const IsBack& is_back) {
   std::vector<std::int64_t> out;
   std::size_t shared = 0, beyond_noise = 0;
   for (const auto& [track, sight] : after) {
@@ -48,7 +53,7 @@ std::vector<std::int64_t> leaping(const StereoSights& before, const StereoSights
     }
     ++shared;
     const double was = it->second.parallax;
-    if (ratio(was, sight.parallax) > kLargestRatio) {
+    if (leaps(was, sight.parallax) && !is_back(track, sight)) {
       out.push_back(track);
       beyond_noise += std::abs(was - sight.parallax) > kNoise ? 1 : 0;
     }
@@ -174,18 +179,36 @@ StereoSights LeapingMatches::sights_of(const StereoFrame& frame) const {
   return out;
 }
 
+/// Whether a lost track is where it was before it leapt.
+bool LeapingMatches::has_returned(std::int64_t track, const StereoSight& sight, std::int64_t t_ns) const {
+  const auto it = lost_.find(track);
+  return it != lost_.end() && seconds_between(it->second.since_ns, t_ns) <= kLongestStep &&
+         !leaps(it->second.parallax, sight.parallax);
+}
+
 LeapingMatches::Outcome LeapingMatches::end(StereoFrame& frame) {
   Outcome out;
   StereoSights now = sights_of(frame);
+  const auto is_back = [&](std::int64_t track, const StereoSight& sight) {
+    const auto it = earlier_.find(track);
+    return (it != earlier_.end() && !leaps(it->second.parallax, sight.parallax)) ||
+           has_returned(track, sight, frame.t_ns);
+  };
   if (seconds_between(before_ns_, frame.t_ns) <= kLongestStep) {
-    const std::vector<std::int64_t> leapt = leaping(before_, now);
+    const std::vector<std::int64_t> leapt = leaping(before_, now, is_back);
     if (!leapt.empty() && !leapt_before_) {
       usual_misfit_ = rig_misfit(earlier_, before_, T_cam1_cam0_);
     }
     leapt_before_ = !leapt.empty();
     out.rig_jumped = leapt_before_ && one_rig_explains(before_, now, T_cam1_cam0_, usual_misfit_);
     for (const std::int64_t track : leapt) {
-      out.lost += !out.rig_jumped && lost_.insert(track).second ? 1 : 0;
+      const Lost was{before_.at(track).parallax, frame.t_ns};
+      out.lost += !out.rig_jumped && lost_.emplace(track, was).second ? 1 : 0;
+    }
+  }
+  for (const auto& [track, sight] : now) {
+    if (has_returned(track, sight, frame.t_ns)) {
+      lost_.erase(track);
     }
   }
   for (StereoObservation& point : frame.observations) {

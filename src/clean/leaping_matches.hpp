@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <unordered_map>
-#include <unordered_set>
 
 #include "limber/core/pose.hpp"
 #include "limber/sensors/calibration.hpp"
@@ -35,25 +34,31 @@ using StereoSights = std::unordered_map<std::int64_t, StereoSight>;  ///< by tra
 [[nodiscard]] double rig_misfit(const StereoSights& before, const StereoSights& after,
                                 const Pose& T_cam1_cam0);
 
-/// Ends matches in the right image that leapt to something else; see FrameCleaner.
+/// Leaves out matches in the right image that leapt to something else, until they are back; see FrameCleaner.
 class LeapingMatches {
  public:
   explicit LeapingMatches(const StereoCalibration& assumed);
 
   struct Outcome {
-    std::size_t lost = 0;     ///< tracks whose match ended with this frame
+    std::size_t lost = 0;     ///< tracks that leapt with this frame
     bool rig_jumped = false;  ///< they leap, but as one rig
   };
   Outcome end(StereoFrame& frame);
 
  private:
+  struct Lost {
+    double parallax = 0.0;  // before it leapt
+    std::int64_t since_ns = 0;
+  };
+
+  [[nodiscard]] bool has_returned(std::int64_t track, const StereoSight& sight, std::int64_t t_ns) const;
   [[nodiscard]] StereoSights sights_of(const StereoFrame& frame) const;
 
   StereoCalibration assumed_;
   Pose T_cam1_cam0_;
-  std::unordered_set<std::int64_t> lost_;
-  StereoSights earlier_, before_;  // the two frames before
-  double usual_misfit_ = 0.0;      // of the last two frames that came before a leap, and did not leap
+  std::unordered_map<std::int64_t, Lost> lost_;  // by track
+  StereoSights earlier_, before_;                // the two frames before
+  double usual_misfit_ = 0.0;  // of the last two frames that came before a leap, and did not leap
   bool leapt_before_ = false;
   std::int64_t before_ns_ = 0;
 };

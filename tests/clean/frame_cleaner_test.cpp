@@ -83,11 +83,13 @@ struct Leap {
   std::int64_t leaping = 0;
   double factor = 1.0;
   std::int64_t step_ns = kStepNs;
+  std::size_t back = 5;   // the frame in which they stand where they did
+  std::size_t count = 5;  // of frames
 };
 
 Frames with_leap(const StereoCalibration& rig, const Leap& leap) {
   Frames frames;
-  for (std::size_t k = 0; k < 5; ++k) {
+  for (std::size_t k = 0; k < leap.count; ++k) {
     const RigParameters theta = k >= 2 ? RigParameters(rig.theta + leap.jump) : rig.theta;
     const Pose T_cam1_cam0 = pose_from_rig(theta);
     StereoFrame frame{static_cast<std::int64_t>(k) * leap.step_ns, {}};
@@ -96,7 +98,8 @@ Frames with_leap(const StereoCalibration& rig, const Leap& leap) {
       const Vector2d uv(60.0 + 90.0 * x + 1.5 * static_cast<double>(k), 60.0 + 70.0 * y);
       const double depth =
           2.0 + 28.0 * static_cast<double>(id * 7 % 30) / 30.0 - 0.02 * static_cast<double>(k);
-      const double shown = k >= 2 && id < leap.leaping ? depth / leap.factor : depth;
+      const bool leapt = k >= 2 && k < leap.back && id < leap.leaping;
+      const double shown = leapt ? depth / leap.factor : depth;
       const Vector3d bearing = unproject(rig.cam0, uv).value();
       const auto right = project(rig.cam1, T_cam1_cam0 * Vector3d(bearing * shown / bearing.z()));
       frame.observations.push_back({id, uv, right.value().uv, true, true});
@@ -118,6 +121,43 @@ TEST(FrameCleaner, EndsMatchesThatLeapTogether) {
     EXPECT_EQ(report.rig_jumps, 0u);
     EXPECT_THAT(in_words(report), ElementsAre(HasSubstr("the right pixels of 25 points leap")));
   }
+}
+
+/// Half a second later nobody knows what depth they should have.
+TEST(FrameCleaner, TakesMatchesBackThatReturnSoon) {
+  const StereoCalibration rig = rig_of(0.5);
+  for (const auto& [back, matched] : {std::pair{4u, 30u}, {16u, 5u}}) {
+    const Leap leap{.leaping = 25, .factor = 2.1, .back = back, .count = back + 3};
+    const Frames frames = cleaned(with_leap(rig, leap), rig).frames;
+    EXPECT_EQ(matched_in(frames[back - 1]).size(), 5u);
+    for (std::size_t k = back; k < frames.size(); ++k) {
+      EXPECT_EQ(matched_in(frames[k]).size(), matched) << k;
+    }
+  }
+}
+
+/// Each frame anew a third of the matches is wrong: most of two frames' points differ, and none of them leapt
+/// to stay.
+TEST(FrameCleaner, LeavesMismatchesAloneThatEachFrameDrawsAnew) {
+  const StereoCalibration rig = rig_of(0.5);
+  Frames frames = with_leap(rig, {.count = 60});
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> share(0.0, 1.0), u(5.0, 600.0), v(5.0, 400.0);
+  std::size_t wrong = 0;
+  for (StereoFrame& frame : frames) {
+    for (StereoObservation& point : frame.observations) {
+      if (share(random) < 0.33) {
+        point.uv_cam1 = {u(random), v(random)};
+        ++wrong;
+      }
+    }
+  }
+  const Cleaned out = cleaned(frames, rig);
+  std::size_t left_out = 0;
+  for (const StereoFrame& frame : out.frames) {
+    left_out += 30 - matched_in(frame).size();
+  }
+  EXPECT_LT(left_out, wrong / 5);
 }
 
 /// Also when the disparity of all points doubles: no rig does that without moving by half its baseline.

@@ -16,7 +16,7 @@ namespace limber {
 
 /// What a cleaner looks for, and the most points that it leaves in a frame.
 struct CleaningOptions {
-  /// Exchanged and late images are not used; tracks that were not tracked and matches that leapt are ended.
+  /// Exchanged and late images are not used, nor matches that leapt; tracks that were not tracked are ended.
   /// What a jump of the rig explains never is.
   bool clean = true;
   /// Points that go with the camera are ended. Apart, as mistakes are looked for in frames that are else as
@@ -39,7 +39,7 @@ struct CleaningReport {
   std::size_t stale_frames = 0, stale_points = 0;  ///< see FrameCleaner
   std::size_t late_frames = 0;    ///< whose right image is, or may be, an earlier one: not used
   std::size_t still_tracks = 0;   ///< that go with the camera
-  std::size_t leapt_matches = 0;  ///< tracks whose right pixels are not used any more
+  std::size_t leapt_matches = 0;  ///< tracks whose right pixels leapt, and were not used then
   std::size_t rig_jumps = 0;  ///< frames that leap as one change of the rig has them leap: left as they are
   /// crowded frames, and what was left out of them
   std::size_t thinned_frames = 0, thinned_points = 0;
@@ -72,8 +72,9 @@ struct CleaningReport {
 /// - Leaping matches: from one frame to the next the parallax between the cameras changes as the depth does,
 ///   by a fraction. Where that of more than half of the points grows or shrinks by more than a factor of 1.5
 ///   within half a second, the front end has lost the right image, and the points that leapt go on in the
-///   left one alone; unless one change of theta explains the leap of (nearly) all points: then the rig has
-///   jumped, which is the health monitor's business, and nothing is removed.
+///   left one alone until they are back where they were, within half a second; unless one change of theta
+///   explains the leap of (nearly) all points: then the rig has jumped, which is the health monitor's
+///   business, and nothing is removed.
 /// - Thinning: of more than max_points those that were kept before stay, and the free places go to the
 ///   emptiest cells of a grid over the left image (the right one for points that the left does not see).
 /// - Rows that are exposed one after the other (readout_time_s): a pixel goes to where its point was at the
