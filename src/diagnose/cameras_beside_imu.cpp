@@ -23,7 +23,6 @@ namespace {
 using detail::BiasSteps, detail::Compared, detail::rows_of;
 using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
-using Eigen::Quaterniond;
 using Eigen::SelfAdjointEigenSolver;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -60,7 +59,7 @@ std::optional<MountTurn> mount_turn(const std::vector<Compared>& compared, const
   }
   const Vector3d direction =
       surest_part(by_axes->x.tail<3>(), by_axes->covariance.bottomRightCorner<3, 3>()).normalized();
-  const Matrix3d last_along_it = Quaterniond::FromTwoVectors(Vector3d::UnitZ(), direction).toRotationMatrix();
+  const Matrix3d last_along_it = rotation_between(Vector3d::UnitZ(), direction);
   const auto along_it = detail::solve(
       rows_of(compared, steps, [&](const Vector3d& gyro) { return Matrix3Xd(skew(gyro) * last_along_it); }));
   if (!along_it || !direction.allFinite()) {

@@ -36,9 +36,10 @@ struct Block {
   double refused = 0.0;  // share of the points; all of them where the gate was overruled
 };
 
-/// Nothing of a second in which something large moves: its points contradict, and no input failed.
+/// Nothing of a second in which something large moves, or most is mismatched: points contradict, and no input
+/// failed.
 std::optional<Block> block_of(std::span<const FrameReport> frames) {
-  if (std::ranges::any_of(frames, &FrameReport::most_move)) {
+  if (std::ranges::any_of(frames, [](const FrameReport& f) { return f.most_move || f.most_mismatched; })) {
     return std::nullopt;
   }
   std::vector<double> misfits;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "limber/evaluate/world_tilt.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "limber/core/angle.hpp"
+#include "limber/core/so3.hpp"
 
 namespace limber {
 namespace {
@@ -72,8 +72,7 @@ std::optional<WorldTilt> world_tilt(std::span<const MatchedPose> poses,
 }
 
 Alignment align_upright(std::span<const MatchedPose> poses, const WorldTilt& tilt) {
-  const auto turn = Eigen::Quaterniond::FromTwoVectors(tilt.up, Eigen::Vector3d::UnitZ());
-  const Pose T_upright_true{turn.toRotationMatrix(), Eigen::Vector3d::Zero()};
+  const Pose T_upright_true{rotation_between(tilt.up, Eigen::Vector3d::UnitZ()), Eigen::Vector3d::Zero()};
   MatchedPose first = poses.front();
   first.truth = T_upright_true * first.truth;
   Alignment out = align(std::span(&first, 1), AlignmentKind::kFirstPose);

@@ -82,7 +82,7 @@ bool StereoFilter::seems_misled(std::int64_t t_ns) const {
 
 /// Whether points contradict each other: what they say against the inputs is not to be believed.
 bool StereoFilter::points_quarrel(const FrameReport& report) const {
-  return report.gate_overruled || report.most_move || report.led_astray ||
+  return report.gate_overruled || report.most_move || report.most_mismatched || report.led_astray ||
          static_cast<double>(report.refused.size()) > kContested * static_cast<double>(report.observed) ||
          (pixel_noise_ && pixel_noise_->report().sigma_px > kPointsQuarrel);
 }

@@ -31,10 +31,11 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const F
     return accepted;
   }
   const bool known = report.inputs.status == InputStatus::kSound && blind_turn_ <= kKnownTurn * kKnownTurn;
-  const Majority most = known ? Majority::kMayMove : Majority::kRight;
-  const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_, most);
+  const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_,
+                                known ? seen.by_pose : MatrixXd());
   report.gate_overruled = gated.overruled;
-  report.most_move = known && gated.most_refused();
+  report.most_mismatched = gated.most_mismatched;
+  report.most_move = known && gated.most_refused() && !gated.most_mismatched;
   for (std::size_t g = 0; g < accepted.size(); ++g) {
     accepted[g] = gated.accepted[g];
     if (!accepted[g]) {

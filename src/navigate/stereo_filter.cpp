@@ -376,7 +376,7 @@ void StereoFilter::take_in(const StereoFrame& frame, FrameReport& report) {
     report.led_astray = true;
     report.removed += forget(frame);
     report.refused.clear();
-    report.gate_overruled = report.most_move = false;
+    report.gate_overruled = report.most_move = report.most_mismatched = false;
     to_see = attempt(frame, choose_linearization_point(frame), model, images_alone, report);
   }
   constrained_update(to_see, model, dt, report);  // Eqs. (16)-(19)

@@ -105,7 +105,10 @@ Camera pinhole_of(const LabelledNumbers& file, const std::string& label, const E
 }
 
 /// P = K [I | t] places a rectified camera at X = X_reference + K^-1 (K t).
-Eigen::Vector3d shift_of(const Eigen::MatrixXd& P) { return P.leftCols<3>().inverse() * P.col(3); }
+Eigen::Vector3d shift_of(const Eigen::MatrixXd& P) {
+  const Eigen::Matrix3d K = P.leftCols<3>();
+  return K.inverse() * P.col(3);
+}
 
 /// Two rectified cameras: P = K [I | t].
 void read_rectified_pair(const LabelledNumbers& file, const std::string& left, const std::string& right,

@@ -106,6 +106,10 @@ std::string in_words(const RunEvent& e) {
           "{} most points were of something that moves: they were left out, the others and the inputs "
           "carried the state on",
           when);
+    case RunEventKind::kMostMismatched:
+      return fmt::format(
+          "{} most points agreed neither with the inputs nor with each other (mismatches): they were left out",
+          when);
     case RunEventKind::kLedAstray:
       return fmt::format(
           "{} the points contradicted the state so far that correcting it would have put them farther off, "
@@ -163,6 +167,9 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
     }
     if (frame.most_move) {
       add(RunEventKind::kMostMove);
+    }
+    if (frame.most_mismatched) {
+      add(RunEventKind::kMostMismatched);
     }
     if (frame.led_astray) {
       add(RunEventKind::kLedAstray);

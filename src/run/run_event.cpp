@@ -29,6 +29,8 @@ std::string to_string(RunEventKind kind) {
       return "gate overruled";
     case RunEventKind::kMostMove:
       return "most points move";
+    case RunEventKind::kMostMismatched:
+      return "most points mismatched";
     case RunEventKind::kLedAstray:
       return "led astray";
     case RunEventKind::kLeapt:

@@ -85,12 +85,24 @@ void leave_out(FrameInnovation& frame, const std::vector<bool>& kept) {
   all.stateless.D = all.stateless.D(rows.stateless, Eigen::all).eval();
 }
 
+/// The columns of H that belong to the pose, whitened.
+MatrixXd pose_columns(const LinearMeasurement& z) {
+  constexpr Index kPose = 2 * kTriplet;
+  MatrixXd out = MatrixXd::Zero(z.rows(), kPose);
+  for (const SparseJacobian::Block& block : z.H.blocks) {
+    if (block.col < kPose) {
+      out.block(block.row, block.col, block.value.rows(), kTriplet) += block.value;
+    }
+  }
+  return z.sigma.cwiseInverse().asDiagonal() * out;
+}
+
 }  // namespace
 
 FrameInnovation form_frame_innovation(const Covariance& P, const LinearMeasurement& measurement) {
   check(P, measurement);
   TurnedMeasurement z = turned(measurement);
-  return {form_innovation(P, z.rows), std::move(z.groups), std::move(z.seen_by_fourth)};
+  return {form_innovation(P, z.rows), std::move(z.groups), std::move(z.seen_by_fourth), pose_columns(z.rows)};
 }
 
 Innovation compressed(FrameInnovation frame, const std::vector<bool>& kept) {

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <utility>
 
-#include "kept_rows.hpp"
+#include "judge.hpp"
 #include "limber/core/chi_square.hpp"
 #include "limber/core/factors.hpp"
 #include "limber/update/consensus.hpp"
@@ -19,11 +20,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-namespace {
+using detail::Distance, detail::Judge, detail::Judged, detail::judged_rows;
 
-/// A residual whose variance the constraint cuts to less than this share is used up: it says nothing any
-/// more.
-constexpr double kUsedUp = 1e-9;
+namespace {
 
 /// How far what is constrained may be off, in plausible errors, for finding what most groups agree upon.
 constexpr double kWidestOffset = 10.0;
@@ -31,189 +30,11 @@ constexpr double kWidestOffset = 10.0;
 /// Groups that agree with the prediction are no chance, and carry the state.
 constexpr std::size_t kEnoughAgree = 5;
 
+constexpr double kAnywhere = 1000.0;  // pixels' noise
+
 constexpr double kRankCut = 1e-9;  // of the largest singular value
 
 constexpr Index kPose = 6;  // rows of the state: it comes first
-
-struct Distance {
-  double squared = 0.0;
-  Index dof = 0;
-};
-
-/// eᵀ B⁺ e, where B is what the constraint leaves of the identity: in units of S, so that a huge variance in
-/// one direction (a new landmark's depth) does not hide what the others say.
-Distance mahalanobis(const VectorXd& e, const MatrixXd& B) {
-  const Cholesky root(B);
-  // No eigenvalue exceeds one, so that none is smaller than the determinant.
-  const double diagonal = root.factor().diagonal().prod();
-  if (root.succeeded() && diagonal * diagonal > 10.0 * kUsedUp) {
-    VectorXd white = e;
-    solve_lower(root.factor(), white);
-    return {white.squaredNorm(), e.size()};
-  }
-  const SymmetricEigen eigen = symmetric_eigen(B);
-  Distance out;
-  for (Index k = 0; k < e.size(); ++k) {
-    if (eigen.values(k) > kUsedUp) {
-      const double component = eigen.vectors.col(k).dot(e);
-      out.squared += component * component / eigen.values(k);
-      ++out.dof;
-    }
-  }
-  return out;
-}
-
-/// What is judged: residual, its covariance, and the directions that the gain must not see.
-struct Judged {
-  VectorXd r;   ///< rows of S, then rows that no state moves: their covariance is the identity
-  MatrixXd S;   ///< of the first
-  MatrixXd DC;  ///< of all
-  std::vector<RowGroup> groups;
-
-  [[nodiscard]] Index stateless() const { return r.size() - S.rows(); }
-
-  /// The same without the groups that are not kept.
-  [[nodiscard]] Judged subset(const std::vector<bool>& kept) const {
-    KeptRows rows = kept_rows(groups, kept, S.rows(), stateless());
-    Judged out{VectorXd(), S(rows.moved, rows.moved), MatrixXd(), std::move(rows.groups)};
-    for (const Index row : rows.stateless) {
-      rows.moved.push_back(S.rows() + row);
-    }
-    out.r = r(rows.moved);
-    out.DC = DC(rows.moved, Eigen::all);
-    return out;
-  }
-};
-
-/// Rows of an innovation as they are judged. What is white in time correlates all of them.
-Judged judged_rows(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                   const ParameterErrorModel& model) {
-  const Index m = innovation.r.size(), q = innovation.stateless.residual.size();
-  Judged out{VectorXd(m + q), innovation.S, MatrixXd(m + q, model.constrained.cols()), groups};
-  out.r << innovation.r, innovation.stateless.residual;
-  if (model.constrained.cols() > 0) {
-    out.DC.topRows(m) = multiply(innovation.D, model.constrained);
-    out.DC.bottomRows(q) = multiply(innovation.stateless.D, model.constrained);
-  }
-  if (model.white_covariance.size() > 0) {
-    MatrixXd D(m + q, innovation.D.cols());
-    D << innovation.D, innovation.stateless.D;
-    out.S.setIdentity(m + q, m + q);
-    out.S.topLeftCorner(m, m) = innovation.S;
-    add_product(out.S, 1.0, D, multiply(model.white_covariance, transposed(D)));
-  }
-  return out;
-}
-
-/// Judges the groups still in play. Dropping a group is block elimination in V = S⁻¹, of which only the
-/// products that the judgement needs are kept, as V = S⁻¹ − U Uᵀ: O(m²) each.
-class Judge {
- public:
-  Judge(const Judged& judged, const GateThresholds& thresholds)
-      : z_(judged),
-        white_(white_groups(judged.r, judged.S, judged.DC, judged.groups)),
-        thresholds_(thresholds),
-        llt_(judged.S),
-        DC_(judged.DC),
-        U_(judged.r.size(), 0) {
-    Vr_ = solved(z_.r);
-    VDC_ = solved(DC_);
-  }
-
-  [[nodiscard]] bool valid() const { return llt_.succeeded(); }
-  [[nodiscard]] const WhiteGroups& white() const { return white_; }
-
-  /// Judges the accepted groups; returns the one that exceeds its threshold most, or -1.
-  Index worst(GateReport& report) {
-    const MatrixXd T = strong_combinations(DC_);
-    VectorXd delta(T.cols());
-    MatrixXd Minv(T.cols(), T.cols());
-    if (T.cols() > 0) {
-      PseudoInverse pseudo = pseudo_inverse(information(T), seen(T));
-      delta = std::move(pseudo.x);
-      Minv = std::move(pseudo.matrix);
-    }
-    const MatrixXd white_A = multiply(white_.A, T);
-    Index worst = -1;
-    double worst_ratio = 1.0;
-    for (std::size_t g = 0; g < z_.groups.size(); ++g) {
-      if (!report.accepted[g]) {
-        continue;
-      }
-      const Index row = white_.groups[g].row, rows = white_.groups[g].rows;
-      const auto A = white_A.middleRows(row, rows);
-      Distance d{white_.r.segment(row, rows).squaredNorm(), rows};
-      if (!A.isZero(0.0)) {
-        d = mahalanobis(white_.r.segment(row, rows) - A * delta,
-                        MatrixXd::Identity(rows, rows) - congruence(A, Minv));
-      }
-      report.distance[g] = d.squared;
-      report.threshold[g] = thresholds_.of(d.dof);
-      if (d.dof > 0 && d.squared > worst_ratio * report.threshold[g]) {
-        worst_ratio = d.squared / report.threshold[g];
-        worst = static_cast<Index>(g);
-      }
-    }
-    return worst;
-  }
-
-  /// Squared distance of all rows, before any is dropped, after what is constrained has explained what it
-  /// can.
-  [[nodiscard]] Distance joint() const {
-    Distance out{z_.r.dot(Vr_), z_.r.size()};
-    const MatrixXd T = strong_combinations(DC_);
-    if (T.cols() > 0) {
-      const VectorXd b = seen(T);
-      out.squared -= b.dot(pseudo_inverse(information(T), b).x);
-      out.dof -= T.cols();
-    }
-    return out;
-  }
-
-  /// Takes the rows of a group out. What is left of D C may have fewer directions.
-  void drop(const RowGroup& group) {
-    const Index rows = group.rows + (group.fourth >= 0 ? 1 : 0);
-    MatrixXd column = MatrixXd::Zero(z_.r.size(), rows);  // of V
-    column.middleRows(group.row, group.rows).leftCols(group.rows).setIdentity();
-    if (group.fourth >= 0) {
-      column(group.fourth, group.rows) = 1.0;
-    }
-    column = solved(std::move(column));
-    add_product(column, -1.0, U_, transposed(rows_of(group, U_)));
-    const Cholesky pivot(rows_of(group, column));
-    solve_lower_from_right(transposed(pivot.factor()), column);  // V := V − column columnᵀ
-    Vr_ -= column * (column.transpose() * z_.r);
-    add_product(VDC_, -1.0, column, multiply(transposed(column), z_.DC));
-    DC_.middleRows(group.row, group.rows).setZero();
-    if (group.fourth >= 0) {
-      DC_.row(group.fourth).setZero();
-    }
-    U_.conservativeResize(Eigen::NoChange, U_.cols() + rows);
-    U_.rightCols(rows) = column;
-  }
-
- private:
-  /// Of combinations of what is constrained: Tᵀ (D C)ᵀ V D C T, and Tᵀ (D C)ᵀ V r.
-  [[nodiscard]] MatrixXd information(const MatrixXd& T) const {
-    return congruence(transposed(T), multiply(transposed(DC_), VDC_));
-  }
-  [[nodiscard]] VectorXd seen(const MatrixXd& T) const { return T.transpose() * (DC_.transpose() * Vr_); }
-
-  /// S⁻¹ X.
-  [[nodiscard]] MatrixXd solved(MatrixXd X) const {
-    X.topRows(z_.S.rows()) = llt_.solve(X.topRows(z_.S.rows()));
-    return X;
-  }
-
-  const Judged& z_;
-  WhiteGroups white_;
-  const GateThresholds& thresholds_;
-  Cholesky llt_;
-  MatrixXd DC_;   // rows that were dropped are zero
-  MatrixXd U_;    // of what was dropped
-  VectorXd Vr_;   // V r
-  MatrixXd VDC_;  // V D C
-};
 
 /// Drops the worst group as long as one fails. @return false if more than `most` failed
 bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, std::size_t most, GateReport& report) {
@@ -263,6 +84,24 @@ bool are_two_bodies(const Judged& judged, const std::vector<bool>& accepted,
          all.squared - others.squared > kGrossOutlier * thresholds.of(all.dof - others.dof);
 }
 
+/// Most groups are nowhere near where any pose and any parameters could put them together.
+bool are_most_mismatched(const Judged& judged, const Innovation& innovation, const MatrixXd& by_pose,
+                         const GateThresholds& thresholds) {
+  const Index m = innovation.r.size(), q = innovation.stateless.residual.size(), c = innovation.D.cols();
+  MatrixXd anything = MatrixXd::Zero(m + q, by_pose.cols() + c);
+  anything.topLeftCorner(m, by_pose.cols()) = by_pose;
+  anything.topRightCorner(m, c) = innovation.D;
+  anything.bottomRightCorner(q, c) = innovation.stateless.D;
+  const WhiteGroups white =
+      white_groups(judged.r, judged.S, pixels_in_each_direction(anything), judged.groups);
+  const Consensus consensus = find_consensus(white, kAnywhere);
+  std::size_t far = 0;
+  for (std::size_t g = 0; g < white.groups.size(); ++g) {
+    far += consensus.distance[g] > kGrossOutlier * thresholds.of(white.groups[g].rows) ? 1 : 0;
+  }
+  return 2 * far > white.groups.size();
+}
+
 GateReport nothing_refused(std::size_t groups) {
   return {std::vector<bool>(groups, true), std::vector<double>(groups, 0.0),
           std::vector<double>(groups, 0.0)};
@@ -284,12 +123,11 @@ std::size_t flag_gross(const WhiteGroups& white, const GateThresholds& threshold
   return gross;
 }
 
-/// Goes on where more than `dropped` failed, as long as enough groups agree with the prediction.
-bool leaves_enough(Judge& judge, const std::vector<RowGroup>& groups, std::size_t dropped,
-                   GateReport& report) {
-  return groups.size() >= dropped + kEnoughAgree &&
-         eliminate(judge, groups, groups.size() - dropped - kEnoughAgree, report);
-}
+/// What a prediction that is known says where most groups fail; asked as rarely as that.
+struct KnownPrediction {
+  std::function<bool()> most_are_mismatched;
+  std::function<bool(const GateReport&)> knows_the_world;  // those that are left are a body of their own
+};
 
 /// What became of the groups that are no gross outliers, among all.
 GateReport with_inner(GateReport flagged, const GateReport& inner) {
@@ -305,12 +143,26 @@ GateReport with_inner(GateReport flagged, const GateReport& inner) {
   return flagged;
 }
 
-/// Tells whether those that are left are a world of their own; empty where most groups are right.
-using Stands = std::function<bool(const GateReport&)>;
+/// Goes on where more than `dropped` failed, until enough agree with the prediction; any, beside others that
+/// agree on nothing.
+/// @param flagged  all groups, of which those judged are the accepted ones
+/// @return what became of all, if those that are left may stand
+std::optional<GateReport> minority(const KnownPrediction& known, Judge& judge,
+                                   const std::vector<RowGroup>& groups, std::size_t dropped,
+                                   GateReport& judged, const GateReport& flagged) {
+  const bool mismatched = known.most_are_mismatched();
+  const std::size_t left = mismatched ? 0 : kEnoughAgree;
+  if (groups.size() < dropped + left || !eliminate(judge, groups, groups.size() - dropped - left, judged)) {
+    return std::nullopt;
+  }
+  GateReport out = with_inner(flagged, judged);
+  out.most_mismatched = mismatched;
+  return mismatched || known.knows_the_world(out) ? std::optional(std::move(out)) : std::nullopt;
+}
 
 /// Without the gross outliers, the others in turn.
 GateReport gate_robustly(const Judged& judged, const GateReport& flagged, std::size_t gross,
-                         const GateThresholds& thresholds, const Stands& stands) {
+                         const GateThresholds& thresholds, const std::optional<KnownPrediction>& known) {
   const Judged rest = judged.subset(flagged.accepted);
   Judge judge(rest, thresholds);
   GateReport inner = nothing_refused(rest.groups.size());
@@ -321,10 +173,9 @@ GateReport gate_robustly(const Judged& judged, const GateReport& flagged, std::s
   }
   GateReport all = inner;
   all.accepted.assign(rest.groups.size(), true);
-  if (stands && leaves_enough(judge, rest.groups, most, inner)) {
-    GateReport minority = with_inner(flagged, inner);
-    if (stands(minority)) {
-      return minority;
+  if (known) {
+    if (auto out = minority(*known, judge, rest.groups, most, inner, flagged)) {
+      return *std::move(out);
     }
   }
   GateReport out = with_inner(flagged, all);
@@ -354,7 +205,7 @@ bool GateReport::all_accepted() const {
 }
 
 GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                const ParameterErrorModel& model, const GateThresholds& thresholds, Majority majority) {
+                const ParameterErrorModel& model, const GateThresholds& thresholds, const MatrixXd& by_pose) {
   const Judged judged = judged_rows(innovation, groups, model);
   GateReport report = nothing_refused(groups.size());
   Judge judge(judged, thresholds);
@@ -365,25 +216,31 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   if (worst < 0) {
     return report;
   }
-  Stands stands;
-  if (majority == Majority::kMayMove) {
-    stands = [&](const GateReport& minority) {
-      return are_two_bodies(with_free_pose(judged, innovation), minority.accepted, thresholds);
-    };
+  std::optional<KnownPrediction> known;
+  if (by_pose.size() > 0) {
+    known = {[&] { return are_most_mismatched(judged, innovation, by_pose, thresholds); },
+             [&](const GateReport& minority) {
+               return are_two_bodies(with_free_pose(judged, innovation), minority.accepted, thresholds);
+             }};
   }
   GateReport flagged = nothing_refused(groups.size());
   const std::size_t gross = flag_gross(judge.white(), thresholds, flagged);
   // What is constrained cannot put most points far from each other; what is trusted can.
   const bool trusts = model.constrained.cols() == 0;
   if (gross > 0 && (trusts ? 2 : 3) * gross <= (trusts ? 1 : 2) * groups.size()) {
-    return gate_robustly(judged, flagged, gross, thresholds, stands);
+    return gate_robustly(judged, flagged, gross, thresholds, known);
   }
   const std::size_t half = groups.size() / 2;
-  if (!eliminate(judge, groups, half, report) &&
-      !(stands && leaves_enough(judge, groups, half, report) && stands(report))) {
-    report.accepted.assign(groups.size(), true);
-    report.overruled = true;
+  if (eliminate(judge, groups, half, report)) {
+    return report;
   }
+  if (known) {
+    if (auto out = minority(*known, judge, groups, half, report, nothing_refused(groups.size()))) {
+      return *std::move(out);
+    }
+  }
+  report.accepted.assign(groups.size(), true);
+  report.overruled = true;
   return report;
 }
 

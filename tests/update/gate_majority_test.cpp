@@ -35,7 +35,7 @@ void move_pose(StereoProblem& problem, std::size_t first, double sigmas) {
 
 GateReport gated_where_most_may_move(const StereoProblem& problem, const ParameterErrorModel& model) {
   const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
-  return gate(frame.innovation, frame.groups, model, GateThresholds(0.999), Majority::kMayMove);
+  return gate(frame.innovation, frame.groups, model, GateThresholds(0.999), frame.by_pose);
 }
 
 /// A body that fills two thirds of the view and goes with the camera.
@@ -70,6 +70,40 @@ TEST(GateMajority, WhereTheStateIsWrongNoMinorityStands) {
     overruled += report.overruled ? 1 : 0;
   }
   EXPECT_GE(overruled, 2);
+}
+
+/// Pixels that are anywhere in the image.
+void mismatch(Generator& generator, StereoProblem& problem, std::size_t first) {
+  for (std::size_t g = first; g < problem.z.groups.size(); ++g) {
+    const RowGroup& group = problem.z.groups[g];
+    problem.z.residual.segment(group.row, group.rows) +=
+        200.0 *
+        VectorXd::NullaryExpr(group.rows, [&] { return std::normal_distribution<double>()(generator); });
+  }
+}
+
+/// Of eight points as of thirty: no five of the right ones are asked for.
+TEST(GateMajority, WhereMostAreMismatchedTheyAgreeOnNothing) {
+  Generator generator(23);
+  for (const std::size_t points : {8u, 30u}) {
+    for (const std::size_t right : {std::size_t{0}, points * 3 / 8}) {
+      StereoProblem problem = random_frame(generator, static_cast<int>(points));
+      draw_residual(generator, problem);
+      mismatch(generator, problem, right);
+      const ParameterErrorModel trusted;
+      const GateReport report = gated_where_most_may_move(problem, trusted);
+      const auto accepted_from = [&](std::size_t a, std::size_t b) {
+        return std::count(report.accepted.begin() + static_cast<std::ptrdiff_t>(a),
+                          report.accepted.begin() + static_cast<std::ptrdiff_t>(b), true);
+      };
+      EXPECT_FALSE(report.overruled) << points << " " << right;
+      EXPECT_GE(accepted_from(0, right) + 1, static_cast<std::ptrdiff_t>(right)) << points;
+      EXPECT_LE(accepted_from(right, points), 1) << points << " " << right;
+      const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
+      EXPECT_TRUE(gate(frame.innovation, frame.groups, trusted, GateThresholds(0.999)).overruled)
+          << "nobody knows the prediction: " << points << " " << right;
+    }
+  }
 }
 
 }  // namespace

@@ -76,6 +76,8 @@ struct FrameReport {
   /// The gate refused most points, of something that moves: the others agree with the inputs, and the two are
   /// not of one rigid world. These tracks are left out for MovingTracks::kLeftOut.
   bool most_move = false;
+  /// The gate refused most points, of which no pose and no calibration explains half: mismatches.
+  bool most_mismatched = false;
   /// After the frame's correction its points would have been farther from where they are seen than before: it
   /// was not made, and they were taken for new ones.
   bool led_astray = false;

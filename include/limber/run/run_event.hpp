@@ -23,6 +23,7 @@ enum class RunEventKind {
   kNoPoints,           ///< none could be used
   kGateOverruled,      ///< most points contradict the rig or the state
   kMostMove,           ///< most points move, and were left out
+  kMostMismatched,     ///< most points agree on nothing, and were left out
   kLedAstray,          ///< corrections that were not made
   kLeapt,              ///< the body, by many of its sigmas
   kStateContradicted,  ///< by most points, for long

@@ -13,6 +13,7 @@ struct FrameInnovation {
   Innovation innovation;           ///< of the turned measurement: all of its fourth rows are there
   std::vector<RowGroup> groups;    ///< where the rows of each group of the measurement are
   Eigen::MatrixXd seen_by_fourth;  ///< as in TurnedMeasurement
+  Eigen::MatrixXd by_pose;         ///< m×6: how the first six states, the pose, move the innovation's rows
 };
 
 /// @brief Turns the measurement, then forms the innovation.

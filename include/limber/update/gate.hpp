@@ -18,6 +18,8 @@ struct GateReport {
   /// More than half of the groups failed: then the model is wrong, not the points, and none of them is
   /// refused but for gross outliers.
   bool overruled = false;
+  /// Most groups were refused, and agree on nothing.
+  bool most_mismatched = false;
 
   /// Whether more than half of the groups were refused.
   [[nodiscard]] bool most_refused() const;
@@ -39,12 +41,6 @@ class GateThresholds {
   std::array<double, 5> of_point_;  // by degrees of freedom
 };
 
-/// Whether most groups may be of something that moves.
-enum class Majority {
-  kRight,   ///< nothing tells better than most of the groups how the body moved
-  kMayMove  ///< the prediction does, for a while: inputs without a fault
-};
-
 /// @brief Judges each group on its *projected* residual, so that a wrong calibration refuses no point.
 ///
 /// With dtheta_hat = (DᵀS⁻¹D)⁺DᵀS⁻¹r, group i is judged on (r − D dtheta_hat)_i with the diagonal block of
@@ -54,14 +50,18 @@ enum class Majority {
 /// One gross outlier spoils dtheta_hat for all others. So where a group fails, those that lie far from what
 /// most groups agree upon (find_consensus) go first, all at once, if they are less than half.
 ///
-/// Where more than half fail, the model is wrong and none is refused; unless most may move and five groups or
-/// more go on agreeing with the prediction, while no pose puts both them and the others where they are: then
-/// there are two bodies, and the one that the prediction knows is the world.
-/// @param groups       partition of the rows of the innovation: of a measurement as it is, or turned
+/// Where more than half fail, the model is wrong and none is refused, unless the prediction is known better
+/// than that. Then, where five groups or more go on agreeing with it, while no pose puts both them and the
+/// others where they are, there are two bodies, and the one that the prediction knows is the world. And where
+/// no pose and no parameters put half of the groups where they are, these are mismatched, and what agrees
+/// with the prediction is kept, which may be nothing.
+/// @param groups   partition of the rows of the innovation: of a measurement as it is, or turned
+/// @param by_pose  m×6, how a pose that is off moves the rows (FrameInnovation), where the prediction is
+///                 known, for a while: by inputs without a fault. Empty: most of the groups tell better
 /// @note O(m³) for S⁻¹, then O(m²) for each group that is dropped and nothing for gross outliers.
 [[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
                               const ParameterErrorModel& model, const GateThresholds& thresholds,
-                              Majority majority = Majority::kRight);
+                              const Eigen::MatrixXd& by_pose = {});
 
 /// Groups further than this many times their threshold (in squared distance) from the consensus are gross
 /// outliers.

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "judge.hpp"
+
+#include <utility>
+
+#include "kept_rows.hpp"
+#include "limber/update/constraint.hpp"
+
+namespace limber::detail {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// A residual whose variance the constraint cuts to less than this share is used up: it says nothing any
+/// more.
+constexpr double kUsedUp = 1e-9;
+
+/// eᵀ B⁺ e, where B is what the constraint leaves of the identity: in units of S, so that a huge variance in
+/// one direction (a new landmark's depth) does not hide what the others say.
+Distance mahalanobis(const VectorXd& e, const MatrixXd& B) {
+  const Cholesky root(B);
+  // No eigenvalue exceeds one, so that none is smaller than the determinant.
+  const double diagonal = root.factor().diagonal().prod();
+  if (root.succeeded() && diagonal * diagonal > 10.0 * kUsedUp) {
+    VectorXd white = e;
+    solve_lower(root.factor(), white);
+    return {white.squaredNorm(), e.size()};
+  }
+  const SymmetricEigen eigen = symmetric_eigen(B);
+  Distance out;
+  for (Index k = 0; k < e.size(); ++k) {
+    if (eigen.values(k) > kUsedUp) {
+      const double component = eigen.vectors.col(k).dot(e);
+      out.squared += component * component / eigen.values(k);
+      ++out.dof;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Judged Judged::subset(const std::vector<bool>& kept) const {
+  KeptRows rows = kept_rows(groups, kept, S.rows(), stateless());
+  Judged out{VectorXd(), S(rows.moved, rows.moved), MatrixXd(), std::move(rows.groups)};
+  for (const Index row : rows.stateless) {
+    rows.moved.push_back(S.rows() + row);
+  }
+  out.r = r(rows.moved);
+  out.DC = DC(rows.moved, Eigen::all);
+  return out;
+}
+
+/// Rows of an innovation as they are judged. What is white in time correlates all of them.
+Judged judged_rows(const Innovation& innovation, const std::vector<RowGroup>& groups,
+                   const ParameterErrorModel& model) {
+  const Index m = innovation.r.size(), q = innovation.stateless.residual.size();
+  Judged out{VectorXd(m + q), innovation.S, MatrixXd(m + q, model.constrained.cols()), groups};
+  out.r << innovation.r, innovation.stateless.residual;
+  if (model.constrained.cols() > 0) {
+    out.DC.topRows(m) = multiply(innovation.D, model.constrained);
+    out.DC.bottomRows(q) = multiply(innovation.stateless.D, model.constrained);
+  }
+  if (model.white_covariance.size() > 0) {
+    MatrixXd D(m + q, innovation.D.cols());
+    D << innovation.D, innovation.stateless.D;
+    out.S.setIdentity(m + q, m + q);
+    out.S.topLeftCorner(m, m) = innovation.S;
+    add_product(out.S, 1.0, D, multiply(model.white_covariance, transposed(D)));
+  }
+  return out;
+}
+
+Judge::Judge(const Judged& judged, const GateThresholds& thresholds)
+    : z_(judged),
+      white_(white_groups(judged.r, judged.S, judged.DC, judged.groups)),
+      thresholds_(thresholds),
+      llt_(judged.S),
+      DC_(judged.DC),
+      U_(judged.r.size(), 0) {
+  Vr_ = solved(z_.r);
+  VDC_ = solved(DC_);
+}
+
+Index Judge::worst(GateReport& report) {
+  const MatrixXd T = strong_combinations(DC_);
+  VectorXd delta(T.cols());
+  MatrixXd Minv(T.cols(), T.cols());
+  if (T.cols() > 0) {
+    PseudoInverse pseudo = pseudo_inverse(information(T), seen(T));
+    delta = std::move(pseudo.x);
+    Minv = std::move(pseudo.matrix);
+  }
+  const MatrixXd white_A = multiply(white_.A, T);
+  Index worst = -1;
+  double worst_ratio = 1.0;
+  for (std::size_t g = 0; g < z_.groups.size(); ++g) {
+    if (!report.accepted[g]) {
+      continue;
+    }
+    const Index row = white_.groups[g].row, rows = white_.groups[g].rows;
+    const auto A = white_A.middleRows(row, rows);
+    Distance d{white_.r.segment(row, rows).squaredNorm(), rows};
+    if (!A.isZero(0.0)) {
+      d = mahalanobis(white_.r.segment(row, rows) - A * delta,
+                      MatrixXd::Identity(rows, rows) - congruence(A, Minv));
+    }
+    report.distance[g] = d.squared;
+    report.threshold[g] = thresholds_.of(d.dof);
+    if (d.dof > 0 && d.squared > worst_ratio * report.threshold[g]) {
+      worst_ratio = d.squared / report.threshold[g];
+      worst = static_cast<Index>(g);
+    }
+  }
+  return worst;
+}
+
+Distance Judge::joint() const {
+  Distance out{z_.r.dot(Vr_), z_.r.size()};
+  const MatrixXd T = strong_combinations(DC_);
+  if (T.cols() > 0) {
+    const VectorXd b = seen(T);
+    out.squared -= b.dot(pseudo_inverse(information(T), b).x);
+    out.dof -= T.cols();
+  }
+  return out;
+}
+
+void Judge::drop(const RowGroup& group) {
+  const Index rows = group.rows + (group.fourth >= 0 ? 1 : 0);
+  MatrixXd column = MatrixXd::Zero(z_.r.size(), rows);  // of V
+  column.middleRows(group.row, group.rows).leftCols(group.rows).setIdentity();
+  if (group.fourth >= 0) {
+    column(group.fourth, group.rows) = 1.0;
+  }
+  column = solved(std::move(column));
+  add_product(column, -1.0, U_, transposed(rows_of(group, U_)));
+  const Cholesky pivot(rows_of(group, column));
+  solve_lower_from_right(transposed(pivot.factor()), column);  // V := V − column columnᵀ
+  Vr_ -= column * (column.transpose() * z_.r);
+  add_product(VDC_, -1.0, column, multiply(transposed(column), z_.DC));
+  DC_.middleRows(group.row, group.rows).setZero();
+  if (group.fourth >= 0) {
+    DC_.row(group.fourth).setZero();
+  }
+  U_.conservativeResize(Eigen::NoChange, U_.cols() + rows);
+  U_.rightCols(rows) = column;
+}
+
+/// Of combinations of what is constrained: Tᵀ (D C)ᵀ V D C T, and Tᵀ (D C)ᵀ V r.
+MatrixXd Judge::information(const MatrixXd& T) const {
+  return congruence(transposed(T), multiply(transposed(DC_), VDC_));
+}
+
+VectorXd Judge::seen(const MatrixXd& T) const { return T.transpose() * (DC_.transpose() * Vr_); }
+
+/// S⁻¹ X.
+MatrixXd Judge::solved(MatrixXd X) const {
+  X.topRows(z_.S.rows()) = llt_.solve(X.topRows(z_.S.rows()));
+  return X;
+}
+
+}  // namespace limber::detail

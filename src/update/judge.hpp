@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "limber/core/factors.hpp"
+#include "limber/update/gate.hpp"
+#include "limber/update/innovation.hpp"
+#include "limber/update/white_groups.hpp"
+
+/// Groups of rows judged beside each other, each on its projected residual: see gate().
+namespace limber::detail {
+
+struct Distance {
+  double squared = 0.0;  ///< Mahalanobis [-]
+  Eigen::Index dof = 0;
+};
+
+/// What is judged: residual, its covariance, and the directions that the gain must not see.
+struct Judged {
+  Eigen::VectorXd r;   ///< rows of S, then rows that no state moves: their covariance is the identity
+  Eigen::MatrixXd S;   ///< of the first
+  Eigen::MatrixXd DC;  ///< of all
+  std::vector<RowGroup> groups;
+
+  [[nodiscard]] Eigen::Index stateless() const { return r.size() - S.rows(); }
+
+  /// The same without the groups that are not kept.
+  [[nodiscard]] Judged subset(const std::vector<bool>& kept) const;
+};
+
+/// Rows of an innovation as they are judged. What is white in time correlates all of them.
+[[nodiscard]] Judged judged_rows(const Innovation& innovation, const std::vector<RowGroup>& groups,
+                                 const ParameterErrorModel& model);
+
+/// Judges the groups still in play. Dropping a group is block elimination in V = S⁻¹, of which only the
+/// products that the judgement needs are kept, as V = S⁻¹ − U Uᵀ: O(m²) each.
+class Judge {
+ public:
+  /// @param judged, thresholds  must outlive this
+  Judge(const Judged& judged, const GateThresholds& thresholds);
+
+  /// Whether S has an inverse.
+  [[nodiscard]] bool valid() const { return llt_.succeeded(); }
+  [[nodiscard]] const WhiteGroups& white() const { return white_; }
+
+  /// Judges the accepted groups; returns the one that exceeds its threshold most, or -1.
+  Eigen::Index worst(GateReport& report);
+
+  /// Squared distance of all rows, before any is dropped, after what is constrained has explained what it
+  /// can.
+  [[nodiscard]] Distance joint() const;
+
+  /// Takes the rows of a group out. What is left of D C may have fewer directions.
+  void drop(const RowGroup& group);
+
+ private:
+  [[nodiscard]] Eigen::MatrixXd information(const Eigen::MatrixXd& T) const;
+  [[nodiscard]] Eigen::VectorXd seen(const Eigen::MatrixXd& T) const;
+  [[nodiscard]] Eigen::MatrixXd solved(Eigen::MatrixXd X) const;
+
+  const Judged& z_;
+  WhiteGroups white_;
+  const GateThresholds& thresholds_;
+  Cholesky llt_;
+  Eigen::MatrixXd DC_;   // rows that were dropped are zero
+  Eigen::MatrixXd U_;    // of what was dropped
+  Eigen::VectorXd Vr_;   // V r
+  Eigen::MatrixXd VDC_;  // V D C
+};
+
+}  // namespace limber::detail
