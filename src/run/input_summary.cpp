@@ -108,7 +108,8 @@ std::string in_words(const RunEvent& e) {
           when);
     case RunEventKind::kMostMismatched:
       return fmt::format(
-          "{} most points agreed neither with the inputs nor with each other (mismatches): they were left out",
+          "{} most points agreed neither with the inputs nor with each other (mismatches): they were left "
+          "out",
           when);
     case RunEventKind::kLedAstray:
       return fmt::format(

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// In each frame anew a third of all points is anywhere, in both images.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <random>
+
+#include "limber/diagnose/run_summary.hpp"
+#include "limber/run/run_recording.hpp"
+#include "shipped_scenario.hpp"
+
+namespace limber {
+namespace {
+
+Recording flight_of_20_s(std::uint64_t seed) { return testing::realistic("drone_none", 20.0, seed); }
+
+Recording mismatched(Recording recording, std::uint64_t seed) {
+  constexpr double kShare = 0.3;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  const Camera camera = recording.calibration.cam0;
+  const auto anywhere = [&] {
+    return Eigen::Vector2d(camera.width * uniform(random), camera.height * uniform(random));
+  };
+  for (StereoFrame& frame : recording.frames) {
+    for (StereoObservation& point : frame.observations) {
+      if (uniform(random) < kShare) {
+        point.uv_cam0 = anywhere();
+        point.uv_cam1 = anywhere();
+      }
+    }
+  }
+  return recording;
+}
+
+void expect_twice_the_error_at_most(std::uint64_t seed, std::initializer_list<Method> methods) {
+  const Recording sound = flight_of_20_s(seed), disturbed = mismatched(sound, seed);
+  for (const Method method : methods) {
+    SCOPED_TRACE(to_string(method) + ", seed " + std::to_string(seed));
+    RunOptions options;
+    options.method = method;
+    const auto summary = [&](const Recording& recording) {
+      return summarize(recording, options, run_recording(recording, options, matched_frames(recording)));
+    };
+    const RunSummary with = summary(disturbed);
+    EXPECT_LT(with.ate_se3_m.value(), 2.0 * summary(sound).ate_se3_m.value());
+    EXPECT_LT(with.anees.value(), 3.0);
+    EXPECT_FALSE(with.inputs.lost_since_ns);
+  }
+}
+
+/// Of which half differs from one frame to the next: not all matches leapt. And most of a frame that sees
+/// eight points may be wrong: they do not overrule the gate of a method that trusts its rig.
+TEST(FullMismatches, OfAThirdInEachFrameCarryNothingAway) {
+  for (const std::uint64_t seed : {61, 62, 63, 64}) {
+    expect_twice_the_error_at_most(seed, {Method::kEkf, Method::kLcekf, Method::kAdaptive});
+  }
+}
+
+}  // namespace
+}  // namespace limber
