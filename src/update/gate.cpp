@@ -10,6 +10,7 @@
 #include "judge.hpp"
 #include "limber/core/chi_square.hpp"
 #include "limber/core/factors.hpp"
+#include "limber/core/median.hpp"
 #include "limber/update/consensus.hpp"
 #include "limber/update/constraint.hpp"
 #include "limber/update/white_groups.hpp"
@@ -30,6 +31,10 @@ constexpr double kWidestOffset = 10.0;
 /// Groups that agree with the prediction are no chance, and carry the state.
 constexpr std::size_t kEnoughAgree = 5;
 
+/// Groups that tell how far off half of them are; times that, thresholds shrink to; and no further.
+constexpr std::size_t kEnoughToCompare = 10;
+constexpr double kBeyondHalf = 2.0, kLeastShare = 0.01;
+
 constexpr double kAnywhere = 1000.0;  // pixels' noise
 
 constexpr double kRankCut = 1e-9;  // of the largest singular value
@@ -37,9 +42,10 @@ constexpr double kRankCut = 1e-9;  // of the largest singular value
 constexpr Index kPose = 6;  // rows of the state: it comes first
 
 /// Drops the worst group as long as one fails. @return false if more than `most` failed
-bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, std::size_t most, GateReport& report) {
+bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, const GateThresholds& thresholds,
+               std::size_t most, GateReport& report) {
   std::size_t dropped = 0;
-  for (Index worst = judge.worst(report); worst >= 0; worst = judge.worst(report)) {
+  for (Index worst = judge.worst(thresholds, report); worst >= 0; worst = judge.worst(thresholds, report)) {
     if (++dropped > most) {
       return false;
     }
@@ -75,7 +81,7 @@ bool are_two_bodies(const Judged& judged, const std::vector<bool>& accepted,
   std::vector<bool> refused = accepted;
   refused.flip();
   const Judged without = judged.subset(refused);
-  const Judge of_all(judged, thresholds), of_others(without, thresholds);
+  const Judge of_all(judged), of_others(without);
   if (!of_all.valid() || !of_others.valid()) {
     return false;
   }
@@ -102,9 +108,24 @@ bool are_most_mismatched(const Judged& judged, const Innovation& innovation, con
   return 2 * far > white.groups.size();
 }
 
+/// What noise is taken for may be much more than a frame shows of it: it stands for all that lasts in a
+/// point's pixels, too. A point that is off beside the others shows by theirs.
+GateThresholds as_half_are_off(const GateReport& report, const GateThresholds& thresholds) {
+  std::vector<double> ratios;
+  for (std::size_t g = 0; g < report.dof.size(); ++g) {
+    if (report.dof[g] > 0) {
+      ratios.push_back(report.distance[g] / thresholds.median_of(report.dof[g]));
+    }
+  }
+  if (ratios.size() < kEnoughToCompare) {
+    return thresholds;
+  }
+  return thresholds.times(std::clamp(kBeyondHalf * median(std::move(ratios)), kLeastShare, 1.0));
+}
+
 GateReport nothing_refused(std::size_t groups) {
-  return {std::vector<bool>(groups, true), std::vector<double>(groups, 0.0),
-          std::vector<double>(groups, 0.0)};
+  return {std::vector<bool>(groups, true), std::vector<double>(groups, 0.0), std::vector<double>(groups, 0.0),
+          std::vector<Index>(groups, 0)};
 }
 
 /// Flags the groups that lie far from what most agree upon. @return how many
@@ -116,6 +137,7 @@ std::size_t flag_gross(const WhiteGroups& white, const GateThresholds& threshold
     if (consensus.distance[g] > kGrossOutlier * threshold) {
       report.accepted[g] = false;
       report.distance[g] = consensus.distance[g];
+      report.dof[g] = white.groups[g].rows;
       report.threshold[g] = threshold;
       ++gross;
     }
@@ -136,6 +158,7 @@ GateReport with_inner(GateReport flagged, const GateReport& inner) {
     if (flagged.accepted[g]) {
       flagged.accepted[g] = inner.accepted[k];
       flagged.distance[g] = inner.distance[k];
+      flagged.dof[g] = inner.dof[k];
       flagged.threshold[g] = inner.threshold[k];
       ++k;
     }
@@ -148,11 +171,12 @@ GateReport with_inner(GateReport flagged, const GateReport& inner) {
 /// @param flagged  all groups, of which those judged are the accepted ones
 /// @return what became of all, if those that are left may stand
 std::optional<GateReport> minority(const KnownPrediction& known, Judge& judge,
-                                   const std::vector<RowGroup>& groups, std::size_t dropped,
-                                   GateReport& judged, const GateReport& flagged) {
+                                   const std::vector<RowGroup>& groups, const GateThresholds& thresholds,
+                                   std::size_t dropped, GateReport& judged, const GateReport& flagged) {
   const bool mismatched = known.most_are_mismatched();
   const std::size_t left = mismatched ? 0 : kEnoughAgree;
-  if (groups.size() < dropped + left || !eliminate(judge, groups, groups.size() - dropped - left, judged)) {
+  if (groups.size() < dropped + left ||
+      !eliminate(judge, groups, thresholds, groups.size() - dropped - left, judged)) {
     return std::nullopt;
   }
   GateReport out = with_inner(flagged, judged);
@@ -164,17 +188,17 @@ std::optional<GateReport> minority(const KnownPrediction& known, Judge& judge,
 GateReport gate_robustly(const Judged& judged, const GateReport& flagged, std::size_t gross,
                          const GateThresholds& thresholds, const std::optional<KnownPrediction>& known) {
   const Judged rest = judged.subset(flagged.accepted);
-  Judge judge(rest, thresholds);
+  Judge judge(rest);
   GateReport inner = nothing_refused(rest.groups.size());
   const std::size_t half = judged.groups.size() / 2;
   const std::size_t most = gross <= half ? half - gross : rest.groups.size() / 4;
-  if (!judge.valid() || eliminate(judge, rest.groups, most, inner)) {
+  if (!judge.valid() || eliminate(judge, rest.groups, thresholds, most, inner)) {
     return with_inner(flagged, inner);
   }
   GateReport all = inner;
   all.accepted.assign(rest.groups.size(), true);
   if (known) {
-    if (auto out = minority(*known, judge, rest.groups, most, inner, flagged)) {
+    if (auto out = minority(*known, judge, rest.groups, thresholds, most, inner, flagged)) {
       return *std::move(out);
     }
   }
@@ -185,15 +209,23 @@ GateReport gate_robustly(const Judged& judged, const GateReport& flagged, std::s
 
 }  // namespace
 
-GateThresholds::GateThresholds(double probability) : probability_(probability), of_point_{} {
-  for (std::size_t dof = 1; dof < of_point_.size(); ++dof) {
-    of_point_[dof] = chi_square_quantile(probability, static_cast<double>(dof));
+GateThresholds::GateThresholds(double probability) : threshold_(probability), median_(0.5) {}
+
+GateThresholds GateThresholds::times(double share) const {
+  GateThresholds out = *this;
+  out.share_ *= share;
+  return out;
+}
+
+GateThresholds::Quantiles::Quantiles(double p) : probability(p), of_point{} {
+  for (std::size_t dof = 1; dof < of_point.size(); ++dof) {
+    of_point[dof] = chi_square_quantile(p, static_cast<double>(dof));
   }
 }
 
-double GateThresholds::of(Index dof) const {
+double GateThresholds::Quantiles::of(Index dof) const {
   const auto at = static_cast<std::size_t>(dof);
-  return at < of_point_.size() ? of_point_[at] : chi_square_quantile(probability_, static_cast<double>(dof));
+  return at < of_point.size() ? of_point[at] : chi_square_quantile(probability, static_cast<double>(dof));
 }
 
 bool GateReport::most_refused() const {
@@ -205,22 +237,23 @@ bool GateReport::all_accepted() const {
 }
 
 GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                const ParameterErrorModel& model, const GateThresholds& thresholds, const MatrixXd& by_pose) {
+                const ParameterErrorModel& model, const GateThresholds& widest, const MatrixXd& by_pose) {
   const Judged judged = judged_rows(innovation, groups, model);
   GateReport report = nothing_refused(groups.size());
-  Judge judge(judged, thresholds);
+  Judge judge(judged);
   if (!judge.valid()) {
     return report;  // the update will say that S is singular
   }
-  const Index worst = judge.worst(report);
-  if (worst < 0) {
+  (void)judge.worst(widest, report);
+  const GateThresholds thresholds = as_half_are_off(report, widest);
+  if (judge.worst(thresholds, report) < 0) {
     return report;
   }
   std::optional<KnownPrediction> known;
   if (by_pose.size() > 0) {
-    known = {[&] { return are_most_mismatched(judged, innovation, by_pose, thresholds); },
+    known = {[&] { return are_most_mismatched(judged, innovation, by_pose, widest); },
              [&](const GateReport& minority) {
-               return are_two_bodies(with_free_pose(judged, innovation), minority.accepted, thresholds);
+               return are_two_bodies(with_free_pose(judged, innovation), minority.accepted, widest);
              }};
   }
   GateReport flagged = nothing_refused(groups.size());
@@ -231,11 +264,12 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
     return gate_robustly(judged, flagged, gross, thresholds, known);
   }
   const std::size_t half = groups.size() / 2;
-  if (eliminate(judge, groups, half, report)) {
+  if (eliminate(judge, groups, thresholds, half, report)) {
     return report;
   }
   if (known) {
-    if (auto out = minority(*known, judge, groups, half, report, nothing_refused(groups.size()))) {
+    if (auto out =
+            minority(*known, judge, groups, thresholds, half, report, nothing_refused(groups.size()))) {
       return *std::move(out);
     }
   }

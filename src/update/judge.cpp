@@ -74,10 +74,9 @@ Judged judged_rows(const Innovation& innovation, const std::vector<RowGroup>& gr
   return out;
 }
 
-Judge::Judge(const Judged& judged, const GateThresholds& thresholds)
+Judge::Judge(const Judged& judged)
     : z_(judged),
       white_(white_groups(judged.r, judged.S, judged.DC, judged.groups)),
-      thresholds_(thresholds),
       llt_(judged.S),
       DC_(judged.DC),
       U_(judged.r.size(), 0) {
@@ -85,7 +84,7 @@ Judge::Judge(const Judged& judged, const GateThresholds& thresholds)
   VDC_ = solved(DC_);
 }
 
-Index Judge::worst(GateReport& report) {
+Index Judge::worst(const GateThresholds& thresholds, GateReport& report) {
   const MatrixXd T = strong_combinations(DC_);
   VectorXd delta(T.cols());
   MatrixXd Minv(T.cols(), T.cols());
@@ -109,7 +108,8 @@ Index Judge::worst(GateReport& report) {
                       MatrixXd::Identity(rows, rows) - congruence(A, Minv));
     }
     report.distance[g] = d.squared;
-    report.threshold[g] = thresholds_.of(d.dof);
+    report.dof[g] = d.dof;
+    report.threshold[g] = thresholds.of(d.dof);
     if (d.dof > 0 && d.squared > worst_ratio * report.threshold[g]) {
       worst_ratio = d.squared / report.threshold[g];
       worst = static_cast<Index>(g);

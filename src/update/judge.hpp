@@ -38,15 +38,15 @@ struct Judged {
 /// products that the judgement needs are kept, as V = S⁻¹ − U Uᵀ: O(m²) each.
 class Judge {
  public:
-  /// @param judged, thresholds  must outlive this
-  Judge(const Judged& judged, const GateThresholds& thresholds);
+  /// @param judged  must outlive this
+  explicit Judge(const Judged& judged);
 
   /// Whether S has an inverse.
   [[nodiscard]] bool valid() const { return llt_.succeeded(); }
   [[nodiscard]] const WhiteGroups& white() const { return white_; }
 
   /// Judges the accepted groups; returns the one that exceeds its threshold most, or -1.
-  Eigen::Index worst(GateReport& report);
+  Eigen::Index worst(const GateThresholds& thresholds, GateReport& report);
 
   /// Squared distance of all rows, before any is dropped, after what is constrained has explained what it
   /// can.
@@ -62,7 +62,6 @@ class Judge {
 
   const Judged& z_;
   WhiteGroups white_;
-  const GateThresholds& thresholds_;
   Cholesky llt_;
   Eigen::MatrixXd DC_;   // rows that were dropped are zero
   Eigen::MatrixXd U_;    // of what was dropped

@@ -15,6 +15,7 @@ struct GateReport {
   std::vector<bool> accepted;     ///< one flag per group
   std::vector<double> distance;   ///< squared Mahalanobis distance when judged last [-], one per group
   std::vector<double> threshold;  ///< what it was compared with [-], one per group
+  std::vector<Eigen::Index> dof;  ///< degrees of freedom of the distance, one per group
   /// More than half of the groups failed: then the model is wrong, not the points, and none of them is
   /// refused but for gross outliers.
   bool overruled = false;
@@ -34,11 +35,23 @@ class GateThresholds {
   explicit GateThresholds(double probability);
 
   /// What a squared distance of so many degrees of freedom may be; 0 for none.
-  [[nodiscard]] double of(Eigen::Index dof) const;
+  [[nodiscard]] double of(Eigen::Index dof) const { return share_ * threshold_.of(dof); }
+  /// What half of all squared distances are below.
+  [[nodiscard]] double median_of(Eigen::Index dof) const { return median_.of(dof); }
+  /// The same, so many times as large.
+  [[nodiscard]] GateThresholds times(double share) const;
 
  private:
-  double probability_;
-  std::array<double, 5> of_point_;  // by degrees of freedom
+  struct Quantiles {
+    explicit Quantiles(double p);
+    [[nodiscard]] double of(Eigen::Index dof) const;
+
+    double probability;
+    std::array<double, 5> of_point;  // by degrees of freedom
+  };
+
+  Quantiles threshold_, median_;
+  double share_ = 1.0;
 };
 
 /// @brief Judges each group on its *projected* residual, so that a wrong calibration refuses no point.
@@ -49,6 +62,10 @@ class GateThresholds {
 ///
 /// One gross outlier spoils dtheta_hat for all others. So where a group fails, those that lie far from what
 /// most groups agree upon (find_consensus) go first, all at once, if they are less than half.
+///
+/// Thresholds are those of the noise that is assumed, but no more than twice what the distance of half of the
+/// groups lets expect: that noise stands for what lasts in pixels, too, and is several times what a frame
+/// shows. Something that begins to move would be within it, and take the state along.
 ///
 /// Where more than half fail, the model is wrong and none is refused, unless the prediction is known better
 /// than that. Then, where five groups or more go on agreeing with it, while no pose puts both them and the
