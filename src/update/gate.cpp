@@ -35,7 +35,10 @@ constexpr std::size_t kEnoughAgree = 5;
 constexpr std::size_t kEnoughToCompare = 10;
 constexpr double kBeyondHalf = 2.0, kLeastShare = 0.01;
 
-constexpr double kAnywhere = 1000.0;  // pixels' noise
+/// Mismatched groups are further than that many times their threshold (in squared distance) from where any
+/// pose would have them: five times the noise that is assumed may be noise. And how far that pose may be, in
+/// noise of a pixel.
+constexpr double kBeyondNoise = 25.0, kAnywhere = 1000.0;
 
 constexpr double kRankCut = 1e-9;  // of the largest singular value
 
@@ -103,7 +106,7 @@ bool are_most_mismatched(const Judged& judged, const Innovation& innovation, con
   const Consensus consensus = find_consensus(white, kAnywhere);
   std::size_t far = 0;
   for (std::size_t g = 0; g < white.groups.size(); ++g) {
-    far += consensus.distance[g] > kGrossOutlier * thresholds.of(white.groups[g].rows) ? 1 : 0;
+    far += consensus.distance[g] > kBeyondNoise * thresholds.of(white.groups[g].rows) ? 1 : 0;
   }
   return 2 * far > white.groups.size();
 }
@@ -245,7 +248,8 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
     return report;  // the update will say that S is singular
   }
   (void)judge.worst(widest, report);
-  const GateThresholds thresholds = as_half_are_off(report, widest);
+  // Where the prediction is not known its own errors are far from alike.
+  const GateThresholds thresholds = by_pose.size() > 0 ? as_half_are_off(report, widest) : widest;
   if (judge.worst(thresholds, report) < 0) {
     return report;
   }

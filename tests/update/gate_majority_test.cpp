@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "limber/update/frame_innovation.hpp"
 #include "limber/update/gate.hpp"
@@ -82,27 +83,66 @@ void mismatch(Generator& generator, StereoProblem& problem, std::size_t first) {
   }
 }
 
-/// Of eight points as of thirty: no five of the right ones are asked for.
+/// Of eight points as of thirty: no five of the right ones are asked for. Of eight that are all wrong a pose
+/// and a rig bring four together.
 TEST(GateMajority, WhereMostAreMismatchedTheyAgreeOnNothing) {
   Generator generator(23);
-  for (const std::size_t points : {8u, 30u}) {
-    for (const std::size_t right : {std::size_t{0}, points * 3 / 8}) {
-      StereoProblem problem = random_frame(generator, static_cast<int>(points));
-      draw_residual(generator, problem);
-      mismatch(generator, problem, right);
-      const ParameterErrorModel trusted;
-      const GateReport report = gated_where_most_may_move(problem, trusted);
-      const auto accepted_from = [&](std::size_t a, std::size_t b) {
-        return std::count(report.accepted.begin() + static_cast<std::ptrdiff_t>(a),
-                          report.accepted.begin() + static_cast<std::ptrdiff_t>(b), true);
-      };
-      EXPECT_FALSE(report.overruled) << points << " " << right;
-      EXPECT_GE(accepted_from(0, right) + 1, static_cast<std::ptrdiff_t>(right)) << points;
-      EXPECT_LE(accepted_from(right, points), 1) << points << " " << right;
-      const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
-      EXPECT_TRUE(gate(frame.innovation, frame.groups, trusted, GateThresholds(0.999)).overruled)
-          << "nobody knows the prediction: " << points << " " << right;
+  for (const auto& [points, right] : {std::pair{8, 3}, {30, 11}, {30, 0}}) {
+    SCOPED_TRACE(::testing::Message() << right << " of " << points);
+    StereoProblem problem = random_frame(generator, points);
+    draw_residual(generator, problem);
+    mismatch(generator, problem, static_cast<std::size_t>(right));
+    const GateReport report = gated_where_most_may_move(problem, {});
+    EXPECT_FALSE(report.overruled);
+    EXPECT_TRUE(report.most_mismatched);
+    const auto middle = report.accepted.begin() + right;
+    EXPECT_GE(std::count(report.accepted.begin(), middle, true), right - 1);
+    EXPECT_LE(std::count(middle, report.accepted.end(), true), 1);
+    const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
+    EXPECT_TRUE(gate(frame.innovation, frame.groups, {}, GateThresholds(0.999)).overruled)
+        << "nobody knows the prediction";
+  }
+}
+
+/// Pixels whose noise stands for what lasts in them show a third of it in a frame. What moves by two of its
+/// sigmas, less than half of all, is seen beside the others.
+TEST(GateMajority, ComparesPointsWithHowFarHalfOfThemAreOff) {
+  Generator generator(9);
+  std::ptrdiff_t moving = 0, standing = 0;
+  for (int run = 0; run < 20; ++run) {
+    StereoProblem problem = with_state_known(random_frame(generator, 30), 100.0);
+    draw_residual(generator, problem);
+    problem.z.residual *= 0.3;
+    for (std::size_t g = 0; g < 12; ++g) {
+      const RowGroup& group = problem.z.groups[g];
+      problem.z.residual.segment(group.row, group.rows) +=
+          2.0 * problem.z.sigma.segment(group.row, group.rows);
     }
+    const GateReport report = gated_where_most_may_move(problem, {});
+    EXPECT_FALSE(report.overruled);
+    moving += std::count(report.accepted.begin(), report.accepted.begin() + 12, false);
+    standing += std::count(report.accepted.begin() + 12, report.accepted.end(), false);
+  }
+  EXPECT_GE(moving, 20 * 12 * 8 / 10);
+  EXPECT_LE(standing, 20 * 18 / 50);
+}
+
+/// As often as it is told, a thousandth; whatever the rig is, and however much less than assumed is shown.
+TEST(GateMajority, RefusesGoodPointsNoMoreOftenThanItIsTold) {
+  Generator generator(1);
+  for (const double shown : {0.3, 0.5, 1.0}) {
+    std::ptrdiff_t by_chance = 0, points = 0;
+    for (int run = 0; run < 100; ++run) {
+      StereoProblem problem = random_frame(generator, 20);
+      draw_residual(generator, problem);
+      problem.z.residual *= shown;
+      problem.z.residual += problem.z.D * problem.C * VectorXd::Constant(problem.C.cols(), 10.0);
+      const GateReport report = gated_where_most_may_move(problem, problem.constrained());
+      EXPECT_FALSE(report.overruled) << shown;
+      by_chance += std::count(report.accepted.begin(), report.accepted.end(), false);
+      points += std::ssize(report.accepted);
+    }
+    EXPECT_LE(by_chance, 3 * points / 1000) << shown;
   }
 }
 

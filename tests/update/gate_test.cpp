@@ -10,7 +10,6 @@
 #include "check_covariance.hpp"
 #include "limber/core/chi_square.hpp"
 #include "limber/core/factors.hpp"
-#include "limber/core/median.hpp"
 #include "limber/update/consensus.hpp"
 #include "limber/update/constraint.hpp"
 #include "limber/update/frame_innovation.hpp"
@@ -58,17 +57,11 @@ VectorXd huge_error(const StereoProblem& problem) {
   return problem.C * signs.cwiseProduct(times);
 }
 
-GateReport everything_accepted(std::size_t n) {
-  return {std::vector<bool>(n, true), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0),
-          std::vector<Eigen::Index>(n, 0)};
-}
-
 /// The slow and obvious elimination: after each drop everything anew, dense, on the projected residual
 /// itself.
-/// @param share  of the usual thresholds
 /// @return whether no more than `most` groups had to go
-bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel& model, double share,
-                         std::size_t most, GateReport& report) {
+bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel& model, std::size_t most,
+                         GateReport& report) {
   const MatrixXd P = problem.P.dense();
   for (std::size_t dropped = 0;; ++dropped) {
     const LinearMeasurement z = problem.z.subset(report.accepted);
@@ -106,8 +99,7 @@ bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel
       block.setThreshold(1e-8);
       block.compute(white);
       report.distance[g] = white_e.dot(block.solve(white_e));
-      report.dof[g] = block.rank();
-      report.threshold[g] = share * chi_square_quantile(kProbability, static_cast<double>(block.rank()));
+      report.threshold[g] = chi_square_quantile(kProbability, static_cast<double>(block.rank()));
       if (report.distance[g] > worst_ratio * report.threshold[g]) {
         worst_ratio = report.distance[g] / report.threshold[g];
         worst = g;
@@ -125,8 +117,7 @@ bool obvious_elimination(const StereoProblem& problem, const ParameterErrorModel
 
 /// The groups that lie far from what most agree upon; none if these are more than half (two thirds of what is
 /// constrained).
-std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErrorModel& model,
-                                double share) {
+std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErrorModel& model) {
   const Innovation innovation = form_innovation(problem.P, problem.z);
   MatrixXd S = innovation.S;
   MatrixXd A(S.rows(), 0);
@@ -139,9 +130,9 @@ std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErr
   const Consensus consensus = find_consensus(white_groups(innovation.r, S, A, problem.z.groups), 10.0);
   std::vector<bool> gross(problem.z.groups.size());
   for (std::size_t g = 0; g < gross.size(); ++g) {
-    gross[g] = consensus.distance[g] >
-               kGrossOutlier * share *
-                   chi_square_quantile(kProbability, static_cast<double>(problem.z.groups[g].rows));
+    gross[g] =
+        consensus.distance[g] >
+        kGrossOutlier * chi_square_quantile(kProbability, static_cast<double>(problem.z.groups[g].rows));
   }
   const auto count = static_cast<std::size_t>(std::count(gross.begin(), gross.end(), true));
   if (model.constrained.cols() > 0 ? 3 * count > 2 * gross.size() : 2 * count > gross.size()) {
@@ -150,66 +141,44 @@ std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErr
   return gross;
 }
 
-/// Twice how far half of the groups are off, over what is to be expected of half; of ten or more.
-double obvious_share(const StereoProblem& problem, const ParameterErrorModel& model) {
-  const std::size_t n = problem.z.groups.size();
-  GateReport all = everything_accepted(n);
-  obvious_elimination(problem, model, 1.0, 0, all);
-  std::vector<double> ratios;
-  for (std::size_t g = 0; g < n; ++g) {
-    if (all.dof[g] > 0) {
-      ratios.push_back(all.distance[g] / chi_square_quantile(0.5, static_cast<double>(all.dof[g])));
-    }
-  }
-  return ratios.size() < 10 ? 1.0 : std::min(1.0, 2.0 * median(ratios));
-}
-
 GateReport obvious_gate(const StereoProblem& problem, const ParameterErrorModel& model) {
   const std::size_t n = problem.z.groups.size();
-  const double share = obvious_share(problem, model);
-  GateReport report = everything_accepted(n);
+  GateReport report{std::vector<bool>(n, true), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
   GateReport first = report;
-  if (obvious_elimination(problem, model, share, 0, first)) {
+  if (obvious_elimination(problem, model, 0, first)) {
     return first;  // none fails
   }
-  std::vector<bool> kept = obvious_gross(problem, model, share);
+  std::vector<bool> kept = obvious_gross(problem, model);
   kept.flip();
   report.accepted = kept;
   const auto gross = static_cast<std::size_t>(std::count(kept.begin(), kept.end(), false));
   const std::size_t most = gross <= n / 2 ? n / 2 - gross : (n - gross) / 4;
-  if (!obvious_elimination(problem, model, share, most, report)) {
+  if (!obvious_elimination(problem, model, most, report)) {
     report.accepted = kept;
     report.overruled = true;
   }
   return report;
 }
 
-/// A third of what the filter expects.
-void draw_small_residual(Generator& generator, StereoProblem& problem) {
-  draw_residual(generator, problem);
-  problem.z.residual *= 0.3;
-}
-
-/// Of 400 points some tenths may go by chance, as many as it is told.
 TEST(Gate, RefusesNoPointForAPureCalibrationError) {
   Generator generator(1);
-  std::size_t by_chance = 0;
   for (int k = 0; k < 20; ++k) {
     StereoProblem problem = random_frame(generator);
-    draw_small_residual(generator, problem);
-    problem.z.residual += problem.z.D * huge_error(problem);
-    by_chance += refused(gated(problem, problem.constrained())).size();
+    problem.z.residual =
+        problem.z.D * huge_error(problem) +
+        0.3 * problem.z.sigma.cwiseProduct(testing::random_normal(generator, problem.z.rows()));
+    EXPECT_TRUE(gated(problem, problem.constrained()).all_accepted());
     EXPECT_TRUE(gated(problem, {}).overruled) << "the error is too small to test anything";
   }
-  EXPECT_LE(by_chance, 2u);
 }
 
 TEST(Gate, DropsExactlyThePlantedOutliersUnderAHugeCalibrationError) {
   Generator generator(2);
   for (int k = 0; k < 20; ++k) {
     StereoProblem problem = random_frame(generator, 30);
-    draw_small_residual(generator, problem);
-    problem.z.residual += problem.z.D * huge_error(problem);
+    problem.z.residual =
+        problem.z.D * huge_error(problem) +
+        0.3 * problem.z.sigma.cwiseProduct(testing::random_normal(generator, problem.z.rows()));
     const std::set<std::size_t> planted = {3, 8, static_cast<std::size_t>(10 + k % 5)};
     for (const std::size_t g : planted) {
       const RowGroup& group = problem.z.groups[g];
@@ -242,7 +211,7 @@ TEST(Gate, AgreesWithTheSlowObviousOne) {
       model.white_covariance = multiply(problem.C, transposed(problem.C));
     }
     const GateReport expected = obvious_gate(problem, model);
-    const std::vector<bool> gross = obvious_gross(problem, model, obvious_share(problem, model));
+    const std::vector<bool> gross = obvious_gross(problem, model);
     for (const GateReport& found : {gated(problem, model), gated_as_it_is(problem, model)}) {
       EXPECT_EQ(found.accepted, expected.accepted) << k;
       EXPECT_EQ(found.overruled, expected.overruled) << k;
@@ -364,30 +333,6 @@ TEST(Gate, TellsThatNothingIsThereToJudge) {
   const GateReport report = gate(innovation, {}, {}, GateThresholds(kProbability));
   EXPECT_TRUE(report.all_accepted());
   EXPECT_TRUE(report.distance.empty());
-}
-
-/// Pixels whose noise stands for what lasts in them show a third of it in a frame. What moves by two of its
-/// sigmas, less than half of all, is seen beside the others.
-TEST(Gate, ComparesPointsWithHowFarHalfOfThemAreOff) {
-  Generator generator(9);
-  int refused_of_moving = 0, refused_of_others = 0;
-  for (int run = 0; run < 20; ++run) {
-    StereoProblem problem = random_frame(generator, 30);
-    problem.P.assign(1e-4 * problem.P.dense());
-    draw_small_residual(generator, problem);
-    for (std::size_t g = 0; g < 12; ++g) {
-      const RowGroup& group = problem.z.groups[g];
-      problem.z.residual.segment(group.row, group.rows) +=
-          2.0 * problem.z.sigma.segment(group.row, group.rows);
-    }
-    const GateReport report = gated(problem, {});
-    EXPECT_FALSE(report.overruled);
-    for (const std::size_t g : refused(report)) {
-      ++(g < 12 ? refused_of_moving : refused_of_others);
-    }
-  }
-  EXPECT_GE(refused_of_moving, 20 * 12 * 8 / 10);
-  EXPECT_LE(refused_of_others, 20 * 18 / 50);
 }
 
 /// Each good group is refused with probability 1 − p at least in the first judgement. Runs are independent,

@@ -63,15 +63,14 @@ class GateThresholds {
 /// One gross outlier spoils dtheta_hat for all others. So where a group fails, those that lie far from what
 /// most groups agree upon (find_consensus) go first, all at once, if they are less than half.
 ///
-/// Thresholds are those of the noise that is assumed, but no more than twice what the distance of half of the
-/// groups lets expect: that noise stands for what lasts in pixels, too, and is several times what a frame
-/// shows. Something that begins to move would be within it, and take the state along.
-///
 /// Where more than half fail, the model is wrong and none is refused, unless the prediction is known better
-/// than that. Then, where five groups or more go on agreeing with it, while no pose puts both them and the
+/// than that. Then thresholds are those of the noise that is assumed, but no more than twice what the
+/// distance of half of the groups lets expect: that noise stands for what lasts in pixels, too, and is
+/// several times what a frame shows. Something that begins to move would be within it, and take the state
+/// along. Where five groups or more go on agreeing with it, while no pose puts both them and the
 /// others where they are, there are two bodies, and the one that the prediction knows is the world. And where
-/// no pose and no parameters put half of the groups where they are, these are mismatched, and what agrees
-/// with the prediction is kept, which may be nothing.
+/// no pose and no parameters put half of the groups near where they are, these are mismatched, and what
+/// agrees with the prediction is kept, which may be nothing.
 /// @param groups   partition of the rows of the innovation: of a measurement as it is, or turned
 /// @param by_pose  m×6, how a pose that is off moves the rows (FrameInnovation), where the prediction is
 ///                 known, for a while: by inputs without a fault. Empty: most of the groups tell better
