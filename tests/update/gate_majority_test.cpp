@@ -83,24 +83,24 @@ void mismatch(Generator& generator, StereoProblem& problem, std::size_t first) {
   }
 }
 
-/// Of eight points as of thirty: no five of the right ones are asked for. Of eight that are all wrong a pose
-/// and a rig bring four together.
+/// Of eight a pose and a rig of any size bring half together in most frames: then they overrule as before.
 TEST(GateMajority, WhereMostAreMismatchedTheyAgreeOnNothing) {
   Generator generator(23);
-  for (const auto& [points, right] : {std::pair{8, 3}, {30, 11}, {30, 0}}) {
+  for (const auto& [points, right] : {std::pair{12, 4}, {30, 11}, {30, 0}}) {
     SCOPED_TRACE(::testing::Message() << right << " of " << points);
-    StereoProblem problem = random_frame(generator, points);
-    draw_residual(generator, problem);
-    mismatch(generator, problem, static_cast<std::size_t>(right));
-    const GateReport report = gated_where_most_may_move(problem, {});
-    EXPECT_FALSE(report.overruled);
-    EXPECT_TRUE(report.most_mismatched);
-    const auto middle = report.accepted.begin() + right;
-    EXPECT_GE(std::count(report.accepted.begin(), middle, true), right - 1);
-    EXPECT_LE(std::count(middle, report.accepted.end(), true), 1);
-    const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
-    EXPECT_TRUE(gate(frame.innovation, frame.groups, {}, GateThresholds(0.999)).overruled)
-        << "nobody knows the prediction";
+    for (int run = 0; run < 20; ++run) {
+      StereoProblem problem = with_state_known(random_frame(generator, points), 100.0);
+      draw_residual(generator, problem);
+      mismatch(generator, problem, static_cast<std::size_t>(right));
+      const GateReport report = gated_where_most_may_move(problem, {});
+      EXPECT_TRUE(report.most_mismatched);
+      const auto middle = report.accepted.begin() + right;
+      EXPECT_GE(std::count(report.accepted.begin(), middle, true), right - 1);
+      EXPECT_LE(std::count(middle, report.accepted.end(), true), 1);
+      const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
+      EXPECT_TRUE(gate(frame.innovation, frame.groups, {}, GateThresholds(0.999)).overruled)
+          << "nobody knows the prediction";
+    }
   }
 }
 
