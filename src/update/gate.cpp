@@ -35,10 +35,15 @@ constexpr std::size_t kEnoughAgree = 5;
 constexpr std::size_t kEnoughToCompare = 10;
 constexpr double kBeyondHalf = 2.0, kLeastShare = 0.01;
 
-/// Mismatched groups are further than that many times their threshold (in squared distance) from where any
-/// pose would have them: five times the noise that is assumed may be noise. And how far that pose may be, in
-/// noise of a pixel.
-constexpr double kBeyondNoise = 25.0, kAnywhere = 1000.0;
+/// Groups that agree on another pose and other parameters by no chance: three these fit exactly.
+constexpr std::size_t kEnoughElsewhere = 8;
+
+/// Mismatched groups are further than that many times their threshold (in squared distance) from there: five
+/// times the noise that is assumed may be noise.
+constexpr double kBeyondNoise = 25.0;
+
+/// How far a pose may be off, in a pixel's noise.
+constexpr double kAnywhere = 1000.0;
 
 constexpr double kRankCut = 1e-9;  // of the largest singular value
 
@@ -93,22 +98,26 @@ bool are_two_bodies(const Judged& judged, const std::vector<bool>& accepted,
          all.squared - others.squared > kGrossOutlier * thresholds.of(all.dof - others.dof);
 }
 
-/// Most groups are nowhere near where any pose and any parameters could put them together.
-bool are_most_mismatched(const Judged& judged, const Innovation& innovation, const MatrixXd& by_pose,
-                         const GateThresholds& thresholds) {
+/// What is judged, where the pose and all parameters may be off by anything.
+Judged with_free_everything(const Judged& judged, const Innovation& innovation, const MatrixXd& by_pose) {
   const Index m = innovation.r.size(), q = innovation.stateless.residual.size(), c = innovation.D.cols();
   MatrixXd anything = MatrixXd::Zero(m + q, by_pose.cols() + c);
   anything.topLeftCorner(m, by_pose.cols()) = by_pose;
   anything.topRightCorner(m, c) = innovation.D;
   anything.bottomRightCorner(q, c) = innovation.stateless.D;
-  const WhiteGroups white =
-      white_groups(judged.r, judged.S, pixels_in_each_direction(anything), judged.groups);
+  return {judged.r, judged.S, pixels_in_each_direction(anything), judged.groups};
+}
+
+/// Hardly a group is near where any pose and any parameters could put most of them together.
+/// @param free  with_free_everything
+bool are_mismatched(const Judged& free, const GateThresholds& thresholds) {
+  const WhiteGroups white = white_groups(free.r, free.S, free.DC, free.groups);
   const Consensus consensus = find_consensus(white, kAnywhere);
-  std::size_t far = 0;
+  std::size_t near = 0;
   for (std::size_t g = 0; g < white.groups.size(); ++g) {
-    far += consensus.distance[g] > kBeyondNoise * thresholds.of(white.groups[g].rows) ? 1 : 0;
+    near += consensus.distance[g] <= kBeyondNoise * thresholds.of(white.groups[g].rows) ? 1 : 0;
   }
-  return 2 * far > white.groups.size();
+  return near < std::max(kEnoughElsewhere, (white.groups.size() + 1) / 2);
 }
 
 /// What noise is taken for may be much more than a frame shows of it: it stands for all that lasts in a
@@ -150,7 +159,7 @@ std::size_t flag_gross(const WhiteGroups& white, const GateThresholds& threshold
 
 /// What a prediction that is known says where most groups fail; asked as rarely as that.
 struct KnownPrediction {
-  std::function<bool()> most_are_mismatched;
+  std::function<bool(const std::vector<bool>&)> are_mismatched;  // those that are flagged
   std::function<bool(const GateReport&)> knows_the_world;  // those that are left are a body of their own
 };
 
@@ -176,15 +185,20 @@ GateReport with_inner(GateReport flagged, const GateReport& inner) {
 std::optional<GateReport> minority(const KnownPrediction& known, Judge& judge,
                                    const std::vector<RowGroup>& groups, const GateThresholds& thresholds,
                                    std::size_t dropped, GateReport& judged, const GateReport& flagged) {
-  const bool mismatched = known.most_are_mismatched();
+  const bool mismatched = known.are_mismatched(std::vector<bool>(flagged.accepted.size(), true));
   const std::size_t left = mismatched ? 0 : kEnoughAgree;
   if (groups.size() < dropped + left ||
       !eliminate(judge, groups, thresholds, groups.size() - dropped - left, judged)) {
     return std::nullopt;
   }
   GateReport out = with_inner(flagged, judged);
-  out.most_mismatched = mismatched;
-  return mismatched || known.knows_the_world(out) ? std::optional(std::move(out)) : std::nullopt;
+  if (!mismatched && !known.knows_the_world(out)) {
+    return std::nullopt;
+  }
+  std::vector<bool> refused = out.accepted;
+  refused.flip();
+  out.most_mismatched = mismatched || known.are_mismatched(refused);  // a body agrees with itself
+  return out;
 }
 
 /// Without the gross outliers, the others in turn.
@@ -240,7 +254,8 @@ bool GateReport::all_accepted() const {
 }
 
 GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
-                const ParameterErrorModel& model, const GateThresholds& widest, const MatrixXd& by_pose) {
+                const ParameterErrorModel& model, const GateThresholds& widest,
+                const PredictedPose& predicted) {
   const Judged judged = judged_rows(innovation, groups, model);
   GateReport report = nothing_refused(groups.size());
   Judge judge(judged);
@@ -249,13 +264,17 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   }
   (void)judge.worst(widest, report);
   // Where the prediction is not known its own errors are far from alike.
-  const GateThresholds thresholds = by_pose.size() > 0 ? as_half_are_off(report, widest) : widest;
+  const GateThresholds thresholds = predicted.known ? as_half_are_off(report, widest) : widest;
   if (judge.worst(thresholds, report) < 0) {
     return report;
   }
   std::optional<KnownPrediction> known;
-  if (by_pose.size() > 0) {
-    known = {[&] { return are_most_mismatched(judged, innovation, by_pose, widest); },
+  if (predicted.known) {
+    known = {[&](const std::vector<bool>& some) {
+               return predicted.by_pose.size() > 0 &&
+                      are_mismatched(with_free_everything(judged, innovation, predicted.by_pose).subset(some),
+                                     widest);
+             },
              [&](const GateReport& minority) {
                return are_two_bodies(with_free_pose(judged, innovation), minority.accepted, widest);
              }};

@@ -36,7 +36,7 @@ void move_pose(StereoProblem& problem, std::size_t first, double sigmas) {
 
 GateReport gated_where_most_may_move(const StereoProblem& problem, const ParameterErrorModel& model) {
   const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
-  return gate(frame.innovation, frame.groups, model, GateThresholds(0.999), frame.by_pose);
+  return gate(frame.innovation, frame.groups, model, GateThresholds(0.999), {true, frame.by_pose});
 }
 
 /// A body that fills two thirds of the view and goes with the camera.

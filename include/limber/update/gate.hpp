@@ -54,6 +54,15 @@ class GateThresholds {
   double share_ = 1.0;
 };
 
+/// What is known of the pose that the groups were predicted with.
+struct PredictedPose {
+  /// For a while, by inputs without a fault: better than by most of the groups.
+  bool known = false;
+  /// m×6: how it moves the rows (FrameInnovation), where it is known to some pixels, as by an IMU; else
+  /// empty.
+  Eigen::MatrixXd by_pose{};
+};
+
 /// @brief Judges each group on its *projected* residual, so that a wrong calibration refuses no point.
 ///
 /// With dtheta_hat = (DᵀS⁻¹D)⁺DᵀS⁻¹r, group i is judged on (r − D dtheta_hat)_i with the diagonal block of
@@ -69,15 +78,13 @@ class GateThresholds {
 /// several times what a frame shows. Something that begins to move would be within it, and take the state
 /// along. Where five groups or more go on agreeing with it, while no pose puts both them and the
 /// others where they are, there are two bodies, and the one that the prediction knows is the world. And where
-/// no pose and no parameters put half of the groups near where they are, these are mismatched, and what
-/// agrees with the prediction is kept, which may be nothing.
-/// @param groups   partition of the rows of the innovation: of a measurement as it is, or turned
-/// @param by_pose  m×6, how a pose that is off moves the rows (FrameInnovation), where the prediction is
-///                 known, for a while: by inputs without a fault. Empty: most of the groups tell better
+/// it is known to some pixels, while no pose and no parameters put half of the groups, and eight, near where
+/// they are, these are mismatched, and what agrees with the prediction is kept, which may be nothing.
+/// @param groups  partition of the rows of the innovation: of a measurement as it is, or turned
 /// @note O(m³) for S⁻¹, then O(m²) for each group that is dropped and nothing for gross outliers.
 [[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
                               const ParameterErrorModel& model, const GateThresholds& thresholds,
-                              const Eigen::MatrixXd& by_pose = {});
+                              const PredictedPose& predicted = {});
 
 /// Groups further than this many times their threshold (in squared distance) from the consensus are gross
 /// outliers.
