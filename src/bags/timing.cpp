@@ -27,7 +27,7 @@ Timing timing_of(const std::vector<std::int64_t>& t_ns) {
     out.repeated += t_ns[k] == t_ns[k - 1] ? 1 : 0;
     if (t_ns[k] < latest) {
       ++out.backward;
-      if (const double step_s = to_seconds(latest - t_ns[k]); step_s > out.largest_step_back_s) {
+      if (const double step_s = seconds_between(t_ns[k], latest); step_s > out.largest_step_back_s) {
         out.largest_step_back_s = step_s;
         out.stepped_back_at_ns = latest;
       }
@@ -40,7 +40,7 @@ Timing timing_of(const std::vector<std::int64_t>& t_ns) {
   out.last_ns = sorted.back();
   std::vector<double> intervals;
   for (std::size_t k = 1; k < sorted.size(); ++k) {
-    intervals.push_back(to_seconds(sorted[k] - sorted[k - 1]));
+    intervals.push_back(seconds_between(sorted[k - 1], sorted[k]));
     if (intervals.back() > out.longest_gap_s) {
       out.longest_gap_s = intervals.back();
       out.longest_gap_at_ns = sorted[k - 1];
@@ -73,7 +73,7 @@ PairedTimes pair_times(const std::vector<std::int64_t>& left, const std::vector<
       ++r;
     }
     if (std::abs(right[r] - left[l]) <= farthest) {
-      differences.push_back(to_seconds(right[r] - left[l]));
+      differences.push_back(seconds_between(left[l], right[r]));
       out.pairs.emplace_back(l, r++);
     }
   }

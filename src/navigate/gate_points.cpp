@@ -31,9 +31,8 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const F
     return accepted;
   }
   const bool known = report.inputs.status == InputStatus::kSound && blind_turn_ <= kKnownTurn * kKnownTurn;
-  const GateReport gated =
-      gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_,
-           {known, known && options_.motion == MotionModel::kImu ? seen.by_pose : MatrixXd()});
+  const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_,
+                                {known, options_.motion == MotionModel::kImu ? seen.by_pose : MatrixXd()});
   report.gate_overruled = gated.overruled;
   report.most_mismatched = gated.most_mismatched;
   report.most_move = known && gated.most_refused() && !gated.most_mismatched;

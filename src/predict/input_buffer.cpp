@@ -54,7 +54,7 @@ void InputBuffer::add(const InputSample& sample) {
   linear_seen_.add(sample.t_ns, sample.linear);
   Smooth smooth{sample.angular, sample.linear};
   if (!samples_.empty()) {
-    const double kept = std::exp(-to_seconds(sample.t_ns - samples_.back().t_ns) / kSmoothing);
+    const double kept = std::exp(-seconds_between(samples_.back().t_ns, sample.t_ns) / kSmoothing);
     smooth.angular += kept * (smooth_.back().angular - sample.angular);
     smooth.linear += kept * (smooth_.back().linear - sample.linear);
   }
@@ -116,8 +116,8 @@ double InputBuffer::gap_around(std::size_t next, std::int64_t begin_ns, std::int
 void InputBuffer::doubt(InputStep& step, std::size_t next, std::int64_t begin_ns) const {
   const std::int64_t middle = begin_ns + (step.t_end_ns - begin_ns) / 2;
   constexpr double kFar = 1e9;  // [s]
-  const double since = next > 0 ? to_seconds(middle - samples_[next - 1].t_ns) : kFar;
-  const double until = next < samples_.size() ? to_seconds(samples_[next].t_ns - middle) : kFar;
+  const double since = next > 0 ? seconds_between(samples_[next - 1].t_ns, middle) : kFar;
+  const double until = next < samples_.size() ? seconds_between(middle, samples_[next].t_ns) : kFar;
   // Between two samples as far as from two that pull together; from one, as far as it is away.
   const double away = since * until / (since + until), lasting = std::min(since + until, kFar);
   step.angular_unknown = unknown(angular_seen_, prior_.angular, away, lasting);
@@ -140,7 +140,7 @@ std::vector<InputStep> InputBuffer::steps(std::int64_t begin_ns, std::int64_t en
     const bool reaches_sample = next < samples_.size() && samples_[next].t_ns <= stop_ns;
     const std::int64_t t_to = reaches_sample ? samples_[next].t_ns : stop_ns;
     const InputSample to = reaches_sample ? samples_[next] : at(t_to, next);
-    InputStep step{t_to, to_seconds(t_to - t), 0.5 * (from.angular + to.angular),
+    InputStep step{t_to, seconds_between(t, t_to), 0.5 * (from.angular + to.angular),
                    0.5 * (from.linear + to.linear), gap};
     if (gap > 1.0) {
       doubt(step, next, t);
@@ -183,7 +183,7 @@ double InputBuffer::longest_gap_s(std::int64_t begin_ns, std::int64_t end_ns) co
     const std::int64_t from = next > 0 ? samples_[next - 1].t_ns : begin_ns;
     const std::int64_t to = last ? end_ns : samples_[next].t_ns;
     if (gap_around(next, begin_ns, end_ns) > 1.0) {
-      longest = std::max(longest, to_seconds(to - from));
+      longest = std::max(longest, seconds_between(from, to));
     }
     t = to;
   }

@@ -141,13 +141,13 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
     const auto add = [&](RunEventKind kind) -> RunEvent& {
       return event_at(out.events, kind, before_ns, frame.t_ns);
     };
-    if (frame.inputs.gap_s < to_seconds(frame.t_ns - before_ns)) silent_since_ns = frame.t_ns;
+    if (frame.inputs.gap_s < seconds_between(before_ns, frame.t_ns)) silent_since_ns = frame.t_ns;
     if (frame.inputs.status == InputStatus::kNone && frame.t_ns > before_ns) {
       add(RunEventKind::kNoInputs);
     } else if (frame.inputs.gap_s > 0.0) {
       RunEvent& event = add(RunEventKind::kGap);
       event.longest_s =
-          std::max({event.longest_s, frame.inputs.gap_s, to_seconds(frame.t_ns - silent_since_ns)});
+          std::max({event.longest_s, frame.inputs.gap_s, seconds_between(silent_since_ns, frame.t_ns)});
     }
     for (std::size_t k = 0; k < kInputFaults; ++k) {
       if (frame.inputs.faults.count[k] > 0) {
@@ -182,7 +182,7 @@ InputSummary summarize_inputs(const std::vector<FrameReport>& frames) {
       contradicted_since_ns.reset();
     } else if (!contradicted_since_ns) {
       contradicted_since_ns = frame.t_ns;
-    } else if (to_seconds(frame.t_ns - *contradicted_since_ns) >= kLostAfter) {
+    } else if (seconds_between(*contradicted_since_ns, frame.t_ns) >= kLostAfter) {
       add(RunEventKind::kStateContradicted);
       out.lost_since_ns = out.lost_since_ns.value_or(*contradicted_since_ns);
     }

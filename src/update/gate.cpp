@@ -49,18 +49,39 @@ constexpr double kRankCut = 1e-9;  // of the largest singular value
 
 constexpr Index kPose = 6;  // rows of the state: it comes first
 
+/// The accepted group that exceeds its threshold most, or -1.
+Index worst_of(const GateThresholds& thresholds, GateReport& report) {
+  Index worst = -1;
+  double worst_ratio = 1.0;
+  for (std::size_t g = 0; g < report.accepted.size(); ++g) {
+    if (!report.accepted[g]) {
+      continue;
+    }
+    report.threshold[g] = thresholds.of(report.dof[g]);
+    if (report.dof[g] > 0 && report.distance[g] > worst_ratio * report.threshold[g]) {
+      worst_ratio = report.distance[g] / report.threshold[g];
+      worst = static_cast<Index>(g);
+    }
+  }
+  return worst;
+}
+
 /// Drops the worst group as long as one fails. @return false if more than `most` failed
 bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, const GateThresholds& thresholds,
                std::size_t most, GateReport& report) {
   std::size_t dropped = 0;
-  for (Index worst = judge.worst(thresholds, report); worst >= 0; worst = judge.worst(thresholds, report)) {
+  for (;;) {
+    judge.measure(report);
+    const Index worst = worst_of(thresholds, report);
+    if (worst < 0) {
+      return true;
+    }
     if (++dropped > most) {
       return false;
     }
     report.accepted[static_cast<std::size_t>(worst)] = false;
     judge.drop(groups[static_cast<std::size_t>(worst)]);
   }
-  return true;
 }
 
 /// The directions of a column space, each of a pixel's noise a row: how well a pose is known makes none weak.
@@ -262,10 +283,10 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   if (!judge.valid()) {
     return report;  // the update will say that S is singular
   }
-  (void)judge.worst(widest, report);
+  judge.measure(report);
   // Where the prediction is not known its own errors are far from alike.
   const GateThresholds thresholds = predicted.known ? as_half_are_off(report, widest) : widest;
-  if (judge.worst(thresholds, report) < 0) {
+  if (worst_of(thresholds, report) < 0) {
     return report;
   }
   std::optional<KnownPrediction> known;

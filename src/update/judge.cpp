@@ -84,7 +84,7 @@ Judge::Judge(const Judged& judged)
   VDC_ = solved(DC_);
 }
 
-Index Judge::worst(const GateThresholds& thresholds, GateReport& report) {
+void Judge::measure(GateReport& report) const {
   const MatrixXd T = strong_combinations(DC_);
   VectorXd delta(T.cols());
   MatrixXd Minv(T.cols(), T.cols());
@@ -94,8 +94,6 @@ Index Judge::worst(const GateThresholds& thresholds, GateReport& report) {
     Minv = std::move(pseudo.matrix);
   }
   const MatrixXd white_A = multiply(white_.A, T);
-  Index worst = -1;
-  double worst_ratio = 1.0;
   for (std::size_t g = 0; g < z_.groups.size(); ++g) {
     if (!report.accepted[g]) {
       continue;
@@ -109,13 +107,7 @@ Index Judge::worst(const GateThresholds& thresholds, GateReport& report) {
     }
     report.distance[g] = d.squared;
     report.dof[g] = d.dof;
-    report.threshold[g] = thresholds.of(d.dof);
-    if (d.dof > 0 && d.squared > worst_ratio * report.threshold[g]) {
-      worst_ratio = d.squared / report.threshold[g];
-      worst = static_cast<Index>(g);
-    }
   }
-  return worst;
 }
 
 Distance Judge::joint() const {

@@ -45,8 +45,8 @@ class Judge {
   [[nodiscard]] bool valid() const { return llt_.succeeded(); }
   [[nodiscard]] const WhiteGroups& white() const { return white_; }
 
-  /// Judges the accepted groups; returns the one that exceeds its threshold most, or -1.
-  Eigen::Index worst(const GateThresholds& thresholds, GateReport& report);
+  /// How far the accepted groups are off, beside each other.
+  void measure(GateReport& report) const;
 
   /// Squared distance of all rows, before any is dropped, after what is constrained has explained what it
   /// can.

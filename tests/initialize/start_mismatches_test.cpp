@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "initialize/started.hpp"
 #include "limber/core/so3.hpp"
+#include "mismatch.hpp"
 
 namespace limber {
 namespace {
@@ -15,22 +15,8 @@ namespace {
 using testing::Scene;
 using testing::Started;
 
-/// Of every point in every frame with this probability: both pixels are anywhere.
 Scene mismatched(Scene scene, double share) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  const Camera& camera = scene.calibration.cam0;
-  const auto anywhere = [&] {
-    return Eigen::Vector2d(camera.width * uniform(random), camera.height * uniform(random));
-  };
-  for (StereoFrame& frame : scene.frames) {
-    for (StereoObservation& o : frame.observations) {
-      if (uniform(random) < share) {
-        o.uv_cam0 = anywhere();
-        o.uv_cam1 = anywhere();
-      }
-    }
-  }
+  testing::mismatch(scene.frames, scene.calibration.cam0, share, 5);
   return scene;
 }
 

@@ -7,6 +7,7 @@
 #include "limber/run/shared_starts.hpp"
 #include "limber/simulate/scenario_presets.hpp"
 #include "limber/simulate/simulator.hpp"
+#include "run_and_summarize.hpp"
 #include "shipped_scenario.hpp"
 
 namespace limber {
@@ -57,8 +58,7 @@ TEST(AdaptiveAndFailingInputs, ARigThatWasOffBeforeTheFaultIsNotTrustedThroughIt
     RunOptions options;
     options.method = method;
     options.start = StartMode::kGroundTruth;
-    return summarize(recording, options, run_recording(recording, options, matched_frames(recording)))
-        .ate_se3_m.value();
+    return testing::run_and_summarize(recording, options).ate_se3_m.value();
   };
   EXPECT_LT(ate(Method::kAdaptive), 2.0 * ate(Method::kLcekf));
 }

@@ -4,10 +4,9 @@
 
 #include <cstdint>
 #include <initializer_list>
-#include <random>
 
-#include "limber/diagnose/run_summary.hpp"
-#include "limber/run/run_recording.hpp"
+#include "mismatch.hpp"
+#include "run_and_summarize.hpp"
 #include "shipped_scenario.hpp"
 
 namespace limber {
@@ -16,21 +15,7 @@ namespace {
 Recording flight_of_20_s(std::uint64_t seed) { return testing::realistic("drone_none", 20.0, seed); }
 
 Recording mismatched(Recording recording, std::uint64_t seed) {
-  constexpr double kShare = 0.3;
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  const Camera camera = recording.calibration.cam0;
-  const auto anywhere = [&] {
-    return Eigen::Vector2d(camera.width * uniform(random), camera.height * uniform(random));
-  };
-  for (StereoFrame& frame : recording.frames) {
-    for (StereoObservation& point : frame.observations) {
-      if (uniform(random) < kShare) {
-        point.uv_cam0 = anywhere();
-        point.uv_cam1 = anywhere();
-      }
-    }
-  }
+  testing::mismatch(recording.frames, recording.calibration.cam0, 0.3, static_cast<std::uint32_t>(seed));
   return recording;
 }
 
@@ -41,7 +26,7 @@ void expect_twice_the_error_at_most(std::uint64_t seed, std::initializer_list<Me
     RunOptions options;
     options.method = method;
     const auto summary = [&](const Recording& recording) {
-      return summarize(recording, options, run_recording(recording, options, matched_frames(recording)));
+      return testing::run_and_summarize(recording, options);
     };
     const RunSummary with = summary(disturbed);
     EXPECT_LT(with.ate_se3_m.value(), 2.0 * summary(sound).ate_se3_m.value());

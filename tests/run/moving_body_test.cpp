@@ -13,6 +13,7 @@
 #include "limber/measure/rig.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/sensors/camera.hpp"
+#include "run_and_summarize.hpp"
 #include "shipped_scenario.hpp"
 
 namespace limber {
@@ -72,7 +73,7 @@ void expect_not_carried_away(std::uint64_t seed, std::initializer_list<Method> m
     RunOptions options;
     options.method = method;
     const auto summary = [&](const Recording& recording) {
-      return summarize(recording, options, run_recording(recording, options, matched_frames(recording)));
+      return testing::run_and_summarize(recording, options);
     };
     const RunSummary with = summary(disturbed);
     EXPECT_LT(with.ate_se3_m.value(), 4.0 * summary(sound).ate_se3_m.value());

@@ -7,6 +7,7 @@
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/simulate/simulator.hpp"
+#include "run_and_summarize.hpp"
 #include "shipped_scenario.hpp"
 
 namespace limber {
@@ -30,7 +31,7 @@ RunSummary summary(Method method, const Recording& recording, std::optional<doub
   RunOptions options;
   options.method = method;
   options.odometry_scale = doubted;
-  return summarize(recording, options, run_recording(recording, options, matched_frames(recording)));
+  return testing::run_and_summarize(recording, options);
 }
 
 TEST(OdometryScale, OfWheelsIsInWhatLengthsAreKnownTo) {

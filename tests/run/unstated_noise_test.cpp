@@ -8,6 +8,7 @@
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/simulate/simulator.hpp"
+#include "run_and_summarize.hpp"
 #include "shipped_scenario.hpp"
 
 namespace limber {
@@ -128,8 +129,7 @@ double anees(bool doubt_mount, double degrees_off, const RigParameters& rig_off)
   options.assume_error.head<6>() = rig_off;
   options.assume_error[first_of(ParameterBlock::kMount) + 2] = degrees_off * std::numbers::pi / 180.0;
   const Recording recording = simulate(with_odometry(15.0, 0.05, 0.01), 5);
-  return summarize(recording, options, run_recording(recording, options, matched_frames(recording)))
-      .anees.value();
+  return testing::run_and_summarize(recording, options).anees.value();
 }
 
 TEST(UnstatedOdometryMount, MayBeOffByAFewTenthsOfADegree) {
