@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -11,9 +10,8 @@
 namespace limber::testing {
 
 /// Of every point in every frame with this probability: both pixels are anywhere.
-inline void mismatch(std::vector<StereoFrame>& frames, const Camera& camera, double share,
-                     std::uint32_t seed) {
-  std::mt19937 random(seed);
+template <typename Generator>
+void mismatch(std::vector<StereoFrame>& frames, const Camera& camera, double share, Generator random) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   const auto anywhere = [&] {
     return Eigen::Vector2d(camera.width * uniform(random), camera.height * uniform(random));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <random>
 #include <vector>
 
 #include "initialize/started.hpp"
@@ -16,7 +17,7 @@ using testing::Scene;
 using testing::Started;
 
 Scene mismatched(Scene scene, double share) {
-  testing::mismatch(scene.frames, scene.calibration.cam0, share, 5);
+  testing::mismatch(scene.frames, scene.calibration.cam0, share, std::mt19937(5));
   return scene;
 }
 

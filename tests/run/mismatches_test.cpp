@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <initializer_list>
+#include <random>
 
 #include "mismatch.hpp"
 #include "run_and_summarize.hpp"
@@ -15,7 +16,7 @@ namespace {
 Recording flight_of_20_s(std::uint64_t seed) { return testing::realistic("drone_none", 20.0, seed); }
 
 Recording mismatched(Recording recording, std::uint64_t seed) {
-  testing::mismatch(recording.frames, recording.calibration.cam0, 0.3, static_cast<std::uint32_t>(seed));
+  testing::mismatch(recording.frames, recording.calibration.cam0, 0.3, std::mt19937_64(seed));
   return recording;
 }
 
@@ -36,7 +37,8 @@ void expect_twice_the_error_at_most(std::uint64_t seed, std::initializer_list<Me
 }
 
 /// Of which half differs from one frame to the next: not all matches leapt. And most of a frame that sees
-/// eight points may be wrong: they do not overrule the gate of a method that trusts its rig.
+/// eight points may be wrong: they do not overrule the gate of a method that trusts its rig. With other draws
+/// twice the error is missed by some: docs/evidence/faults.md.
 TEST(FullMismatches, OfAThirdInEachFrameCarryNothingAway) {
   for (const std::uint64_t seed : {61, 62, 63, 64}) {
     expect_twice_the_error_at_most(seed, {Method::kEkf, Method::kLcekf, Method::kAdaptive});
