@@ -141,7 +141,8 @@ std::size_t contradicted_from(const WindowState& whole, const WindowState& witho
   const auto sum = [from](const std::vector<double>& of) {
     return std::accumulate(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(from), 0.0);
   };
-  return sum(after) > (1.0 - kFewBeyond) * sum(before) ? from : frames;
+  const bool most_before = 2 * from >= frames;
+  return most_before && sum(after) > (1.0 - kFewBeyond) * sum(before) ? from : frames;
 }
 
 std::size_t drop_mismatches(const WindowModel& model, WindowState& state, std::size_t end) {

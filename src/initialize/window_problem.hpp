@@ -155,7 +155,8 @@ void forget_sums(WindowState& state);
 std::size_t drop_mismatches(const WindowModel& model, WindowState& state, std::size_t end);
 
 /// @brief The first of the frames at the end of a solution that lost more than a quarter of their pixels as
-/// mismatches, where the others lost few: it is the inputs that contradict them. Else the number of frames.
+/// mismatches, where the others, half of all at least, lost few: it is the inputs that contradict them. Else
+/// the number of frames.
 [[nodiscard]] std::size_t contradicted_from(const WindowState& whole, const WindowState& without_mismatches);
 
 /// @brief Takes out of a guess the pixels that are off by more than an image: a camera that is guessed to
