@@ -66,13 +66,41 @@ Index worst_of(const GateThresholds& thresholds, GateReport& report) {
   return worst;
 }
 
+/// What noise is taken for may be much more than a frame shows of it: it stands for all that lasts in a
+/// point's pixels, too. A point that is off beside the others shows by theirs.
+GateThresholds as_half_are_off(const GateReport& report, const GateThresholds& widest) {
+  std::vector<double> ratios;
+  for (std::size_t g = 0; g < report.dof.size(); ++g) {
+    if (report.accepted[g] && report.dof[g] > 0) {
+      ratios.push_back(report.distance[g] / widest.median_of(report.dof[g]));
+    }
+  }
+  if (ratios.size() < kEnoughToCompare) {
+    return widest;
+  }
+  return widest.times(std::clamp(kBeyondHalf * median(std::move(ratios)), kLeastShare, 1.0));
+}
+
+/// How far off a group may be.
+struct Limits {
+  GateThresholds widest;
+  bool compares;  ///< with half of the groups that are left: where the pose is not known, or not well, its
+                  ///< own errors are far from alike
+
+  /// By what the accepted groups show: beside a mismatch that is still among them parameters that are open
+  /// put all others elsewhere.
+  [[nodiscard]] GateThresholds of(const GateReport& report) const {
+    return compares ? as_half_are_off(report, widest) : widest;
+  }
+};
+
 /// Drops the worst group as long as one fails. @return false if more than `most` failed
-bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, const GateThresholds& thresholds,
-               std::size_t most, GateReport& report) {
+bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, const Limits& limits, std::size_t most,
+               GateReport& report) {
   std::size_t dropped = 0;
   for (;;) {
     judge.measure(report);
-    const Index worst = worst_of(thresholds, report);
+    const Index worst = worst_of(limits.of(report), report);
     if (worst < 0) {
       return true;
     }
@@ -126,7 +154,7 @@ Judged with_free_everything(const Judged& judged, const Innovation& innovation, 
   anything.topLeftCorner(m, by_pose.cols()) = by_pose;
   anything.topRightCorner(m, c) = innovation.D;
   anything.bottomRightCorner(q, c) = innovation.stateless.D;
-  return {judged.r, judged.S, pixels_in_each_direction(anything), judged.groups};
+  return {judged.r, judged.S, pixels_in_each_direction(anything), judged.groups, false};
 }
 
 /// Hardly a group is near where any pose and any parameters could put most of them together.
@@ -139,21 +167,6 @@ bool are_mismatched(const Judged& free, const GateThresholds& thresholds) {
     near += consensus.distance[g] <= kBeyondNoise * thresholds.of(white.groups[g].rows) ? 1 : 0;
   }
   return near < std::max(kEnoughElsewhere, (white.groups.size() + 1) / 2);
-}
-
-/// What noise is taken for may be much more than a frame shows of it: it stands for all that lasts in a
-/// point's pixels, too. A point that is off beside the others shows by theirs.
-GateThresholds as_half_are_off(const GateReport& report, const GateThresholds& thresholds) {
-  std::vector<double> ratios;
-  for (std::size_t g = 0; g < report.dof.size(); ++g) {
-    if (report.dof[g] > 0) {
-      ratios.push_back(report.distance[g] / thresholds.median_of(report.dof[g]));
-    }
-  }
-  if (ratios.size() < kEnoughToCompare) {
-    return thresholds;
-  }
-  return thresholds.times(std::clamp(kBeyondHalf * median(std::move(ratios)), kLeastShare, 1.0));
 }
 
 GateReport nothing_refused(std::size_t groups) {
@@ -184,6 +197,24 @@ struct KnownPrediction {
   std::function<bool(const GateReport&)> knows_the_world;  // those that are left are a body of their own
 };
 
+/// @return what refers to all of the arguments
+std::optional<KnownPrediction> known_prediction(const Judged& judged, const Innovation& innovation,
+                                                const PredictedPose& predicted,
+                                                const GateThresholds& widest) {
+  if (!predicted.known) {
+    return std::nullopt;
+  }
+  return KnownPrediction{
+      [&](const std::vector<bool>& some) {
+        return predicted.by_pose.size() > 0 &&
+               are_mismatched(with_free_everything(judged, innovation, predicted.by_pose).subset(some),
+                              widest);
+      },
+      [&](const GateReport& minority) {
+        return are_two_bodies(with_free_pose(judged, innovation), minority.accepted, widest);
+      }};
+}
+
 /// What became of the groups that are no gross outliers, among all.
 GateReport with_inner(GateReport flagged, const GateReport& inner) {
   std::size_t k = 0;
@@ -204,45 +235,75 @@ GateReport with_inner(GateReport flagged, const GateReport& inner) {
 /// @param flagged  all groups, of which those judged are the accepted ones
 /// @return what became of all, if those that are left may stand
 std::optional<GateReport> minority(const KnownPrediction& known, Judge& judge,
-                                   const std::vector<RowGroup>& groups, const GateThresholds& thresholds,
+                                   const std::vector<RowGroup>& groups, const Limits& limits,
                                    std::size_t dropped, GateReport& judged, const GateReport& flagged) {
   const bool mismatched = known.are_mismatched(std::vector<bool>(flagged.accepted.size(), true));
   const std::size_t left = mismatched ? 0 : kEnoughAgree;
   if (groups.size() < dropped + left ||
-      !eliminate(judge, groups, thresholds, groups.size() - dropped - left, judged)) {
+      !eliminate(judge, groups, limits, groups.size() - dropped - left, judged)) {
     return std::nullopt;
   }
   GateReport out = with_inner(flagged, judged);
   if (!mismatched && !known.knows_the_world(out)) {
     return std::nullopt;
   }
-  std::vector<bool> refused = out.accepted;
-  refused.flip();
-  out.most_mismatched = mismatched || known.are_mismatched(refused);  // a body agrees with itself
+  out.most_mismatched = mismatched;
   return out;
 }
 
 /// Without the gross outliers, the others in turn.
 GateReport gate_robustly(const Judged& judged, const GateReport& flagged, std::size_t gross,
-                         const GateThresholds& thresholds, const std::optional<KnownPrediction>& known) {
+                         const Limits& limits, const std::optional<KnownPrediction>& known) {
   const Judged rest = judged.subset(flagged.accepted);
   Judge judge(rest);
   GateReport inner = nothing_refused(rest.groups.size());
   const std::size_t half = judged.groups.size() / 2;
   const std::size_t most = gross <= half ? half - gross : rest.groups.size() / 4;
-  if (!judge.valid() || eliminate(judge, rest.groups, thresholds, most, inner)) {
+  if (!judge.valid() || eliminate(judge, rest.groups, limits, most, inner)) {
     return with_inner(flagged, inner);
   }
   GateReport all = inner;
   all.accepted.assign(rest.groups.size(), true);
   if (known) {
-    if (auto out = minority(*known, judge, rest.groups, thresholds, most, inner, flagged)) {
+    if (auto out = minority(*known, judge, rest.groups, limits, most, inner, flagged)) {
       return *std::move(out);
     }
   }
   GateReport out = with_inner(flagged, all);
   out.overruled = true;
   return out;
+}
+
+/// Where some group fails.
+/// @param report  all groups as they are measured
+/// @param trusts  nothing is constrained
+GateReport refuse(const Judged& judged, Judge& judge, GateReport report, const Limits& limits, bool trusts,
+                  const std::optional<KnownPrediction>& known) {
+  const std::size_t groups = judged.groups.size(), half = groups / 2;
+  GateReport flagged = nothing_refused(groups);
+  const std::size_t gross = flag_gross(judge.white(), limits.of(report), flagged);
+  // What is constrained cannot put most points far from each other; what is trusted can.
+  if (gross > 0 && (trusts ? 2 : 3) * gross <= (trusts ? 1 : 2) * groups) {
+    return gate_robustly(judged, flagged, gross, limits, known);
+  }
+  if (eliminate(judge, judged.groups, limits, half, report)) {
+    return report;
+  }
+  if (known) {
+    if (auto out = minority(*known, judge, judged.groups, limits, half, report, nothing_refused(groups))) {
+      return *std::move(out);
+    }
+  }
+  report.accepted.assign(groups, true);
+  report.overruled = true;
+  return report;
+}
+
+/// Most groups are refused, and they do not agree with each other, as a body that moves would.
+bool refused_are_mismatched(const KnownPrediction& known, const GateReport& report) {
+  std::vector<bool> refused = report.accepted;
+  refused.flip();
+  return report.most_refused() && known.are_mismatched(refused);
 }
 
 }  // namespace
@@ -277,49 +338,26 @@ bool GateReport::all_accepted() const {
 GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
                 const ParameterErrorModel& model, const GateThresholds& widest,
                 const PredictedPose& predicted) {
-  const Judged judged = judged_rows(innovation, groups, model);
+  const bool known_well = predicted.known && predicted.by_pose.size() > 0;
+  Judged judged = judged_rows(innovation, groups, model);
+  judged.asks_others = known_well;
   GateReport report = nothing_refused(groups.size());
   Judge judge(judged);
   if (!judge.valid()) {
     return report;  // the update will say that S is singular
   }
   judge.measure(report);
-  // Where the prediction is not known its own errors are far from alike.
-  const GateThresholds thresholds = predicted.known ? as_half_are_off(report, widest) : widest;
-  if (worst_of(thresholds, report) < 0) {
+  Limits limits{widest, predicted.known};
+  if (!known_well) {
+    limits = {limits.of(report), false};
+  }
+  if (worst_of(limits.of(report), report) < 0) {
     return report;
   }
-  std::optional<KnownPrediction> known;
-  if (predicted.known) {
-    known = {[&](const std::vector<bool>& some) {
-               return predicted.by_pose.size() > 0 &&
-                      are_mismatched(with_free_everything(judged, innovation, predicted.by_pose).subset(some),
-                                     widest);
-             },
-             [&](const GateReport& minority) {
-               return are_two_bodies(with_free_pose(judged, innovation), minority.accepted, widest);
-             }};
-  }
-  GateReport flagged = nothing_refused(groups.size());
-  const std::size_t gross = flag_gross(judge.white(), thresholds, flagged);
-  // What is constrained cannot put most points far from each other; what is trusted can.
-  const bool trusts = model.constrained.cols() == 0;
-  if (gross > 0 && (trusts ? 2 : 3) * gross <= (trusts ? 1 : 2) * groups.size()) {
-    return gate_robustly(judged, flagged, gross, thresholds, known);
-  }
-  const std::size_t half = groups.size() / 2;
-  if (eliminate(judge, groups, thresholds, half, report)) {
-    return report;
-  }
-  if (known) {
-    if (auto out =
-            minority(*known, judge, groups, thresholds, half, report, nothing_refused(groups.size()))) {
-      return *std::move(out);
-    }
-  }
-  report.accepted.assign(groups.size(), true);
-  report.overruled = true;
-  return report;
+  const std::optional<KnownPrediction> known = known_prediction(judged, innovation, predicted, widest);
+  GateReport out = refuse(judged, judge, std::move(report), limits, model.constrained.cols() == 0, known);
+  out.most_mismatched = out.most_mismatched || (known && refused_are_mismatched(*known, out));
+  return out;
 }
 
 }  // namespace limber

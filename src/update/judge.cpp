@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "judge.hpp"
 
+#include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "kept_rows.hpp"
@@ -18,24 +20,35 @@ namespace {
 /// more.
 constexpr double kUsedUp = 1e-9;
 
-/// eᵀ B⁺ e, where B is what the constraint leaves of the identity: in units of S, so that a huge variance in
-/// one direction (a new landmark's depth) does not hide what the others say.
-Distance mahalanobis(const VectorXd& e, const MatrixXd& B) {
+/// How many times its noise [in variance] a group may be from where the others expect it, however little
+/// they know of that. A point much nearer than all others may be anywhere for them: what it alone says of the
+/// parameters nobody can check.
+constexpr double kUnchecked = 10.0;
+
+/// How far a group is from where the others expect it.
+struct Deviation {
+  Distance distance;  ///< beside what they leave open
+  double away = 0.0;  ///< squared, in its own noise
+};
+
+/// eᵀ B⁺ e and |B⁺ e|², where B is what the constraint leaves of the identity: in units of S, so that a huge
+/// variance in one direction (a new landmark's depth) does not hide what the others say.
+Deviation deviation(const VectorXd& e, const MatrixXd& B) {
   const Cholesky root(B);
   // No eigenvalue exceeds one, so that none is smaller than the determinant.
   const double diagonal = root.factor().diagonal().prod();
   if (root.succeeded() && diagonal * diagonal > 10.0 * kUsedUp) {
-    VectorXd white = e;
-    solve_lower(root.factor(), white);
-    return {white.squaredNorm(), e.size()};
+    const VectorXd away = root.solve(e);
+    return {{e.dot(away), e.size()}, away.squaredNorm()};
   }
   const SymmetricEigen eigen = symmetric_eigen(B);
-  Distance out;
+  Deviation out;
   for (Index k = 0; k < e.size(); ++k) {
     if (eigen.values(k) > kUsedUp) {
       const double component = eigen.vectors.col(k).dot(e);
-      out.squared += component * component / eigen.values(k);
-      ++out.dof;
+      out.distance.squared += component * component / eigen.values(k);
+      out.away += component * component / (eigen.values(k) * eigen.values(k));
+      ++out.distance.dof;
     }
   }
   return out;
@@ -45,7 +58,7 @@ Distance mahalanobis(const VectorXd& e, const MatrixXd& B) {
 
 Judged Judged::subset(const std::vector<bool>& kept) const {
   KeptRows rows = kept_rows(groups, kept, S.rows(), stateless());
-  Judged out{VectorXd(), S(rows.moved, rows.moved), MatrixXd(), std::move(rows.groups)};
+  Judged out{VectorXd(), S(rows.moved, rows.moved), MatrixXd(), std::move(rows.groups), asks_others};
   for (const Index row : rows.stateless) {
     rows.moved.push_back(S.rows() + row);
   }
@@ -58,7 +71,7 @@ Judged Judged::subset(const std::vector<bool>& kept) const {
 Judged judged_rows(const Innovation& innovation, const std::vector<RowGroup>& groups,
                    const ParameterErrorModel& model) {
   const Index m = innovation.r.size(), q = innovation.stateless.residual.size();
-  Judged out{VectorXd(m + q), innovation.S, MatrixXd(m + q, model.constrained.cols()), groups};
+  Judged out{VectorXd(m + q), innovation.S, MatrixXd(m + q, model.constrained.cols()), groups, false};
   out.r << innovation.r, innovation.stateless.residual;
   if (model.constrained.cols() > 0) {
     out.DC.topRows(m) = multiply(innovation.D, model.constrained);
@@ -84,26 +97,46 @@ Judge::Judge(const Judged& judged)
   VDC_ = solved(DC_);
 }
 
+/// What all groups say of combinations of what is constrained.
+Judge::Known Judge::known(const MatrixXd& T) const {
+  PseudoInverse pseudo = pseudo_inverse(information(T), seen(T));
+  return {multiply(white_.A, T), std::move(pseudo.x), std::move(pseudo.matrix)};
+}
+
+/// The same where each is off by no more than is plausible.
+Judge::Known Judge::known_plausibly() const {
+  const MatrixXd I = MatrixXd::Identity(DC_.cols(), DC_.cols());
+  MatrixXd covariance = Cholesky(information(I) + I).inverse();
+  VectorXd delta = covariance * seen(I);
+  return {white_.A, std::move(delta), std::move(covariance)};
+}
+
 void Judge::measure(GateReport& report) const {
   const MatrixXd T = strong_combinations(DC_);
-  VectorXd delta(T.cols());
-  MatrixXd Minv(T.cols(), T.cols());
+  std::optional<Known> of_groups, plausible;
   if (T.cols() > 0) {
-    PseudoInverse pseudo = pseudo_inverse(information(T), seen(T));
-    delta = std::move(pseudo.x);
-    Minv = std::move(pseudo.matrix);
+    of_groups = known(T);
   }
-  const MatrixXd white_A = multiply(white_.A, T);
   for (std::size_t g = 0; g < z_.groups.size(); ++g) {
     if (!report.accepted[g]) {
       continue;
     }
     const Index row = white_.groups[g].row, rows = white_.groups[g].rows;
-    const auto A = white_A.middleRows(row, rows);
-    Distance d{white_.r.segment(row, rows).squaredNorm(), rows};
-    if (!A.isZero(0.0)) {
-      d = mahalanobis(white_.r.segment(row, rows) - A * delta,
-                      MatrixXd::Identity(rows, rows) - congruence(A, Minv));
+    const VectorXd r = white_.r.segment(row, rows);
+    const auto beside = [&](const Known& known) {
+      const MatrixXd A = known.A.middleRows(row, rows);
+      return deviation(r - A * known.delta, MatrixXd::Identity(rows, rows) - congruence(A, known.covariance));
+    };
+    Distance d{r.squaredNorm(), rows};
+    if (of_groups && !of_groups->A.middleRows(row, rows).isZero(0.0)) {
+      const Deviation off = beside(*of_groups);
+      d = off.distance;
+      if (z_.asks_others && off.away > kUnchecked * d.squared) {
+        if (!plausible) {
+          plausible = known_plausibly();
+        }
+        d.squared = std::max(d.squared, std::min(off.away, beside(*plausible).away) / kUnchecked);
+      }
     }
     report.distance[g] = d.squared;
     report.dof[g] = d.dof;

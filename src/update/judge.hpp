@@ -23,6 +23,7 @@ struct Judged {
   Eigen::MatrixXd S;   ///< of the first
   Eigen::MatrixXd DC;  ///< of all
   std::vector<RowGroup> groups;
+  bool asks_others = false;  ///< a group has to be near where the others expect it, however little they know
 
   [[nodiscard]] Eigen::Index stateless() const { return r.size() - S.rows(); }
 
@@ -45,7 +46,9 @@ class Judge {
   [[nodiscard]] bool valid() const { return llt_.succeeded(); }
   [[nodiscard]] const WhiteGroups& white() const { return white_; }
 
-  /// How far the accepted groups are off, beside each other.
+  /// How far the accepted groups are off, beside each other: a Mahalanobis distance. Where others are asked:
+  /// or a tenth of the squared distance in a group's own noise, if that is more, both beside what the others
+  /// say of what is constrained and beside what they say of as much as is plausible of it.
   void measure(GateReport& report) const;
 
   /// Squared distance of all rows, before any is dropped, after what is constrained has explained what it
@@ -56,6 +59,13 @@ class Judge {
   void drop(const RowGroup& group);
 
  private:
+  struct Known {
+    Eigen::MatrixXd A;  // of all white groups
+    Eigen::VectorXd delta;
+    Eigen::MatrixXd covariance;
+  };
+  [[nodiscard]] Known known(const Eigen::MatrixXd& T) const;
+  [[nodiscard]] Known known_plausibly() const;
   [[nodiscard]] Eigen::MatrixXd information(const Eigen::MatrixXd& T) const;
   [[nodiscard]] Eigen::VectorXd seen(const Eigen::MatrixXd& T) const;
   [[nodiscard]] Eigen::MatrixXd solved(Eigen::MatrixXd X) const;

@@ -12,10 +12,12 @@
 namespace limber {
 namespace {
 
+using Eigen::Index;
 using Eigen::VectorXd;
 using testing::draw_residual;
 using testing::Generator;
 using testing::random_frame;
+using testing::SeenPoint;
 using testing::StereoProblem;
 
 /// The same where pose and map were known so many times better.
@@ -125,6 +127,39 @@ TEST(GateMajority, ComparesPointsWithHowFarHalfOfThemAreOff) {
   }
   EXPECT_GE(moving, 20 * 12 * 8 / 10);
   EXPECT_LE(standing, 20 * 18 / 50);
+}
+
+/// A point much nearer than all others may be anywhere for them: they hardly know where the right camera is.
+/// Its match, if it is wrong, says of the rig what nobody can check.
+TEST(GateMajority, RefusesWhatNoOtherPointCanCheck) {
+  Generator generator(4);
+  for (int run = 0; run < 10; ++run) {
+    std::vector<SeenPoint> points = testing::random_points(generator, 24, 15.0, 30.0);
+    points.push_back(testing::random_points(generator, 1, 0.3, 0.4).front());
+    StereoProblem problem = testing::make_problem(generator, "", testing::stereo_rig(0.1), points);
+    draw_residual(generator, problem);
+    EXPECT_TRUE(gated_where_most_may_move(problem, problem.constrained()).accepted.back()) << run;
+    const RowGroup& last = problem.z.groups.back();
+    const Index v1 = last.row + last.rows - 1;
+    problem.z.residual(v1) += 60.0;  // [px], across the epipolar line
+    const GateReport report = gated_where_most_may_move(problem, problem.constrained());
+    EXPECT_FALSE(report.accepted.back()) << run;
+    EXPECT_LE(std::count(report.accepted.begin(), report.accepted.end(), false), 2) << run;
+  }
+}
+
+/// Mismatches beside most others that are right: those do not agree with each other, and are no body.
+TEST(GateMajority, WhatIsRefusedAndDisagreesIsNoBody) {
+  Generator generator(24);
+  for (int run = 0; run < 10; ++run) {
+    StereoProblem problem = with_state_known(random_frame(generator, 40), 100.0);
+    draw_residual(generator, problem);
+    mismatch(generator, problem, 17);  // of 40: few enough to be gross outliers of what is constrained
+    const GateReport report = gated_where_most_may_move(problem, problem.constrained());
+    EXPECT_FALSE(report.overruled) << run;
+    EXPECT_TRUE(report.most_refused()) << run;
+    EXPECT_TRUE(report.most_mismatched) << run;
+  }
 }
 
 /// As often as it is told, a thousandth; whatever the rig is, and however much less than assumed is shown.

@@ -143,7 +143,8 @@ std::vector<bool> obvious_gross(const StereoProblem& problem, const ParameterErr
 
 GateReport obvious_gate(const StereoProblem& problem, const ParameterErrorModel& model) {
   const std::size_t n = problem.z.groups.size();
-  GateReport report{std::vector<bool>(n, true), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0)};
+  GateReport report{std::vector<bool>(n, true), std::vector<double>(n, 0.0), std::vector<double>(n, 0.0),
+                    std::vector<Index>(n, 0)};
   GateReport first = report;
   if (obvious_elimination(problem, model, 0, first)) {
     return first;  // none fails

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "check_covariance.hpp"
 #include "limber/core/factors.hpp"
 #include "stereo_problem.hpp"
 
