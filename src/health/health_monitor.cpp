@@ -30,6 +30,7 @@ constexpr double kNamedAtOnce = 3.5;
 constexpr double kNamedLater = 4.5;
 constexpr double kSuspectFactor = 20.0;        // suspect where an alarm's p-value is that near
 constexpr double kRecovered = 0.01;            // p-value of a window that ends an alarm
+constexpr double kConfirms = 0.01;             // p-value of a frame that says what the one before did
 constexpr double kLongestFrame = 1.0;          // [s], a longer gap has no more chances of a false alarm
 constexpr double kFirstFrame = 0.01;           // [s], taken for the time since a frame that was not
 constexpr double kKeptPerWindow = 0.9;         // of what earlier windows said about scatter
@@ -158,6 +159,19 @@ void HealthMonitor::name_axes(const Offset& offset, double threshold) {
   }
 }
 
+/// A frame alone, or with the one after it that says so, too. One that sees nothing says nothing.
+bool HealthMonitor::frame_rejects(const HealthInput& input, double p, double limit) {
+  if (!options_.confirm_frames) {
+    return p < limit;
+  }
+  if (input.frame.empty()) {
+    return false;
+  }
+  const bool confirms = unconfirmed_ && p < kConfirms;
+  unconfirmed_ = !confirms && p < limit;
+  return confirms;
+}
+
 /// The tests: each frame, and each window as it ends.
 bool HealthMonitor::test(const HealthInput& input, double frame_p, double window_p, const Offset& frame,
                          const Offset& gathered) {
@@ -167,16 +181,19 @@ bool HealthMonitor::test(const HealthInput& input, double frame_p, double window
   const double frame_limit = share * hours;
   const double window_limit = share * options_.window_s / 3600.0 / static_cast<double>(kLooks.size());
   const double age = seconds_between(gathered_since_ns_, input.t_ns);
-  const bool looks = looks_ < kLooks.size() && age >= kLooks[looks_] * options_.window_s;
+  const bool before_unconfirmed = unconfirmed_;
+  const bool rejects = frame_rejects(input, frame_p, frame_limit);
+  const bool forgets = before_unconfirmed && !rejects && !unconfirmed_;
+  const bool looks =
+      !unconfirmed_ && !forgets && looks_ < kLooks.size() && age >= kLooks[looks_] * options_.window_s;
   looks_ += looks ? 1 : 0;
   const bool ends = age >= options_.window_s;
-  const bool frame_rejects = frame_p < frame_limit;
   const bool window_rejects = looks && window_p < window_limit;
   suspect_ = frame_p < kSuspectFactor * frame_limit || window_p < kSuspectFactor * window_limit;
-  const bool is_new = !changed_ns_ && (frame_rejects || window_rejects);
+  const bool is_new = !changed_ns_ && (rejects || window_rejects);
   if (is_new) {
-    changed_ns_ = frame_rejects ? input.t_ns : gathered_since_ns_;
-    name_axes(frame_rejects ? frame : gathered, kNamedAtOnce);
+    changed_ns_ = rejects ? input.t_ns : gathered_since_ns_;
+    name_axes(rejects ? frame : gathered, kNamedAtOnce);
   } else if (changed_ns_ && window_p < window_limit) {
     name_axes(gathered, kNamedLater);
   } else if (ends && window_p > kRecovered) {
@@ -186,8 +203,8 @@ bool HealthMonitor::test(const HealthInput& input, double frame_p, double window
   if (ends) {
     sigma_of_window_ = gathered.sigma;
   }
-  restarts_ = ends || is_new;  // from here on evidence of the new rig gathers
-  return frame_rejects || window_rejects;
+  restarts_ = ends || is_new || forgets;  // from here on evidence of the new rig gathers
+  return rejects || window_rejects;
 }
 
 HealthVerdict HealthMonitor::verdict_of_axis(Index axis, const RigParameters& sigma) const {

@@ -21,9 +21,8 @@ constexpr double kMostReplayed = 4.0;
 NavigatorOptions constrained(NavigatorOptions options) {
   options.method = Method::kLcekf;
   options.constraints.kind = default_constraints(options.motion).kind;
-  if (!options.health) {
-    options.health = HealthOptions{};
-  }
+  options.health = options.health.value_or(HealthOptions{});
+  options.health->confirm_frames = true;
   return options;
 }
 
@@ -31,6 +30,7 @@ HealthOptions handover_alarm() {
   HealthOptions options;
   options.false_alarms_per_hour = kFalseHandoversPerHour;
   options.most_dispersion = 1.0;  // to learn what scatters is what a doubt is for
+  options.confirm_frames = true;
   return options;
 }
 
@@ -99,7 +99,7 @@ void Navigator::add_imu(const ImuSample& sample) {
     supervision_->parallel.add_imu(sample);
     log(sample);
   }
-  if (&answering() == &filter_) {
+  if (filter_keeps_up()) {
     filter_.add_imu(sample);
   }
 }
@@ -109,7 +109,7 @@ void Navigator::add_odometry(const OdometrySample& sample) {
     supervision_->parallel.add_odometry(sample);
     log(sample);
   }
-  if (&answering() == &filter_) {
+  if (filter_keeps_up()) {
     filter_.add_odometry(sample);
   }
 }
@@ -205,6 +205,7 @@ FrameReport Navigator::process(const StereoFrame& frame) {
   }
   Supervision& s = *supervision_;
   FrameReport parallel = s.parallel.process(frame);  // refuses a frame before anything has changed
+  s.unconfirmed = false;
   health_ = parallel.health;
   watch(frame, s.parallel, parallel);
   parallel.calibration = known_calibration();

@@ -27,8 +27,9 @@ namespace {
 NavigatorOptions completed(NavigatorOptions options, const StereoCalibration& calibration) {
   options.doubt_odometry_mount = options.doubt_odometry_mount && can_doubt_mount(options, calibration);
   options.landmark_init.kind = options.landmarks;
-  if (options.method == Method::kAdaptive && !options.health) {
-    options.health.emplace();  // it lives on what the monitor sees
+  if (options.method == Method::kAdaptive) {  // it lives on what the monitor sees
+    options.health = options.health.value_or(HealthOptions{});
+    options.health->confirm_frames = true;  // as its alarms do, which share what is gathered
   }
   check_options(options);
   return options;

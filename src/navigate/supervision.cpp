@@ -156,7 +156,8 @@ bool Navigator::supervise(const FrameReport& report, const FrameReport& parallel
       s.older = std::move(s.recent);
       s.recent = {std::make_shared<const StereoFilter>(filter_), report.t_ns, {}};
     }
-    return false;
+    s.unconfirmed = s.own_alarm.is_unconfirmed() && knows_scale(report.t_ns);
+    return s.unconfirmed;
   }
   if (!knows_scale(report.t_ns)) {
     s.resigned = true;

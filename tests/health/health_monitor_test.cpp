@@ -109,6 +109,36 @@ TEST(HealthMonitor, ALargeErrorIsFoundInTheFirstFrame) {
   }
 }
 
+/// A match that is wrong is another one in the next frame.
+TEST(HealthMonitor, AFrameThatTheNextOneDoesNotConfirmRaisesNoAlarm) {
+  Frames frames(7);
+  HealthMonitor monitor({.confirm_frames = true}, kBaseline);
+  const Vector6 far = 20.0 * frames.sigma();
+  for (int k = 0; k < 400; ++k) {
+    const bool wrong = k % 20 == 10;  // five a window
+    const HealthReport report = monitor.judge(frames.next(wrong ? far : Vector6::Zero()));
+    EXPECT_FALSE(report.alarm) << k;
+    EXPECT_EQ(monitor.restarts(), k % 20 == 11) << k << ": what was gathered with it is forgotten";
+  }
+  HealthReport report = monitor.judge(frames.next(far));
+  EXPECT_FALSE(report.alarm);
+  report = monitor.judge(frames.next(far));
+  EXPECT_TRUE(report.alarm);
+  EXPECT_EQ(report.changed_ns, report.t_ns);
+}
+
+/// One that sees nothing neither confirms nor denies.
+TEST(HealthMonitor, AFrameIsConfirmedByTheNextOneThatSeesTheRig) {
+  Frames frames(8);
+  HealthMonitor monitor({.confirm_frames = true}, kBaseline);
+  const Vector6 far = 20.0 * frames.sigma();
+  EXPECT_FALSE(monitor.judge(frames.next(far)).alarm);
+  HealthInput blind = frames.next(far);
+  blind.frame = {};
+  EXPECT_FALSE(monitor.judge(blind).alarm);
+  EXPECT_TRUE(monitor.judge(frames.next(far)).alarm);
+}
+
 TEST(HealthMonitor, WhatOneFrameCannotShowAWindowDoes) {
   Frames frames(3);
   HealthMonitor monitor({.false_alarms_per_hour = 6.0}, kBaseline);

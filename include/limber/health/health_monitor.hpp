@@ -30,6 +30,10 @@ struct HealthOptions {
   /// that wavers. The evidence of frames may scatter about its mean by up to this factor more than pixel
   /// noise explains, in variance, before that counts against the rig. 1: pixel noise is all there is.
   double most_dispersion = 4.0;
+  /// A frame that rejects the rig by itself has to be followed by another one that says so, too: a rig that
+  /// has moved stays moved, a match that is wrong is another one in the next frame. What was gathered with a
+  /// frame that none confirms is forgotten.
+  bool confirm_frames = false;
 };
 
 /// What one frame told the monitor.
@@ -84,6 +88,9 @@ class HealthMonitor {
   /// The gathered evidence is to be begun anew: after a window or an alarm.
   [[nodiscard]] bool restarts() const { return restarts_; }
 
+  /// The last frame rejects the rig, and the next one has to confirm it.
+  [[nodiscard]] bool is_unconfirmed() const { return unconfirmed_; }
+
  private:
   struct Offset {
     RigParameters delta, sigma;
@@ -99,6 +106,7 @@ class HealthMonitor {
   [[nodiscard]] double dispersion_of_window() const;
   bool test(const HealthInput& input, double frame_p, double window_p, const Offset& frame,
             const Offset& gathered);
+  [[nodiscard]] bool frame_rejects(const HealthInput& input, double p, double limit);
   void name_axes(const Offset& offset, double threshold);
   [[nodiscard]] HealthVerdict verdict_of_axis(Eigen::Index axis, const RigParameters& sigma) const;
   [[nodiscard]] HealthVerdict verdict(const HealthReport& report) const;
@@ -116,6 +124,7 @@ class HealthMonitor {
   std::int64_t last_ns_ = 0, gathered_since_ns_ = 0;
   std::size_t looks_ = 0;  // at the present window, so far
   bool started_ = false, restarts_ = false, suspect_ = false;
+  bool unconfirmed_ = false;                // the last frame rejects, and the next one has to confirm it
   std::optional<std::int64_t> changed_ns_;  // decalibrated since
   std::array<bool, 6> named_{};
 };

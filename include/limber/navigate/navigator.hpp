@@ -117,8 +117,9 @@ class Navigator {
     int doubts = 0;               // in a row
     int overruled = 0;            // frames in a row in which the filter's own gate was, and not that beside
     bool trusts = true;
-    bool resigned = false;  // nobody can know how long a metre is: what is assumed stays as good as any
-    bool gave_up = false;   // but it fits nothing: the parallel filter answers for good
+    bool resigned = false;     // nobody can know how long a metre is: what is assumed stays as good as any
+    bool gave_up = false;      // but it fits nothing: the parallel filter answers for good
+    bool unconfirmed = false;  // what the last frame says of the rig: the parallel filter answers meanwhile
     RecentFit own_fit{}, parallel_fit{};
     std::optional<std::deque<Event>> replay{};  // what filter_, come back from a checkpoint, has not seen yet
   };
@@ -128,9 +129,14 @@ class Navigator {
   void replay();
   void watch_anew(std::int64_t t_ns);
   void take_over_from_parallel(std::int64_t t_ns);
+  /// It is neither on its way back in time nor left for good.
+  [[nodiscard]] bool filter_keeps_up() const {
+    return !supervision_ || (!supervision_->replay && !supervision_->gave_up);
+  }
   /// The filter whose state counts.
   [[nodiscard]] const StereoFilter& answering() const {
-    return supervision_ && (supervision_->replay || supervision_->gave_up) ? supervision_->parallel : filter_;
+    return filter_keeps_up() && !(supervision_ && supervision_->unconfirmed) ? filter_
+                                                                             : supervision_->parallel;
   }
   [[nodiscard]] CalibrationPrior prior_after(const HealthReport& why) const;
   [[nodiscard]] bool knows_scale(std::int64_t t_ns) const;
