@@ -26,13 +26,13 @@ bool InputAlarm::judge(const PoseCorrection& c, const StepFit& fit, InputContrad
     return false;
   }
   const bool is_open = contradicted(c.t_ns);
-  const double noise = corrections_.noise(), square = corrections_.last().squaredNorm(),
-               square_of_mean = corrections_.mean().squaredNorm();
+  const double noise = corrections_.noise(), lasting_noise = corrections_.lasting_noise(),
+               square = corrections_.last().squaredNorm(), square_of_mean = corrections_.mean().squaredNorm();
   const double now = square / (kStatedNoise * noise),
-               lasting = square_of_mean / (kPersistence * corrections_.expected_square() * noise),
+               lasting = square_of_mean / (kPersistence * corrections_.expected_square() * lasting_noise),
                by_steps = std::max(fit.explained / std::max(kPersistence, fit.factor),
                                    fit.explained_by_clock / std::max(kStatedNoise, fit.factor)),
-               step = is_open ? 0.0 : by_steps / noise;
+               step = is_open ? 0.0 : by_steps / lasting_noise;
   statistic_ = std::max({now, lasting, step});
   doubtful_ = statistic_ > kDoubtful;
   static const double threshold = chi_square_quantile(1.0 - kFalseAlarms, 6.0);
@@ -48,7 +48,8 @@ bool InputAlarm::judge(const PoseCorrection& c, const StepFit& fit, InputContrad
            std::nullopt,
            std::nullopt,
            std::nullopt};
-  if (!is_sudden && !is_open && fit.explained > std::max(kStatedNoise, fit.factor) * noise * threshold) {
+  if (!is_sudden && !is_open &&
+      fit.explained > std::max(kStatedNoise, fit.factor) * lasting_noise * threshold) {
     found.step = fit.size;
   }
   corrections_.restart_mean();

@@ -14,6 +14,9 @@ namespace {
 constexpr double kWeakestDirection = 1e-4;
 constexpr double kShare = 0.1;  // of one frame in the fading mean
 constexpr double kNoiseShare = 0.05;
+constexpr double kQuarrel = 3.0;      // times what frames usually show
+constexpr double kLeastUsual = 0.01;  // of the noise that is assumed
+constexpr double kEnoughRows = 40.0;  // to tell whether they do: of few the NIS varies as much by chance
 
 }  // namespace
 
@@ -42,10 +45,14 @@ bool RecentCorrections::add(const PoseCorrection& c) {
   }
   last_ = whitened(c);
   rest_ = scatter_beside(c, last_);
+  const bool enough = c.dof >= kEnoughRows;
+  quarrel_ = enough && !are_of_a_start() ? rest_ / (kQuarrel * std::max(usual_, kLeastUsual)) : 0.0;
+  lasting_quarrel_ = std::max((1.0 - kShare) * lasting_quarrel_, quarrel_);
   smoothed_ += kNoiseShare * (rest_ - smoothed_);
   mean_ = (1.0 - kShare) * mean_ + kShare * last_;
   weight_ = (1.0 - kShare) * (1.0 - kShare) * weight_ + kShare * kShare;
   ++frames_;
+  usual_ += std::max(kNoiseShare, 1.0 / frames_) * (rest_ - usual_);
   return true;
 }
 
@@ -54,6 +61,8 @@ void RecentCorrections::restart_mean() {
   weight_ = 0.0;
 }
 
-double RecentCorrections::noise() const { return std::max({smoothed_, rest_, 1.0}); }
+double RecentCorrections::noise() const { return std::max({smoothed_, rest_, quarrel_, 1.0}); }
+
+double RecentCorrections::lasting_noise() const { return std::max(noise(), lasting_quarrel_); }
 
 }  // namespace limber

@@ -83,6 +83,7 @@ bool StereoFilter::seems_misled(std::int64_t t_ns) const {
 /// Whether points contradict each other: what they say against the inputs is not to be believed.
 bool StereoFilter::points_quarrel(const FrameReport& report) const {
   return report.gate_overruled || report.most_move || report.most_mismatched || report.led_astray ||
+         input_alarm_.points_quarrel() ||
          static_cast<double>(report.refused.size()) > kContested * static_cast<double>(report.observed) ||
          (pixel_noise_ && pixel_noise_->report().sigma_px > kPointsQuarrel);
 }
@@ -151,7 +152,9 @@ void StereoFilter::learn_from(const ParameterErrorModel& model, const UpdateRepo
   const MatrixXd watched = model.watched.topRows<kBlockSize>();
   const Innovations rest = without_rig(model, update);
   HealthInput input{report.t_ns, watched, update.evidence, gathered(model), rest.nis, rest.dof};
-  if (input_alarm_.active(report.t_ns) || report.inputs.gap_s > kLongGap) {
+  // A rig that bends makes the points of a filter that trusts it quarrel, too.
+  const bool quarrel = is_blind_to_rig() && input_alarm_.points_quarrel();
+  if (quarrel || input_alarm_.active(report.t_ns) || report.inputs.gap_s > kLongGap) {
     // An input that fails is not the rig's fault: what this frame says of the rig is not counted.
     if (model.witness) {
       estimate_.restart_witness(kWidestErrors);

@@ -96,6 +96,32 @@ TEST(InputAlarm, WhatLastsIsAStepIfOneExplainsIt) {
   }
 }
 
+/// Where half of the points begin to move with a body, the others contradict them: the pose is corrected by
+/// what is worth little.
+TEST(InputAlarm, PointsThatContradictEachOtherSayLittleOfTheInputs) {
+  for (const double rows : {10.0, 300.0}) {  // NIS that the pose does not explain, of 94 degrees of freedom
+    SCOPED_TRACE(rows);
+    InputAlarm alarm;
+    InputContradiction found;
+    const auto frame = [](int k, double sigmas, double rest) {
+      PoseCorrection out = frame_of(k, sigmas);
+      out.nis = rest + 6.0 * sigmas * sigmas;
+      return out;
+    };
+    for (int k = 1; k <= 100; ++k) {
+      EXPECT_FALSE(alarm.judge(frame(k, 0.3, 10.0), fit_of(1.0), found));
+      EXPECT_FALSE(alarm.points_quarrel());
+    }
+    const bool quarrel = rows > 10.0;
+    EXPECT_EQ(alarm.judge(frame(101, 6.0, rows), fit_of(300.0), found), !quarrel);
+    EXPECT_EQ(alarm.points_quarrel(), quarrel);
+    if (quarrel) {  // nor later what steps make of it, while it is among the recent ones
+      EXPECT_FALSE(alarm.judge(frame(102, 0.3, 10.0), fit_of(900.0), found));
+      EXPECT_FALSE(alarm.points_quarrel());
+    }
+  }
+}
+
 TEST(InputAlarm, WhileTheStateIsOpenNoStepIsFound) {
   InputAlarm alarm = calm_after(20);
   InputContradiction found;

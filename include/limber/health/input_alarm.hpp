@@ -61,6 +61,10 @@ class InputAlarm {
   /// sound ones is): a fault begins to show before it is proven.
   [[nodiscard]] bool active(std::int64_t t_ns) const;
 
+  /// The last frame's points contradict each other, as those of a body that begins to move do: what they say
+  /// of anything else is worth less.
+  [[nodiscard]] bool points_quarrel() const { return corrections_.points_quarrel(); }
+
   /// Of the last frame: chi-square, 6 degrees of freedom, the largest of the tests; 0 before the first.
   [[nodiscard]] double statistic() const { return statistic_; }
 

@@ -48,16 +48,26 @@ class RecentCorrections {
   [[nodiscard]] const PoseCorrection::Vector6& mean() const { return mean_; }
   /// Of each number of the mean, were corrections white and of size one.
   [[nodiscard]] double expected_square() const { return weight_; }
-  /// NIS / dof of other rows: smoothed or of the last frame, whichever is larger, and at least 1.
+  /// NIS / dof of other rows: smoothed or of the last frame, whichever is larger, and at least 1. What is
+  /// assumed may be much more than frames show, since it stands for what lasts in a point's pixels, too: the
+  /// points of a frame that shows more than three times what is usual contradict each other, and what they
+  /// say of the pose is worth as much less.
   [[nodiscard]] double noise() const;
+  /// The last frame's points, ten or more, contradict each other.
+  [[nodiscard]] bool points_quarrel() const { return quarrel_ > 1.0; }
+  /// noise(), of the worst of the frames in the mean.
+  [[nodiscard]] double lasting_noise() const;
   /// The first ten correct what a start did not know, and say nothing of the inputs.
   [[nodiscard]] bool are_of_a_start() const { return frames_ <= 10; }
 
  private:
   PoseCorrection::Vector6 last_ = PoseCorrection::Vector6::Zero(), mean_ = PoseCorrection::Vector6::Zero();
-  double weight_ = 0.0;    // sum of squared weights of mean_
-  double smoothed_ = 1.0;  // NIS / dof of other rows
-  double rest_ = 1.0;      // that of the last frame
+  double weight_ = 0.0;           // sum of squared weights of mean_
+  double smoothed_ = 1.0;         // NIS / dof of other rows
+  double usual_ = 0.0;            // the same; of the first frames a plain mean
+  double rest_ = 1.0;             // that of the last frame
+  double quarrel_ = 0.0;          // rest_ over three times what was usual before it
+  double lasting_quarrel_ = 0.0;  // the largest, fading as the mean does
   int frames_ = 0;
 };
 
