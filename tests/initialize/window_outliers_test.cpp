@@ -188,7 +188,8 @@ TEST(WindowOutliers, AreNoneWhereTheEndOfAWindowLosesMostOfItsPixels) {
   EXPECT_EQ(from([](std::size_t k) { return k == 4 ? 1.0 : 0.0; }), 10u) << "a bad image";
   EXPECT_EQ(from([](std::size_t) { return 0.3; }), 10u) << "mismatches all along";
   EXPECT_EQ(from([](std::size_t k) { return k < 7 ? 0.2 : 0.5; }), 10u);
-  EXPECT_EQ(from([](std::size_t k) { return k == 0 ? 0.0 : 0.3; }), 10u) << "mismatches, by chance not in one";
+  EXPECT_EQ(from([](std::size_t k) { return k == 0 ? 0.0 : 0.3; }), 10u)
+      << "mismatches, by chance not in one";
 }
 
 }  // namespace
