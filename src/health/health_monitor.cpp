@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "limber/core/chi_square.hpp"
 #include "limber/core/factors.hpp"
@@ -159,40 +160,51 @@ void HealthMonitor::name_axes(const Offset& offset, double threshold) {
   }
 }
 
-/// A frame alone, or with the one after it that says so, too. One that sees nothing says nothing.
-bool HealthMonitor::frame_rejects(const HealthInput& input, double p, double limit) {
+/// A frame alone, or with the one after it that says so, too: then `report` is that of the first of them,
+/// since the second one is seen from a state that the first has moved. One that sees nothing says nothing.
+bool HealthMonitor::frame_rejects(const HealthInput& input, double limit, HealthReport& report) {
   if (!options_.confirm_frames) {
-    return p < limit;
+    return report.p_value < limit;
   }
   if (input.frame.empty()) {
     return false;
   }
-  const bool confirms = unconfirmed_ && p < kConfirms;
-  unconfirmed_ = !confirms && p < limit;
-  return confirms;
+  const std::optional<HealthReport> before = std::exchange(unconfirmed_, std::nullopt);
+  if (before && report.p_value < kConfirms) {
+    report.delta = before->delta;
+    report.sigma = before->sigma;
+    report.p_value = before->p_value;
+    return true;
+  }
+  if (report.p_value < limit) {
+    unconfirmed_ = report;
+  }
+  return false;
 }
 
 /// The tests: each frame, and each window as it ends.
-bool HealthMonitor::test(const HealthInput& input, double frame_p, double window_p, const Offset& frame,
-                         const Offset& gathered) {
+void HealthMonitor::test(const HealthInput& input, const Offset& frame, const Offset& gathered,
+                         HealthReport& report) {
   const double seconds = started_ ? seconds_between(last_ns_, input.t_ns) : kFirstFrame;
   const double hours = std::min(seconds, kLongestFrame) / 3600.0;
   const double share = 0.5 * options_.false_alarms_per_hour;
   const double frame_limit = share * hours;
   const double window_limit = share * options_.window_s / 3600.0 / static_cast<double>(kLooks.size());
   const double age = seconds_between(gathered_since_ns_, input.t_ns);
-  const bool before_unconfirmed = unconfirmed_;
-  const bool rejects = frame_rejects(input, frame_p, frame_limit);
-  const bool forgets = before_unconfirmed && !rejects && !unconfirmed_;
+  const double window_p = report.gathered_p_value;
+  const std::int64_t since_ns = unconfirmed_ ? unconfirmed_->t_ns : input.t_ns;
+  const bool before_unconfirmed = is_unconfirmed();
+  const bool rejects = frame_rejects(input, frame_limit, report);
+  const bool forgets = before_unconfirmed && !rejects && !is_unconfirmed();
   const bool looks =
-      !unconfirmed_ && !forgets && looks_ < kLooks.size() && age >= kLooks[looks_] * options_.window_s;
+      !is_unconfirmed() && !forgets && looks_ < kLooks.size() && age >= kLooks[looks_] * options_.window_s;
   looks_ += looks ? 1 : 0;
   const bool ends = age >= options_.window_s;
   const bool window_rejects = looks && window_p < window_limit;
-  suspect_ = frame_p < kSuspectFactor * frame_limit || window_p < kSuspectFactor * window_limit;
+  suspect_ = report.p_value < kSuspectFactor * frame_limit || window_p < kSuspectFactor * window_limit;
   const bool is_new = !changed_ns_ && (rejects || window_rejects);
   if (is_new) {
-    changed_ns_ = rejects ? input.t_ns : gathered_since_ns_;
+    changed_ns_ = rejects ? since_ns : gathered_since_ns_;
     name_axes(rejects ? frame : gathered, kNamedAtOnce);
   } else if (changed_ns_ && window_p < window_limit) {
     name_axes(gathered, kNamedLater);
@@ -204,7 +216,7 @@ bool HealthMonitor::test(const HealthInput& input, double frame_p, double window
     sigma_of_window_ = gathered.sigma;
   }
   restarts_ = ends || is_new || forgets;  // from here on evidence of the new rig gathers
-  return rejects || window_rejects;
+  report.alarm = rejects || window_rejects;
 }
 
 HealthVerdict HealthMonitor::verdict_of_axis(Index axis, const RigParameters& sigma) const {
@@ -239,11 +251,11 @@ HealthReport HealthMonitor::judge(const HealthInput& input) {
   report.p_value = p_value(input.frame, dispersion());
   report.gathered_p_value = p_value(gathered_, dispersion_of_window());
   report.gathered_since_ns = gathered_since_ns_;
-  report.alarm = test(input, report.p_value, report.gathered_p_value, frame, gathered);
   report.delta = frame.delta;
   report.sigma = frame.sigma;
   report.gathered_delta = gathered.delta;
   report.gathered_sigma = gathered.sigma;
+  test(input, frame, gathered, report);
   for (Index k = 0; k < 6; ++k) {
     report.axes[static_cast<std::size_t>(k)] = verdict_of_axis(k, gathered.sigma);
   }

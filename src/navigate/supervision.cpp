@@ -36,7 +36,7 @@ constexpr int kMostOverruled = 5;
 }  // namespace
 
 CalibrationPrior Navigator::prior_after(const HealthReport& why) const {
-  const RigParameters& delta = why.p_value < why.gathered_p_value ? why.delta : why.gathered_delta;
+  const RigParameters& delta = why.p_value <= why.gathered_p_value ? why.delta : why.gathered_delta;
   CalibrationPrior out;
   out.fresh =
       (kSurpriseFactor * delta.cwiseAbs().cwiseQuotient(plausible_error(baseline_))).cwiseMax(kLeastDoubt);

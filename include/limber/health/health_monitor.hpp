@@ -89,7 +89,7 @@ class HealthMonitor {
   [[nodiscard]] bool restarts() const { return restarts_; }
 
   /// The last frame rejects the rig, and the next one has to confirm it.
-  [[nodiscard]] bool is_unconfirmed() const { return unconfirmed_; }
+  [[nodiscard]] bool is_unconfirmed() const { return unconfirmed_.has_value(); }
 
  private:
   struct Offset {
@@ -104,9 +104,8 @@ class HealthMonitor {
   void scatter(const ParameterEvidence& frame);
   [[nodiscard]] double dispersion() const;
   [[nodiscard]] double dispersion_of_window() const;
-  bool test(const HealthInput& input, double frame_p, double window_p, const Offset& frame,
-            const Offset& gathered);
-  [[nodiscard]] bool frame_rejects(const HealthInput& input, double p, double limit);
+  void test(const HealthInput& input, const Offset& frame, const Offset& gathered, HealthReport& report);
+  [[nodiscard]] bool frame_rejects(const HealthInput& input, double limit, HealthReport& report);
   void name_axes(const Offset& offset, double threshold);
   [[nodiscard]] HealthVerdict verdict_of_axis(Eigen::Index axis, const RigParameters& sigma) const;
   [[nodiscard]] HealthVerdict verdict(const HealthReport& report) const;
@@ -124,8 +123,8 @@ class HealthMonitor {
   std::int64_t last_ns_ = 0, gathered_since_ns_ = 0;
   std::size_t looks_ = 0;  // at the present window, so far
   bool started_ = false, restarts_ = false, suspect_ = false;
-  bool unconfirmed_ = false;                // the last frame rejects, and the next one has to confirm it
-  std::optional<std::int64_t> changed_ns_;  // decalibrated since
+  std::optional<HealthReport> unconfirmed_;  // of a frame that rejects, which the next one has to confirm
+  std::optional<std::int64_t> changed_ns_;   // decalibrated since
   std::array<bool, 6> named_{};
 };
 
