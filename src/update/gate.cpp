@@ -95,11 +95,11 @@ struct Limits {
 };
 
 /// Drops the worst group as long as one fails. @return false if more than `most` failed
+/// @param report  as it was measured last
 bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, const Limits& limits, std::size_t most,
                GateReport& report) {
   std::size_t dropped = 0;
   for (;;) {
-    judge.measure(report);
     const Index worst = worst_of(limits.of(report), report);
     if (worst < 0) {
       return true;
@@ -109,6 +109,7 @@ bool eliminate(Judge& judge, const std::vector<RowGroup>& groups, const Limits& 
     }
     report.accepted[static_cast<std::size_t>(worst)] = false;
     judge.drop(groups[static_cast<std::size_t>(worst)]);
+    judge.measure(report);
   }
 }
 
@@ -259,7 +260,11 @@ GateReport gate_robustly(const Judged& judged, const GateReport& flagged, std::s
   GateReport inner = nothing_refused(rest.groups.size());
   const std::size_t half = judged.groups.size() / 2;
   const std::size_t most = gross <= half ? half - gross : rest.groups.size() / 4;
-  if (!judge.valid() || eliminate(judge, rest.groups, limits, most, inner)) {
+  if (!judge.valid()) {
+    return with_inner(flagged, inner);
+  }
+  judge.measure(inner);
+  if (eliminate(judge, rest.groups, limits, most, inner)) {
     return with_inner(flagged, inner);
   }
   GateReport all = inner;
