@@ -9,11 +9,11 @@
 #include <random>
 #include <string>
 
+#include "beside_the_sound.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/measure/rig.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/sensors/camera.hpp"
-#include "run_and_summarize.hpp"
 #include "shipped_scenario.hpp"
 
 namespace limber {
@@ -70,17 +70,10 @@ void expect_not_carried_away(std::uint64_t seed, std::initializer_list<Method> m
   const Recording sound = with_body(whole, 0, seed), disturbed = with_body(whole, 60, seed);
   for (const Method method : methods) {
     SCOPED_TRACE(to_string(method) + ", seed " + std::to_string(seed));
-    RunOptions options;
-    options.method = method;
-    const auto summary = [&](const Recording& recording) {
-      return testing::run_and_summarize(recording, options);
-    };
-    const RunSummary with = summary(disturbed);
-    EXPECT_LT(with.ate_se3_m.value(), 4.0 * summary(sound).ate_se3_m.value());
+    const RunSummary with = testing::expect_beside_the_sound(sound, disturbed, method, 4.0);
     if (seed == 41u) {  // the body is most of what is seen
       EXPECT_THAT(with.inputs.events, Contains(Field(&RunEvent::kind, RunEventKind::kMostMove)));
     }
-    EXPECT_FALSE(with.inputs.lost_since_ns);
   }
 }
 
@@ -132,15 +125,8 @@ void expect_no_fault_of_the_inputs(std::uint64_t seed, std::initializer_list<Met
   const Recording sound = drone(seed), disturbed = half_begins_to_move(sound);
   for (const Method method : methods) {
     SCOPED_TRACE(to_string(method) + ", seed " + std::to_string(seed));
-    RunOptions options;
-    options.method = method;
-    const auto summary = [&](const Recording& recording) {
-      return testing::run_and_summarize(recording, options);
-    };
-    const RunSummary with = summary(disturbed);
-    EXPECT_LT(with.ate_se3_m.value(), 4.0 * summary(sound).ate_se3_m.value());
+    const RunSummary with = testing::expect_beside_the_sound(sound, disturbed, method, 4.0);
     EXPECT_LT(with.anees.value(), 2.5);
-    EXPECT_FALSE(with.inputs.lost_since_ns);
   }
 }
 
