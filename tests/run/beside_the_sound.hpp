@@ -7,7 +7,8 @@
 
 namespace limber::testing {
 
-/// Expects of a disturbed recording so many times the error of the sound one at most, and that it is not lost.
+/// Expects of a disturbed recording so many times the error of the sound one at most, and that it is not
+/// lost.
 /// @return what the disturbed one comes to
 inline RunSummary expect_beside_the_sound(const Recording& sound, const Recording& disturbed, Method method,
                                           double times) {
