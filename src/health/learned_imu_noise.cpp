@@ -22,15 +22,15 @@ ImuNoiseFactors LearnedImuNoise::bounded(const ImuNoiseFactors& factors) {
   return {std::clamp(factors.gyro, 1.0, kLargestFactor), std::clamp(factors.accel, 1.0, kLargestFactor)};
 }
 
-LearnedImuNoise::LearnedImuNoise(const ImuNoiseFactors& begin) : factors_(bounded(begin)) {}
+LearnedImuNoise::LearnedImuNoise(const ImuNoiseFactors& begin) : begin_(bounded(begin)), factors_(begin_) {}
 
-void LearnedImuNoise::learn(const PoseCorrection& c, bool of_accelerometer) {
+void LearnedImuNoise::learn(const PoseCorrection& c, bool trusts_length) {
   if (corrections_.add(c) && !corrections_.are_of_a_start()) {
     const PoseCorrection::Vector6& mean = corrections_.mean();
     const double expected = 3.0 * corrections_.expected_square() * corrections_.noise();
-    const double of_accel = of_accelerometer ? step(mean.head<3>().squaredNorm() / expected) : 1.0,
-                 of_gyro = step(mean.tail<3>().squaredNorm() / expected);
-    factors_ = bounded({factors_.gyro * of_gyro, factors_.accel * of_accel});
+    const double gyro = factors_.gyro * step(mean.tail<3>().squaredNorm() / expected);
+    const double accel = factors_.accel * step(mean.head<3>().squaredNorm() / expected);
+    factors_ = bounded({gyro, trusts_length ? std::min(accel, std::max(begin_.gyro, begin_.accel)) : accel});
   }
 }
 

@@ -8,6 +8,7 @@
 #include "hand_over.hpp"
 #include "rig_offset.hpp"
 #include "start_window.hpp"
+#include "window_pixels.hpp"
 
 namespace limber::detail {
 
@@ -100,7 +101,8 @@ bool StartWindow::still_refines(const StartReport& now, double scale_before, dou
 }
 
 StartReport StartWindow::solve_and_judge() {
-  const double scale_before = report.scale_sigma, solved_before_s = solved_s;
+  const double solved_before_s = solved_s;
+  double scale_before = report.scale_sigma;
   solve();
   StartReport out = judged();
   bool failed = disagrees();
@@ -117,6 +119,7 @@ StartReport StartWindow::solve_and_judge() {
   }
   if (!failed && out.status != StartStatus::kWaiting && learn_imu_noise()) {
     out = judged();
+    scale_before = kUnknown;  // of another noise
   }
   if (failed) {
     go_back();

@@ -10,6 +10,7 @@
 #include "limber/core/time.hpp"
 #include "navigate/parameter_roles.hpp"
 #include "window_guess.hpp"
+#include "window_pixels.hpp"
 
 namespace limber::detail {
 

@@ -71,16 +71,6 @@ BiasStep with_step(const WindowModel& model, WindowState state, std::size_t k) {
 
 }  // namespace
 
-double expected_cost(const WindowModel& model, const WindowState& state) {
-  double rows = 0.0;
-  for (const WindowPoint& point : state.points) {
-    for (const WindowSighting& s : point.seen) {
-      rows += (s.observation.in_cam0 ? 2.0 : 0.0) + (s.observation.in_cam1 && model.right ? 2.0 : 0.0);
-    }
-  }
-  return 0.5 * rows;
-}
-
 void open_biases(WindowFrame& frame) {
   frame.gyro_step = kGyroThere;
   frame.accel_step = kAccelThere;

@@ -7,6 +7,7 @@
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
 #include "start_window.hpp"
+#include "window_pixels.hpp"
 
 namespace limber::detail {
 

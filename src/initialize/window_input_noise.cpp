@@ -7,6 +7,7 @@
 #include "limber/core/factors.hpp"
 #include "limber/health/learned_imu_noise.hpp"
 #include "start_window.hpp"
+#include "window_pixels.hpp"
 
 namespace limber::detail {
 
@@ -16,13 +17,21 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double kFarOff = 9.0;  // of the expected square: an interval says no more than that
-constexpr double kFewest = 2.0;  // degrees of freedom that images leave to the inputs
+constexpr double kFarOff = 9.0;   // of the expected square: an interval says no more than that
+constexpr double kAllowed = 1.5;  // of it, where pixels may err alike from frame to frame
+constexpr double kFewest = 2.0;   // degrees of freedom that images leave to the inputs
 // Standard deviations by which more noise than stated has to be certain: else, and where images and inputs
 // contradicted each other before.
 constexpr double kSureness = 4.0, kSurenessInDoubt = 1.0;
 constexpr double kSettledFactor = 0.1;  // of the logarithm
 constexpr int kRounds = 6;
+constexpr int kSteps = 3;  // of a solution, from one that is near
+
+/// From when on a misfit is more noise than stated.
+struct Doubt {
+  double allowed = 1.0;   ///< of the expected square
+  double sureness = 0.0;  ///< standard deviations beside that
+};
 
 /// Squared residuals of the inputs in their noise, and what is expected of them.
 struct Misfit {
@@ -37,19 +46,21 @@ struct Misfit {
     }
   }
   /// Of the noise's standard deviation; 1 where it may as well be as stated. @param now  what is assumed
-  [[nodiscard]] double factor(double now, double sureness) const {
+  [[nodiscard]] double factor(double now, const Doubt& doubt) const {
     if (expected < kFewest) {
       return 1.0;
     }
-    const double ratio = square / expected;
-    return now != 1.0 || ratio - 1.0 > sureness * std::sqrt(2.0 / expected) ? std::sqrt(ratio) : 1.0;
+    const double ratio = square / expected, by_chance = doubt.sureness * std::sqrt(2.0 / expected);
+    return now != 1.0 || ratio > doubt.allowed + by_chance ? std::sqrt(ratio) : 1.0;
   }
 };
 
-}  // namespace
-
+/// How much noisier an IMU is than assumed, by how far a solution stands off what it measured: squared
+/// residuals over what is expected of them, n - tr(Q^-1 C) with C their covariance in the solution. 1 where
+/// the noise may as well be as stated.
+/// @param covariance  of the frames' errors
 ImuNoiseFactors misfit_of_imu(const WindowModel& model, const WindowState& state, const MatrixXd& covariance,
-                              double sureness) {
+                              const Doubt& doubt) {
   Misfit gyro, accel;
   const Index n = model.body_size();
   for (std::size_t k = 1; k < state.frames.size(); ++k) {
@@ -66,8 +77,56 @@ ImuNoiseFactors misfit_of_imu(const WindowModel& model, const WindowState& state
               motion.Q.block<3, 3>(StateLayout::kVelocity, StateLayout::kVelocity),
               C.block<3, 3>(StateLayout::kVelocity, StateLayout::kVelocity));
   }
-  return {gyro.factor(model.imu_noise.gyro, sureness), accel.factor(model.imu_noise.accel, sureness)};
+  return {gyro.factor(model.imu_noise.gyro, doubt), accel.factor(model.imu_noise.accel, doubt)};
 }
+
+/// @param next  what is assumed of the IMU from now on, over what was stated
+void assume(WindowModel& model, const ImuNoiseFactors& next) {
+  model.options.imu_noise.gyro_density *= next.gyro / model.imu_noise.gyro;
+  model.options.imu_noise.accel_density *= next.accel / model.imu_noise.accel;
+  model.imu_noise = next;
+}
+
+bool are_alike(const ImuNoiseFactors& a, const ImuNoiseFactors& b) {
+  return std::abs(std::log(a.gyro / b.gyro)) + std::abs(std::log(a.accel / b.accel)) < kSettledFactor;
+}
+
+/// Squared residuals of the pixels over what is expected of them where the motion is free.
+double misfit_of_pixels(const WindowModel& model, const WindowState& state) {
+  const auto of_frame = static_cast<std::size_t>(StateLayout::kPoseSize + model.directions.cols());
+  const auto unknowns = static_cast<double>(3 * state.points.size() + of_frame * state.frames.size());
+  return cost_of_pixels(model, state) / std::max(expected_cost(model, state) - 0.5 * unknowns, 1.0);
+}
+
+/// The model with pixels as good as they show themselves.
+WindowModel with_shown_pixels(WindowModel model, const WindowState& state) {
+  const double sharpest = fine_pixels(model);
+  const double misfit = std::clamp(misfit_of_pixels(model, state), std::min(sharpest * sharpest, 1.0), 1.0);
+  model.options.sigma_px *= std::sqrt(misfit);
+  return model;
+}
+
+/// How much noisier than stated an IMU is, by a window's solution with pixels as good as they show themselves
+/// from frame to frame: beside the noise that a filter assumes, which stands for errors that last, inputs
+/// would hardly be seen.
+ImuNoiseFactors shown_noise(WindowModel model, WindowState state, const Doubt& doubt) {
+  for (int round = 0; round < kRounds; ++round) {
+    const WindowModel shown = with_shown_pixels(model, state);
+    const MatrixXd covariance = frame_covariance(solve_window(shown, state, kSteps));
+    if (covariance.size() == 0) {
+      break;
+    }
+    const ImuNoiseFactors misfit = misfit_of_imu(shown, state, covariance, doubt);
+    const ImuNoiseFactors now = model.imu_noise;
+    assume(model, LearnedImuNoise::bounded({now.gyro * misfit.gyro, now.accel * misfit.accel}));
+    if (are_alike(now, model.imu_noise)) {
+      break;
+    }
+  }
+  return model.imu_noise;
+}
+
+}  // namespace
 
 /// The noise in the model becomes as large as the solution says. The rig has to be free: a wrong one would be
 /// taken for noise of the IMU. A solution that is lost with more noise stays what it was.
@@ -75,28 +134,20 @@ bool StartWindow::learn_imu_noise() {
   if (!model.options.learn_imu_noise || !is_over_by_motion() || !solution || !unused.empty()) {
     return false;
   }
-  const double sureness = stepped_before_ns ? kSurenessInDoubt : kSureness;
-  bool changed = false;
-  for (int round = 0; round < kRounds; ++round) {
-    const ImuNoiseFactors misfit = misfit_of_imu(model, *solution, covariance, sureness);
-    const ImuNoiseFactors now = model.imu_noise;
-    const ImuNoiseFactors next = LearnedImuNoise::bounded({now.gyro * misfit.gyro, now.accel * misfit.accel});
-    const ImuNoiseFactors by{next.gyro / now.gyro, next.accel / now.accel};
-    if (std::abs(std::log(by.gyro)) + std::abs(std::log(by.accel)) < kSettledFactor) {
-      break;
-    }
-    StartWindow noisier = *this;
-    noisier.model.options.imu_noise.gyro_density *= by.gyro;
-    noisier.model.options.imu_noise.accel_density *= by.accel;
-    noisier.model.imu_noise = next;
-    noisier.settle_solution();
-    if (!noisier.solution) {
-      break;
-    }
-    *this = std::move(noisier);
-    changed = true;
+  const ImuNoiseFactors shown = shown_noise(
+      model, *solution,
+      {model.options.learn_pixel_noise ? kAllowed : 1.0, stepped_before_ns ? kSurenessInDoubt : kSureness});
+  if (are_alike(shown, model.imu_noise)) {
+    return false;
   }
-  return changed;
+  StartWindow noisier = *this;
+  assume(noisier.model, shown);
+  noisier.settle_solution();
+  if (!noisier.solution) {
+    return false;
+  }
+  *this = std::move(noisier);
+  return true;
 }
 
 }  // namespace limber::detail

@@ -137,6 +137,28 @@ void add_sightings(const WindowModel& model, const WindowState& state, const std
 
 }  // namespace
 
+double cost_of_pixels(const WindowModel& model, const WindowState& state) {
+  const std::vector<MountedRig> rigs = rigs_of(model, state);
+  double cost = 0.0;
+  SightingRows rows;
+  for (const WindowPoint& point : state.points) {
+    for (const WindowSighting& sighting : point.seen) {
+      cost += fill_rows(model, state, rigs[sighting.frame], point, sighting, rows);
+    }
+  }
+  return cost;
+}
+
+double expected_cost(const WindowModel& model, const WindowState& state) {
+  double rows = 0.0;
+  for (const WindowPoint& point : state.points) {
+    for (const WindowSighting& s : point.seen) {
+      rows += (s.observation.in_cam0 ? 2.0 : 0.0) + (s.observation.in_cam1 && model.right ? 2.0 : 0.0);
+    }
+  }
+  return 0.5 * rows;
+}
+
 void add_points(const WindowModel& model, const WindowState& state, WindowNormal& out) {
   const std::vector<MountedRig> rigs = rigs_of(model, state);
   const double sigma = kFreeBaselines / model.calibration.baseline();

@@ -125,14 +125,6 @@ struct MotionResidual {
 void sum_up_inputs(const WindowModel& model, WindowState& state);
 void forget_sums(WindowState& state);
 
-/// How much noisier the IMU is than assumed, by how far a solution stands off what it measured: squared
-/// residuals over what is expected of them, n - tr(Q^-1 C) with C their covariance in the solution. 1 where
-/// the noise is as stated and what is more may be chance.
-/// @param covariance  of the frames' errors
-/// @param sureness  standard deviations that are no chance
-[[nodiscard]] ImuNoiseFactors misfit_of_imu(const WindowModel& model, const WindowState& state,
-                                            const Eigen::MatrixXd& covariance, double sureness);
-
 /// @param memory normal equations that are of no use any more: what they hold is written over
 [[nodiscard]] WindowNormal linearise(const WindowModel& model, const WindowState& state,
                                      WindowNormal memory = {});
@@ -180,9 +172,6 @@ struct BiasStep {
 /// most of that: the solution with it. Nothing else.
 [[nodiscard]] std::optional<BiasStep> find_bias_step(const WindowModel& model, const WindowState& state,
                                                      const WindowNormal& normal);
-
-/// Half of what the pixels' rows are worth if they are as noisy as assumed.
-[[nodiscard]] double expected_cost(const WindowModel& model, const WindowState& state);
 
 /// Lets the biases step in the interval that ends with this frame.
 void open_biases(WindowFrame& frame);

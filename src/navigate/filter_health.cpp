@@ -112,7 +112,7 @@ void StereoFilter::learn_noise(const ParameterErrorModel& model, const UpdateRep
   const bool learns = imu_noise_ && options_.method != Method::kAdaptive;  // it is told: share_imu_noise
   if (learns && !points_quarrel(report) && !input_alarm_.active(correction.t_ns) &&
       report.inputs.gap_s <= kLongGap) {
-    imu_noise_->learn(counted, is_blind_to_rig() || detail::estimates_theta(options_));
+    imu_noise_->learn(counted, !is_blind_to_rig() && !detail::estimates_theta(options_));
   }
 }
 

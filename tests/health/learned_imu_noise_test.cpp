@@ -22,7 +22,8 @@ class Followed {
   explicit Followed(unsigned seed) : generator_(seed) {}
 
   /// @return geometric means of what was learned over the last half
-  ImuNoiseFactors go(int frames, const ImuNoiseFactors& true_noise, LearnedImuNoise& learned) {
+  ImuNoiseFactors go(int frames, const ImuNoiseFactors& true_noise, LearnedImuNoise& learned,
+                     bool trusts_length = false) {
     double gyro = 0.0, accel = 0.0;
     const Matrix6 R = kPixels * kPixels * Matrix6::Identity();
     for (int k = 0; k < frames; ++k) {
@@ -35,7 +36,8 @@ class Followed {
       error_ -= dx;
       const double others = 100.0;  // rows of points: the pose's are among them
       learned.learn(
-          {0, 0.05, dx, before - P_, innovation.dot(S.inverse() * innovation) + others, 6.0 + others});
+          {0, 0.05, dx, before - P_, innovation.dot(S.inverse() * innovation) + others, 6.0 + others},
+          trusts_length);
       gyro += 2 * k >= frames ? 2.0 / frames * std::log(learned.factors().gyro) : 0.0;
       accel += 2 * k >= frames ? 2.0 / frames * std::log(learned.factors().accel) : 0.0;
     }
@@ -82,6 +84,19 @@ TEST(LearnedImuNoise, IsForgottenWhenItIsOver) {
   LearnedImuNoise learned({20.0, 1.0});
   EXPECT_EQ(learned.factors().gyro, 20.0);
   EXPECT_LT(Followed(4).go(1000, {}, learned).gyro, 1.5);
+}
+
+/// Positions that are corrected too much may be a wrong baseline, and attitudes with them. A start has found
+/// the noise where the rig was free.
+TEST(LearnedImuNoise, OfAnAccelerometerIsNoMoreThanAStartFoundOfEitherSensorWhereALengthIsTrusted) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    LearnedImuNoise sound;
+    EXPECT_EQ(Followed(seed).go(2000, {10.0, 10.0}, sound, true).accel, 1.0);
+    LearnedImuNoise noisy_gyro({10.0, 1.0});
+    EXPECT_GT(Followed(seed).go(2000, {10.0, 10.0}, noisy_gyro, true).accel, 4.0);
+    LearnedImuNoise noisy_accelerometer({1.0, 10.0});
+    EXPECT_GT(Followed(seed).go(2000, {1.0, 10.0}, noisy_accelerometer, true).accel, 4.0);
+  }
 }
 
 /// The size of corrections is measured in the noise that the other rows show.

@@ -121,6 +121,41 @@ TEST(SensorStart, FindsHowMuchNoisierThanStatedAnImuIs) {
   EXPECT_LE(*std::ranges::max_element(factors), 20.0);
 }
 
+/// An IMU that is `times` as noisy as stated, beside pixels that are taken to err three times as much as they
+/// do.
+ImuNoiseFactors found_beside_sharp_pixels(std::uint64_t seed, double times) {
+  SceneOptions sharp = of_seed(seed);
+  sharp.sigma_px = 0.3;
+  const Scene scene = make_scene(sharp);
+  NavigatorOptions options = options_of(scene, Method::kLcekf);
+  options.sigma_px.setConstant(1.0);
+  options.learn_pixel_noise = true;
+  options.learn_imu_noise = true;
+  options.imu_noise.gyro_density /= times;
+  options.imu_noise.accel_density /= times;
+  return start(scene, options).result.initial.imu_noise;
+}
+
+void expect_noise_found_beside_sharp_pixels(std::uint64_t seed) {
+  const ImuNoiseFactors found = found_beside_sharp_pixels(seed, 10.0);
+  EXPECT_GE(found.gyro, 5.0);
+  EXPECT_LE(found.gyro, 20.0);
+  EXPECT_LE(found.accel, 20.0);  // three seconds hardly tell it
+  const ImuNoiseFactors sound = found_beside_sharp_pixels(seed, 1.0);
+  EXPECT_EQ(sound.gyro, 1.0);
+  EXPECT_EQ(sound.accel, 1.0);
+}
+
+TEST(SensorStart, FindsTheNoiseOfAnImuBesidePixelsThatAreBetterThanAssumed) {
+  expect_noise_found_beside_sharp_pixels(1);
+}
+
+TEST(FullSensorStart, FindsTheNoiseOfAnImuBesidePixelsThatAreBetterThanAssumed) {
+  for (const std::uint64_t seed : {2, 3, 4}) {
+    expect_noise_found_beside_sharp_pixels(seed);
+  }
+}
+
 TEST(FullSensorStart, BelievesTheStatedNoiseOfAnImuWhereItIsToldTo) {
   const double nees = start_with_a_noisy_gyro(true).first;
   const auto [believed, ones] = start_with_a_noisy_gyro(false);

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numbers>
 
+#include "check_covariance.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/run_recording.hpp"
 #include "limber/simulate/simulator.hpp"
@@ -18,6 +21,19 @@ const Eigen::Vector3d kScales(1.01, 0.99, 1.01);  // of a gyro's axes that nobod
 Recording with_scales(Recording recording, const Eigen::Vector3d& scales) {
   for (ImuSample& sample : recording.imu) {
     sample.omega_imu = sample.omega_imu.cwiseProduct(scales).eval();
+  }
+  return recording;
+}
+
+/// As noisy as an IMU of that many times the stated densities.
+Recording with_noise(Recording recording, double times, unsigned seed) {
+  constexpr double kGyro = 0.1 * std::numbers::pi / 180.0,
+                   kAccel = 0.03;  // of a sample, scenarios/drone_none.yaml
+  const double more = std::sqrt(times * times - 1.0);
+  testing::Generator generator(seed);
+  for (ImuSample& sample : recording.imu) {
+    sample.omega_imu += more * kGyro * testing::random_normal(generator, 3);
+    sample.accel_imu += more * kAccel * testing::random_normal(generator, 3);
   }
   return recording;
 }
@@ -57,6 +73,25 @@ TEST(FullNoisyImu, OfWhichTheScaleIsOffIsKnownToErr) {
   expect_known_to_err(Method::kEkf, 2);
   expect_known_to_err(Method::kLcekf, 2);
   expect_known_to_err(Method::kAdaptive, 2);
+}
+
+/// Sigmas of a start that believes the stated noise are off by a factor of three and more.
+void expect_known_to_be_noisy(Method method, std::uint64_t seed) {
+  const Recording recording = testing::realistic("drone_none", 20.0, seed);
+  const Flight noisy = fly(with_noise(recording, 10.0, static_cast<unsigned>(seed)), method);
+  EXPECT_LT(noisy.summary.anees.value(), 4.0);
+  EXPECT_GT(noisy.record.imu_noise.value().gyro, 4.0);
+  EXPECT_GT(noisy.record.imu_noise.value().accel, 3.0);
+}
+
+TEST(NoisyImu, IsKnownToBeNoisyFromTheStartOn) { expect_known_to_be_noisy(Method::kEkf, 71); }
+
+TEST(FullNoisyImu, IsKnownToBeNoisyFromTheStartOn) {
+  for (const Method method : {Method::kEkf, Method::kLcekf, Method::kAdaptive}) {
+    for (const std::uint64_t seed : {71, 72, 73}) {
+      expect_known_to_be_noisy(method, seed);
+    }
+  }
 }
 
 class NoisyImuOfAMethod : public ::testing::TestWithParam<Method> {};

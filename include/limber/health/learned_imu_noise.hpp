@@ -23,15 +23,15 @@ class LearnedImuNoise {
   explicit LearnedImuNoise(const ImuNoiseFactors& begin = {});
 
   /// A correction of a pose that was predicted with the noise that was assumed, `factors()`.
-  /// @param of_accelerometer  whether the position's tells the accelerometer's: not where a length of the
-  /// baseline that is wrong and trusted moves it, too
-  void learn(const PoseCorrection& correction, bool of_accelerometer = true);
+  /// @param trusts_length  a length of the baseline that is wrong would move the position, too: the
+  /// accelerometer is taken to be no noisier than the start, whose rig was free, found either sensor
+  void learn(const PoseCorrection& correction, bool trusts_length = false);
 
   /// To be assumed; at least 1.
   [[nodiscard]] ImuNoiseFactors factors() const { return factors_; }
 
  private:
-  ImuNoiseFactors factors_;
+  ImuNoiseFactors begin_, factors_;
   RecentCorrections corrections_;
 };
 
