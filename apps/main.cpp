@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -42,6 +43,9 @@ std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error)
   const std::string message = error.what();
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     const auto extras = command.remaining();
+    if (extras.empty()) {
+      return message;
+    }
     const auto option =
         std::find_if(extras.begin(), extras.end(), [](const std::string& text) { return text[0] == '-'; });
     return option != extras.end()
@@ -58,9 +62,18 @@ std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error)
   return message;
 }
 
+// The commands that were typed, one within the other.
+std::vector<const CLI::App*> chosen_commands(const CLI::App& app) {
+  std::vector<const CLI::App*> out;
+  for (auto below = app.get_subcommands(); !below.empty(); below = out.back()->get_subcommands()) {
+    out.push_back(below.front());
+  }
+  return out;
+}
+
 // What was wrong with the command line, and what to type next.
 int report_usage(const CLI::App& app, const CLI::ParseError& error) {
-  const auto chosen = app.get_subcommands();
+  const std::vector<const CLI::App*> chosen = chosen_commands(app);
   std::string commands;
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
@@ -71,11 +84,15 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error) {
   const auto unexpected = app.remaining();
   print_error(chosen.empty() && !unexpected.empty()
                   ? "unknown: " + unexpected.front() + did_you_mean(unexpected.front(), names)
-                  : what_is_wrong(chosen.empty() ? app : *chosen.front(), error));
+                  : what_is_wrong(chosen.empty() ? app : *chosen.back(), error));
   if (chosen.empty()) {
     print_note("expected one of the commands: " + commands);
   }
-  print_note("try: limber " + (chosen.empty() ? "" : chosen.front()->get_name() + " ") + "--help");
+  std::string words;
+  for (const CLI::App* command : chosen) {
+    words += command->get_name() + " ";
+  }
+  print_note("try: limber " + words + "--help");
   return limber::app::kExitUsage;
 }
 
@@ -127,13 +144,15 @@ void open_standard_streams() {
 
 int main(int argc, char** argv) {
   open_standard_streams();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing, as on a full disk
   keep_freed_memory();
   CLI::App app{"limber: stereo navigation for rigs that bend", "limber"};
   app.set_version_flag("--version", limber::app::version_text(), "Print version, commit and parts, and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.require_subcommand(1);
   app.footer(
-      "\nExit codes: 0 done, 1 failed, 2 wrong usage. Messages go to stderr, results to stdout.\n"
+      "\nExit codes: 0 done, 1 failed, 2 wrong usage; health and recalibrate have more, see their help.\n"
+      "Messages go to stderr, results to stdout.\n"
       "Example:\n  limber evaluate runs/v101/trajectory.csv data/v101");
   limber::app::add_run_command(app);
 #ifdef LIMBER_WITH_SMOOTHER

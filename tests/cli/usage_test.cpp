@@ -66,6 +66,16 @@ TEST(Usage, AnUnknownOptionIsNamedWithTheHelpOfItsCommand) {
   EXPECT_THAT(result.err, HasSubstr("try: limber evaluate --help"));
 }
 
+TEST(Usage, WhatIsTooMuchBehindACommandWithinACommandIsNamed) {
+  const auto surplus = run_limber({"study", "show", "a.sqlite", "b.sqlite"});
+  EXPECT_EQ(surplus.exit_code, 2);
+  EXPECT_THAT(surplus.err, HasSubstr("unexpected argument: b.sqlite"));
+  EXPECT_THAT(surplus.err, HasSubstr("try: limber study show --help"));
+  const auto unknown = run_limber({"study", "show", "a.sqlite", "--runs", "1"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("unknown option --runs"));
+}
+
 TEST(Usage, AMissingArgumentIsNamed) {
   const auto result = run_limber({"evaluate", "a"});
   EXPECT_EQ(result.exit_code, 2);
