@@ -16,6 +16,7 @@
 #include "frame_source.hpp"
 #include "interrupt.hpp"
 #include "limber/core/errors.hpp"
+#include "limber/run_files/run_output.hpp"
 #include "live_view.hpp"
 #include "messages.hpp"
 #include "output_folder.hpp"
@@ -85,8 +86,11 @@ void require_place_of_page(const RunArguments& arguments) {
   const fs::path& page = arguments.view.page;
   if (page.empty()) return;
   const auto place = [](const fs::path& path) { return (fs::absolute(path) / "").lexically_normal(); };
-  if (place(page) == place(arguments.out / "report.html")) {
-    throw CLI::ValidationError("--view-out", page.string() + " is the name of the run's report");
+  std::vector<std::string> names = run_file_names();
+  names.emplace_back("report.html");
+  if (std::ranges::any_of(
+          names, [&](const std::string& name) { return place(page) == place(arguments.out / name); })) {
+    throw CLI::ValidationError("--view-out", page.string() + " is the name of one of the run's results");
   }
   require_replaceable(page, kPageMark, arguments.force, {arguments.dataset});
   const fs::path folder = fs::absolute(page).parent_path();
@@ -148,7 +152,8 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
                              record.frames.size(), record.frames_of_recording, arguments.out.string()));
     if (!record.stopped) view->stay();
   }
-  if (!record.is_complete() || summary.inputs.lost_since_ns || summary.readout_contradicted) {
+  if (!record.is_complete() || summary.inputs.lost_since_ns || summary.readout_contradicted ||
+      !summary.mistakes.empty()) {
     throw CLI::RuntimeError(kExitFailed);  // the notes say why
   }
 }

@@ -83,6 +83,11 @@ const std::set<fs::path>& names_in_kitti_folder() {
 }
 
 void require_place_for_mav0(const fs::path& folder, bool replace) {
+  std::error_code ignored;
+  const fs::path place = fs::weakly_canonical(fs::absolute(folder), ignored);
+  if (std::ranges::find(place, fs::path("mav0")) != place.end()) {
+    throw DataError(folder.string(), 0, "a folder for a recording of its own", "one within a recording");
+  }
   const fs::path mav0 = folder / "mav0";
   require_place(mav0, "no folder of this name", is_mav0_by_limber(mav0), replace);
 }

@@ -70,6 +70,7 @@ TEST_F(CalibrationOption, ThatIsInvertedIsNamedOnceAndInTheResults) {
   EXPECT_THAT(result.err,
               HasSubstr("% of the stereo points that tell agree with the calibration, 100 % would without"));
   EXPECT_THAT(read_text(out() / "summary.json"), HasSubstr(said));
+  EXPECT_EQ(result.exit_code, 1) << "no pose of it is worth anything";
 }
 
 TEST_F(CalibrationOption, ThatSitsOnTheImuTheWrongWayRoundIsNamedWhereTheRigTurns) {

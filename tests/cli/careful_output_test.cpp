@@ -258,6 +258,32 @@ TEST_F(CarefulOutput, PutsNoResultsBesideARecording) {
   EXPECT_EQ(run_into(out()).exit_code, 0) << "and the recording is read as before";
 }
 
+TEST_F(CarefulOutput, PutsNoRecordingIntoARecording) {
+  const auto before = testing::files_below(log());
+  for (const fs::path& place : {mav0(), mav0() / "copy"}) {
+    for (const auto& result :
+         {run_limber({"simulate", scenario().string(), "--out", place.string(), "--force"}),
+          run_limber({"convert", log().string(), "--out", place.string(), "--force"})}) {
+      expect_refused(result, 1, place.string() + ": expected a ");
+    }
+  }
+  EXPECT_EQ(testing::files_below(log()), before);
+}
+
+TEST_F(CarefulOutput, PutsNoPageInPlaceOfResults) {
+  for (const char* const name : {"summary.json", "trajectory.csv", "report.html"}) {
+    const auto result = run({"--view-out", (out() / name).string(), "--force"});
+    expect_refused(result, 2, "is the name of one of the run's results");
+  }
+}
+
+TEST_F(CarefulOutput, LeavesNothingWhereFilesMayNotGrow) {
+  const std::string limber = testing::limber_command({"run", log().string(), "--out", out().string()});
+  const auto result = run_command("(ulimit -f 4; " + limber + ")");
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_FALSE(fs::exists(out()));
+}
+
 TEST_F(CarefulOutput, PutsNoRecordingBesideResults) {
   ASSERT_EQ(run().exit_code, 0);
   for (const auto& result :

@@ -15,7 +15,7 @@ namespace limber {
 /// What a KITTI odometry folder holds, by name; what else lies there is no part of the recording.
 [[nodiscard]] const std::set<std::filesystem::path>& names_in_kitti_folder();
 
-/// @brief For write_track_log and write_euroc: `folder` holds no mav0 yet, or an empty one.
+/// @brief For write_track_log and write_euroc: `folder` holds no mav0 yet, or an empty one, and lies in none.
 /// @param replace  an older mav0 that limber wrote may be there, too
 /// @throws DataError
 void require_place_for_mav0(const std::filesystem::path& folder, bool replace);
