@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <unordered_map>
 
 #include "formats.hpp"
@@ -16,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kLargestInImages = 10.0;  // a pixel this many images away is none
+constexpr double kEdge = 2.0;              // [px]: trackers follow points beyond the last pixel
 
 /// Collects the rows of tracks0/data.csv into frames.
 class FrameCollector {
@@ -38,12 +40,36 @@ class FrameCollector {
 
   [[nodiscard]] std::vector<StereoFrame> frames() && { return std::move(frames_); }
 
+  /// Where more than a hundredth of a camera's pixels lie outside of its images.
+  void note_outside(std::vector<std::string>& notes) const {
+    for (std::size_t cam = 0; cam < 2; ++cam) {
+      const Count& count = counts_[cam];
+      if (100 * count.outside > count.all) {
+        const Camera& camera = cam == 0 ? calibration_.cam0 : calibration_.cam1;
+        notes.push_back(
+            fmt::format("tracks0/data.csv: {} of {} pixels of cam{} lie outside of its {} x {} images, the "
+                        "first in line {}: "
+                        "is the resolution right?",
+                        count.outside, count.all, cam, camera.width, camera.height, count.first_line));
+      }
+    }
+  }
+
  private:
   [[nodiscard]] bool is_empty(std::size_t column) const { return table_.field(column).empty(); }
 
-  [[nodiscard]] Eigen::Vector2d pixel(std::size_t column, const Camera& camera) const {
-    return {table_.number(column, kLargestInImages * camera.width),
-            table_.number(column + 1, kLargestInImages * camera.height)};
+  Eigen::Vector2d pixel(std::size_t cam) {
+    const Camera& camera = cam == 0 ? calibration_.cam0 : calibration_.cam1;
+    const std::size_t column = 2 + 2 * cam;
+    const Eigen::Vector2d uv(table_.number(column, kLargestInImages * camera.width),
+                             table_.number(column + 1, kLargestInImages * camera.height));
+    Count& count = counts_[cam];
+    ++count.all;
+    if (uv.minCoeff() < -kEdge || uv.x() > camera.width - 1 + kEdge || uv.y() > camera.height - 1 + kEdge) {
+      count.first_line = count.outside == 0 ? table_.line() : count.first_line;
+      ++count.outside;
+    }
+    return uv;
   }
 
   void add_point(StereoFrame& frame) {
@@ -55,10 +81,10 @@ class FrameCollector {
       table_.fail("pixels in at least one camera", "none");
     }
     if (point.in_cam0) {
-      point.uv_cam0 = pixel(2, calibration_.cam0);
+      point.uv_cam0 = pixel(0);
     }
     if (point.in_cam1) {
-      point.uv_cam1 = pixel(4, calibration_.cam1);
+      point.uv_cam1 = pixel(1);
     }
     const auto [last_seen, is_new] = last_frame_.try_emplace(point.track_id, frame.t_ns);
     if (!is_new && std::exchange(last_seen->second, frame.t_ns) == frame.t_ns) {
@@ -67,8 +93,13 @@ class FrameCollector {
     frame.observations.push_back(point);
   }
 
+  struct Count {
+    std::size_t all = 0, outside = 0, first_line = 0;
+  };
+
   TableReader& table_;
   const StereoCalibration& calibration_;
+  std::array<Count, 2> counts_;  // of pixels
   std::vector<StereoFrame> frames_;
   std::unordered_map<std::int64_t, std::int64_t> last_frame_;  // track_id -> time of its last frame [ns]
   bool last_had_no_points_ = false;
@@ -107,6 +138,7 @@ Recording read_track_log(const fs::path& mav0) {
     collector.add_row();
   }
   table.require_a_row("frame");
+  collector.note_outside(recording.notes);
   recording.frames = std::move(collector).frames();
   require_nanoseconds(times_of(recording.frames), kShortestFrame_ns, path);
   note_if_cut_off(path, recording.notes);

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -38,6 +39,19 @@ std::string counts_in_words(const std::vector<std::size_t>& counts) {
     return fmt::format("{}", counts.front());
   }
   return fmt::format("{} or {}", fmt::join(counts.begin(), counts.end() - 1, ", "), counts.back());
+}
+
+/// Of a column, without its unit and frames: w_x of "w_RS_S_x [rad s^-1]".
+std::string plain_name(std::string_view name) {
+  std::string out(trimmed(name.substr(0, name.find('['))));
+  std::ranges::transform(out, out.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const std::string_view frames : {"_rs_s", "_rs_r", "_rs"}) {
+    if (const std::size_t at = out.find(frames); at != std::string::npos) {
+      out.erase(at, frames.size());
+      break;
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -84,6 +98,9 @@ bool TableReader::next() {
     const std::string_view row = trimmed(std::string_view(text_).substr(begin_, end - begin_));
     begin_ = end + 1;
     ++line_;
+    if (!row.empty() && row.front() == '#' && rows_ == 0) {
+      check_header(row.substr(1));
+    }
     if (!row.empty() && row.front() != '#') {
       split(row);
       check_columns();
@@ -107,6 +124,24 @@ void TableReader::split(std::string_view row) {
     row.remove_prefix(end + 1);
     if (blanks) {
       row = trimmed(row);
+    }
+  }
+}
+
+void TableReader::check_header(std::string_view header) {
+  split(trimmed(header));
+  if (std::ranges::find(layout_.counts, fields_.size()) == layout_.counts.end()) {
+    return;
+  }
+  std::vector<std::string> known;
+  for (const std::string_view name : layout_.names) {
+    known.push_back(plain_name(name));
+  }
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    const auto found = std::ranges::find(known, plain_name(fields_[k]));
+    if (found != known.end() && found - known.begin() != static_cast<std::ptrdiff_t>(k)) {
+      fail(fmt::format("the columns {}", fmt::join(layout_.names, ", ")),
+           fmt::format("{} as column {}", fields_[k], k + 1));
     }
   }
 }

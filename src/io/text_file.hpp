@@ -27,7 +27,8 @@ struct TableLayout {
 };
 
 /// @brief Walks through the rows of a text table. Skips blank lines and lines that start with '#'; line ends
-/// may be \n or \r\n. Throws DataError, which names file and line, for all that does not fit.
+/// may be \n or \r\n. Throws DataError, which names file and line, for all that does not fit: also for a line
+/// of '#' above the rows that names the columns in another order.
 class TableReader {
  public:
   static constexpr double kUnlimited = std::numeric_limits<double>::max();
@@ -56,6 +57,8 @@ class TableReader {
 
  private:
   void split(std::string_view row);
+  /// A line of names over the rows that knows one of ours at another place. @throws DataError
+  void check_header(std::string_view header);
   void check_columns();
   [[nodiscard]] std::string name(std::size_t column) const;
 

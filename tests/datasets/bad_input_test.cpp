@@ -49,6 +49,15 @@ std::vector<BadFile> bad_files() {
   const std::string identity = "1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1";
   return {
       {"TrackWithNan", kTracks, replace("20.5", "nan"), 3, "finite number for u0 [px], found 'nan'"},
+      {"TrackColumnsInAnotherOrder", kTracks, replace("u0 [px],v0 [px],u1 [px],v1 [px]", "u1,v1,u0,v0"), 1,
+       "expected the columns timestamp [ns], track_id, u0 [px], v0 [px], u1 [px], v1 [px], found u1 as "
+       "column 3"},
+      {"ImuColumnsInAnotherOrder", "imu0/data.csv",
+       replace("w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1]", "w_RS_S_y [rad s^-1],w_RS_S_x [rad s^-1]"), 1,
+       "found w_RS_S_y [rad s^-1] as column 2"},
+      {"TruthWithTheScalarLast", kTruth,
+       replace("q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []", "q_RS_x [],q_RS_y [],q_RS_z [],q_RS_w []"), 1,
+       "found q_RS_x [] as column 5"},
       {"TrackWithInfinity", kTracks, replace("20.5", "-inf"), 3, "found '-inf'"},
       {"TrackFarOutsideTheImage", kTracks, replace("20.5", "1e308"), 3,
        "u0 [px] within ±7520, found '1e308'"},

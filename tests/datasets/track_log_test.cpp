@@ -177,6 +177,15 @@ TEST_F(TrackLog, SaysWhatItDoesNotGive) {
   EXPECT_NE(actual.notes[2].find("sigma_px"), std::string::npos);
 }
 
+TEST_F(TrackLog, NotesPixelsThatLieOutsideOfTheStatedImages) {
+  edit("cam1/sensor.yaml", "resolution: [752, 480]", "resolution: [64, 480]");
+  const Recording actual = read();
+  ASSERT_EQ(actual.notes.size(), 1U);
+  EXPECT_NE(actual.notes[0].find("pixels of cam1 lie outside of its 64 x 480 images, the first in line"),
+            std::string::npos)
+      << actual.notes[0];
+}
+
 TEST_F(TrackLog, NotesALastLineWithoutEnd) {
   std::string text = read_text(mav0() / "imu0/data.csv");
   text.pop_back();
