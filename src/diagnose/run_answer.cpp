@@ -81,6 +81,11 @@ std::string pose_in_words(const RunRecord& record, const RunSummary& s) {
   return text;
 }
 
+constexpr double kKnownOff = 3.0;  // sigmas from which on a length is said to be off
+constexpr const char* kLengthAdvice =
+    "ask limber health, which trusts no length, and limber recalibrate; until then --method lcekf or "
+    "adaptive";
+
 /// What positions are worth whose scale is that of the baseline.
 std::string trust_in_words(const RunRecord& record, const RunSummary& s) {
   const std::string rest = "positions rest on the length of the baseline, which ";
@@ -97,8 +102,14 @@ std::string trust_in_words(const RunRecord& record, const RunSummary& s) {
   };
   const TrajectoryRow& farthest = *std::ranges::max_element(record.trajectory, {}, from_start);
   const double distance = from_start(farthest), sigma = s.scale_check->scale.sigma;
-  std::string out = rest + fmt::format("the IMU shows to {:.2g} % (1σ): {:.2g} m at {:.3g} m from the start",
-                                       100.0 * sigma, sigma * distance, distance);
+  const double off = s.scale_check->scale.too_long;
+  const bool known_off = std::abs(off) > kKnownOff * sigma;
+  std::string out =
+      rest + (known_off ? fmt::format("beside the IMU makes them {:.2g} ± {:.2g} % too {}",
+                                      100.0 * std::abs(off), 100.0 * sigma, off > 0.0 ? "long" : "short")
+                        : fmt::format("the IMU shows to {:.2g} % (1σ)", 100.0 * sigma));
+  out += fmt::format(": {:.2g} m at {:.3g} m from the start",
+                     (known_off ? std::hypot(off, sigma) : sigma) * distance, distance);
   if (farthest.covariance) {
     out += fmt::format(", where {:.2g} m are claimed",
                        std::sqrt(farthest.covariance->diagonal().head<3>().sum()));
@@ -138,6 +149,11 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
     out.sentences.insert(out.sentences.end(), s.clock_mistakes.begin(), s.clock_mistakes.end());
     for (const OffsetMistake& mistake : s.camera_imu_mistakes) {
       out.sentences.push_back(mistake.words);
+    }
+    if (s.health->verdict == HealthVerdict::kCannotTell && s.scale_check && is_off(s.scale_check->scale)) {
+      out.light = AnswerLight::kYellow;
+      out.headline = "calibration in doubt: its baseline has another length than the IMU shows";
+      out.advice = kLengthAdvice;
     }
     if (!s.camera_imu_mistakes.empty()) {
       out.advice = s.camera_imu_mistakes.front().advice;

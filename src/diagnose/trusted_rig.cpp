@@ -57,11 +57,6 @@ std::string note_on(const TrustedRigOff& off, const RunOptions& options, const H
       rig.verdict == HealthVerdict::kOk ? ", within the tolerance" : "");
 }
 
-bool is_off(const TrajectoryScale& scale) {
-  const double sigmas = scale.too_long / scale.sigma;
-  return chi_square_survival(sigmas * sigmas, 1.0) < kOnceInRuns;
-}
-
 std::string note_on(const ScaleCheck& check, const RunOptions& options, const RunRecord& record,
                     const HealthSummary& rig) {
   const bool is_long = check.scale.too_long > 0.0;
@@ -75,6 +70,11 @@ std::string note_on(const ScaleCheck& check, const RunOptions& options, const Ru
 }
 
 }  // namespace
+
+bool is_off(const TrajectoryScale& scale) {
+  const double sigmas = scale.too_long / scale.sigma;
+  return chi_square_survival(sigmas * sigmas, 1.0) < kOnceInRuns;
+}
 
 std::vector<TrustedPart> trusted_parts(const RunOptions& options, MotionModel motion,
                                        const RigParameters& theta) {

@@ -23,9 +23,11 @@ void say_start(const SensorWindow& window, RunRecord& record) {
     return;
   }
   record.notes.push_back(fmt::format(
-      "{}{:.2g} s, which are smoothed: tilt known to {:.2g} deg, {}{}",
+      "{}{:.2g} s, which are smoothed: {}{}{}",
       report.status == StartStatus::kWaiting ? "nothing but a start, all " : "started from the first ",
-      report.waited_s, report.tilt_sigma * kToDegrees,
+      report.waited_s,
+      report.tilt_sigma > 0.0 ? fmt::format("tilt known to {:.2g} deg, ", report.tilt_sigma * kToDegrees)
+                              : "",
       report.scale_sigma < 1.0 ? fmt::format("scale to {:.2g} %", 100.0 * report.scale_sigma)
                                : "scale not at all",
       report.missing.empty() ? "" : "; not known: " + report.missing));

@@ -86,6 +86,24 @@ TEST(RunAnswer, SaysWhatPositionsRestOnWhereTheLengthOfTheBaselineIsTrusted) {
   EXPECT_EQ(said.answer().sentences.back(),
             "positions rest on the length of the baseline, which the IMU shows to 1.2 % (1σ): 0.24 m at 20 m "
             "from the start, where 0.017 m are claimed");
+  said.summary.scale_check = ScaleCheck{0, 0, {-0.09, 0.012}};
+  EXPECT_EQ(
+      said.answer().sentences.back(),
+      "positions rest on the length of the baseline, which beside the IMU makes them 9 ± 1.2 % too short: "
+      "1.8 m at 20 m from the start, where 0.017 m are claimed");
+  EXPECT_EQ(said.answer().light, AnswerLight::kGreen) << "the depths say that the rig is ok";
+}
+
+/// The trusted length hides itself from the depths, and then only the scale shows it.
+TEST(RunAnswer, DoubtsACalibrationWhoseLengthContradictsTheImuWhereDepthsCannotTell) {
+  Said said(kCannotTell);
+  said.summary.rests_on_length = true;
+  said.summary.scale_check = ScaleCheck{0, 0, {0.02, 0.012}};
+  EXPECT_EQ(said.answer().light, AnswerLight::kGrey);
+  said.summary.scale_check = ScaleCheck{0, 0, {-0.09, 0.012}};
+  EXPECT_EQ(said.answer().light, AnswerLight::kYellow);
+  EXPECT_THAT(said.answer().headline, HasSubstr("another length than the IMU shows"));
+  EXPECT_THAT(said.answer().advice, HasSubstr("--method lcekf or adaptive"));
 }
 
 /// KITTI drives were called ok with ANEES of 30 to 130.

@@ -19,6 +19,9 @@ struct ScaleCheck {
   TrajectoryScale scale;  ///< of the run's trajectory; sigma: at least 1 %
 };
 
+/// Whether a trajectory's scale is another one than the inputs show: by chance once in a thousand runs.
+[[nodiscard]] bool is_off(const TrajectoryScale& scale);
+
 /// @brief Runs `lcekf` once more over the last 30 s of a run (RunRecord::last_frames).
 ///
 /// The velocities, as the body sees them in either run, give the scale; their sigmas over the speed say how
