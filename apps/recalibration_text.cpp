@@ -42,11 +42,11 @@ std::string axes_text(const Recalibration& found) {
     const double sigma = shown(k, std::sqrt(found.fit.covariance(k, k)));
     const char* unit = k < 3 ? "deg" : "mm";
     if (!found.fit.seen[axis]) {
-      out += fmt::format("  {}  not seen, left as given (+- {:.3f} {} are taken for it)\n",
+      out += fmt::format("  {}  not seen, left as given (± {:.3f} {} are taken for it)\n",
                          kParameterNames.at(axis), sigma, unit);
       continue;
     }
-    out += fmt::format("  {}  {:+.3f} +- {:.3f} {}\n", kParameterNames.at(axis), shown(k, change(k)), sigma,
+    out += fmt::format("  {}  {:+.3f} ± {:.3f} {}\n", kParameterNames.at(axis), shown(k, change(k)), sigma,
                        unit);
   }
   if (!found.length_seen) {
@@ -56,7 +56,7 @@ std::string axes_text(const Recalibration& found) {
 }
 
 std::string depth_text(const DepthChange& change) {
-  return std::isfinite(change.share) ? fmt::format("{:+.1f} +- {:.1f} % at {:.3g} m", 100.0 * change.share,
+  return std::isfinite(change.share) ? fmt::format("{:+.1f} ± {:.1f} % at {:.3g} m", 100.0 * change.share,
                                                    100.0 * change.sigma, change.depth)
                                      : fmt::format("nothing measured at {:.3g} m", change.depth);
 }
@@ -100,7 +100,7 @@ std::string to_text(const Recalibration& found, const std::string& dataset,
   std::string out = fmt::format("{}: {}\n", dataset, verdict_in_words(found));
   out += "correction (true minus given):\n" + axes_text(found);
   out += fmt::format(
-      "epipolar error  {:.2f} -> {:.2f} px (the correction moves points by {:.2f} +- {:.2f} px)\n",
+      "epipolar error  {:.2f} -> {:.2f} px (the correction moves points by {:.2f} ± {:.2f} px)\n",
       found.epipolar_px.given, found.epipolar_px.fitted, found.epipolar_change_px, found.epipolar_sigma_px);
   out += "depth with the given calibration is wrong by " + depth_text(found.at_tolerance);
   for (const DepthChange& change : found.depths) {
