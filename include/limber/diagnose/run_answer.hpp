@@ -13,7 +13,7 @@ namespace limber {
 /// How the answer of a run looks from afar.
 enum class AnswerLight : std::uint8_t {
   kGreen,   ///< the calibration is ok
-  kYellow,  ///< degraded
+  kYellow,  ///< degraded, or in doubt
   kRed,     ///< decalibrated, or the run is lost
   kGrey     ///< cannot tell, or not judged
 };
