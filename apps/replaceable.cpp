@@ -91,10 +91,10 @@ void require_remakable(const fs::path& made, std::string_view mark, const fs::pa
 }
 
 void require_no_recording(const fs::path& folder) {
-  std::error_code error;
-  const fs::path place = fs::weakly_canonical(fs::absolute(folder), error);
-  const bool in_mav0 = std::find(place.begin(), place.end(), "mav0") != place.end();
+  const bool in_mav0 = lies_in_mav0(folder);
   if (in_mav0 || holds_recording(folder)) {
+    std::error_code ignored;
+    const fs::path place = fs::weakly_canonical(fs::absolute(folder), ignored);
     throw DataError(folder.string(), 0, "a folder for the results alone, such as " + example_of(place),
                     in_mav0 ? "one within a recording" : "that of a recording");
   }

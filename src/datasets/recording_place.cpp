@@ -82,10 +82,14 @@ const std::set<fs::path>& names_in_kitti_folder() {
   return names;
 }
 
-void require_place_for_mav0(const fs::path& folder, bool replace) {
+bool lies_in_mav0(const fs::path& folder) {
   std::error_code ignored;
   const fs::path place = fs::weakly_canonical(fs::absolute(folder), ignored);
-  if (std::ranges::find(place, fs::path("mav0")) != place.end()) {
+  return std::ranges::find(place, fs::path("mav0")) != place.end();
+}
+
+void require_place_for_mav0(const fs::path& folder, bool replace) {
+  if (lies_in_mav0(folder)) {
     throw DataError(folder.string(), 0, "a folder for a recording of its own", "one within a recording");
   }
   const fs::path mav0 = folder / "mav0";

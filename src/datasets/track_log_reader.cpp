@@ -48,8 +48,7 @@ class FrameCollector {
         const Camera& camera = cam == 0 ? calibration_.cam0 : calibration_.cam1;
         notes.push_back(
             fmt::format("tracks0/data.csv: {} of {} pixels of cam{} lie outside of its {} x {} images, the "
-                        "first in line {}: "
-                        "is the resolution right?",
+                        "first in line {}: is the resolution right?",
                         count.outside, count.all, cam, camera.width, camera.height, count.first_line));
       }
     }

@@ -12,6 +12,9 @@ namespace limber {
 /// @return false also for what is no folder, or none that can be looked into
 [[nodiscard]] bool holds_recording(const std::filesystem::path& folder);
 
+/// Whether a folder is an EuRoC mav0 or lies in one, seen through links.
+[[nodiscard]] bool lies_in_mav0(const std::filesystem::path& folder);
+
 /// What a KITTI odometry folder holds, by name; what else lies there is no part of the recording.
 [[nodiscard]] const std::set<std::filesystem::path>& names_in_kitti_folder();
 
