@@ -91,21 +91,6 @@ bool are_alike(const ImuNoiseFactors& a, const ImuNoiseFactors& b) {
   return std::abs(std::log(a.gyro / b.gyro)) + std::abs(std::log(a.accel / b.accel)) < kSettledFactor;
 }
 
-/// Squared residuals of the pixels over what is expected of them where the motion is free.
-double misfit_of_pixels(const WindowModel& model, const WindowState& state) {
-  const auto of_frame = static_cast<std::size_t>(StateLayout::kPoseSize + model.directions.cols());
-  const auto unknowns = static_cast<double>(3 * state.points.size() + of_frame * state.frames.size());
-  return cost_of_pixels(model, state) / std::max(expected_cost(model, state) - 0.5 * unknowns, 1.0);
-}
-
-/// The model with pixels as good as they show themselves.
-WindowModel with_shown_pixels(WindowModel model, const WindowState& state) {
-  const double sharpest = fine_pixels(model);
-  const double misfit = std::clamp(misfit_of_pixels(model, state), std::min(sharpest * sharpest, 1.0), 1.0);
-  model.options.sigma_px *= std::sqrt(misfit);
-  return model;
-}
-
 /// How much noisier than stated an IMU is, by a window's solution with pixels as good as they show themselves
 /// from frame to frame: beside the noise that a filter assumes, which stands for errors that last, inputs
 /// would hardly be seen.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "window_pixels.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -135,6 +136,13 @@ void add_sightings(const WindowModel& model, const WindowState& state, const std
   }
 }
 
+/// Squared residuals of the pixels over what is expected of them where the motion is free.
+double misfit_of_pixels(const WindowModel& model, const WindowState& state) {
+  const auto of_frame = static_cast<std::size_t>(StateLayout::kPoseSize + model.directions.cols());
+  const auto unknowns = static_cast<double>(3 * state.points.size() + of_frame * state.frames.size());
+  return cost_of_pixels(model, state) / std::max(expected_cost(model, state) - 0.5 * unknowns, 1.0);
+}
+
 }  // namespace
 
 double cost_of_pixels(const WindowModel& model, const WindowState& state) {
@@ -157,6 +165,13 @@ double expected_cost(const WindowModel& model, const WindowState& state) {
     }
   }
   return 0.5 * rows;
+}
+
+WindowModel with_shown_pixels(WindowModel model, const WindowState& state) {
+  const double sharpest = fine_pixels(model);
+  const double misfit = std::clamp(misfit_of_pixels(model, state), std::min(sharpest * sharpest, 1.0), 1.0);
+  model.options.sigma_px *= std::sqrt(misfit);
+  return model;
 }
 
 void add_points(const WindowModel& model, const WindowState& state, WindowNormal& out) {

@@ -11,6 +11,9 @@ namespace limber::detail {
 /// Half of what the pixels' rows are worth if they are as noisy as assumed.
 [[nodiscard]] double expected_cost(const WindowModel& model, const WindowState& state);
 
+/// The model with pixels as good as they show themselves from frame to frame.
+[[nodiscard]] WindowModel with_shown_pixels(WindowModel model, const WindowState& state);
+
 /// What the pixels and the points' own weak prior add to the normal equations.
 void add_points(const WindowModel& model, const WindowState& state, WindowNormal& out);
 

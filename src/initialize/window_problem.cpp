@@ -52,26 +52,8 @@ MatrixXd difference_jacobian(const VectorXd& e) {
 }
 
 void add_prior(const WindowModel& model, const WindowFrame& first, WindowNormal& out) {
-  const WindowPrior& prior = model.prior;
-  const bool imu = model.options.motion == MotionModel::kImu;
-  NavigationState mean;
-  mean.T_world_body.R = model.R_first;
-  const VectorXd e = difference(first.nav, mean, model.options.motion);
+  const auto [e, J, information] = prior_residual(model, first);
   const Index n = model.body_size();
-  VectorXd weight(n);
-  weight.segment<3>(L::kPosition).setConstant(1.0 / squared(prior.position));
-  weight.segment<3>(L::kAttitude).setConstant(0.0);
-  weight.segment<3>(L::kVelocity).setConstant(1.0 / squared(prior.velocity));
-  weight.segment<3>(L::kBiasGyro).setConstant(1.0 / squared(imu ? prior.bias_gyro : prior.rate));
-  if (imu) {
-    weight.segment<3>(L::kBiasAccel).setConstant(1.0 / squared(prior.bias_accel));
-  }
-  MatrixXd information = weight.asDiagonal();
-  const double tilt = imu ? prior.tilt : prior.yaw;
-  const Vector3d attitude(1.0 / squared(tilt), 1.0 / squared(tilt), 1.0 / squared(prior.yaw));
-  const Matrix3d& R = model.R_first;
-  information.block<3, 3>(L::kAttitude, L::kAttitude) = R.transpose() * attitude.asDiagonal() * R;
-  const MatrixXd J = difference_jacobian(e);
   out.A.topLeftCorner(n, n) += congruence(transposed(J), information);
   out.g.head(n) -= J.transpose() * information * e;
   out.cost += 0.5 * e.dot(information * e);
@@ -217,6 +199,29 @@ void forget_sums(WindowState& state) {
   for (WindowFrame& frame : state.frames) {
     frame.inputs.reset();
   }
+}
+
+PriorResidual prior_residual(const WindowModel& model, const WindowFrame& first) {
+  const WindowPrior& prior = model.prior;
+  const bool imu = model.options.motion == MotionModel::kImu;
+  NavigationState mean;
+  mean.T_world_body.R = model.R_first;
+  VectorXd e = difference(first.nav, mean, model.options.motion);
+  VectorXd weight(model.body_size());
+  weight.segment<3>(L::kPosition).setConstant(1.0 / squared(prior.position));
+  weight.segment<3>(L::kAttitude).setConstant(0.0);
+  weight.segment<3>(L::kVelocity).setConstant(1.0 / squared(prior.velocity));
+  weight.segment<3>(L::kBiasGyro).setConstant(1.0 / squared(imu ? prior.bias_gyro : prior.rate));
+  if (imu) {
+    weight.segment<3>(L::kBiasAccel).setConstant(1.0 / squared(prior.bias_accel));
+  }
+  MatrixXd information = weight.asDiagonal();
+  const double tilt = imu ? prior.tilt : prior.yaw;
+  const Vector3d attitude(1.0 / squared(tilt), 1.0 / squared(tilt), 1.0 / squared(prior.yaw));
+  const Matrix3d& R = model.R_first;
+  information.block<3, 3>(L::kAttitude, L::kAttitude) = R.transpose() * attitude.asDiagonal() * R;
+  MatrixXd J = difference_jacobian(e);
+  return {std::move(e), std::move(J), std::move(information)};
 }
 
 MotionResidual motion_residual(const WindowModel& model, const WindowState& state, std::size_t frame) {

@@ -109,6 +109,15 @@ struct WindowNormal {
   Eigen::VectorXd g, g_points;
 };
 
+/// How the first state disagrees with what is known before any frame.
+struct PriorResidual {
+  Eigen::VectorXd e;            ///< the state without what is known
+  Eigen::MatrixXd J;            ///< of e, by the state
+  Eigen::MatrixXd information;  ///< inverse covariance of e
+};
+
+[[nodiscard]] PriorResidual prior_residual(const WindowModel& model, const WindowFrame& first);
+
 /// How the inputs to a frame disagree with the states on either side of them; IMU: position and velocity in
 /// the axes of the earlier body.
 struct MotionResidual {
