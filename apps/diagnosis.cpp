@@ -162,6 +162,20 @@ Json json_of(const std::optional<TurnScale>& scale) {
                : Json(nullptr);
 }
 
+Json json_of(const std::optional<InertialCheck>& check) {
+  if (!check) {
+    return nullptr;
+  }
+  Json out = Json::array();
+  for (const InertialOffset& offset : check->offsets) {
+    out.push_back({{"of", to_string(offset.of)},
+                   {"size", offset.value.norm()},
+                   {"sigma", offset.sigma},
+                   {"sureness", offset.sureness}});
+  }
+  return out;
+}
+
 /// As in summary.json.
 Json health_json(const Diagnosis& diagnosis) {
   if (!diagnosis.health) {
@@ -284,6 +298,7 @@ std::string to_json(const Diagnosis& diagnosis) {
       {"time_offset_cameras_imu", json_of(diagnosis.offsets.cameras)},
       {"mount_turn", json_of(diagnosis.offsets.mount)},
       {"turn_scale", json_of(surest_scale(diagnosis.offsets))},
+      {"inertial_offsets", json_of(diagnosis.offsets.inertial)},
       {"readout_time", diagnosis.readout ? Json{{"ms", 1e3 * diagnosis.readout->seconds},
                                                 {"sigma_ms", 1e3 * diagnosis.readout->sigma}}
                                          : Json(nullptr)},

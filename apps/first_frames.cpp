@@ -34,6 +34,10 @@ FirstFrames::FirstFrames(const Recording& recording, StereoCalibration assumed, 
       source_(std::move(source)),
       say_(std::move(say)) {}
 
+std::string FirstFrames::in_words(const std::string& mistake) {
+  return "looks like a mistake: " + mistake + ". Mend it and run again";
+}
+
 StereoFrame FirstFrames::operator()(std::size_t n) {
   StereoFrame frame = source_(n);
   if (!over_) {
@@ -46,7 +50,7 @@ StereoFrame FirstFrames::operator()(std::size_t n) {
 
 void FirstFrames::say(const std::vector<std::string>& found) {
   for (const std::string& mistake : found) {
-    mistakes_.push_back("looks like a mistake: " + mistake + ". Mend it and run again");
+    mistakes_.push_back(in_words(mistake));
     say_(mistakes_.back());
   }
   over_ = over_ || !found.empty();

@@ -35,6 +35,8 @@ class FirstFrames {
   FirstFrames(const Recording& recording, StereoCalibration assumed, double gravity, FrameSource source,
               Say say);
 
+  /// As it is said.
+  [[nodiscard]] static std::string in_words(const std::string& mistake);
   /// As FrameSource.
   [[nodiscard]] StereoFrame operator()(std::size_t n);
   /// After the last frame, or where the run ended early.

@@ -152,8 +152,7 @@ void run_on(const Recording& recording, const RepeatedFrames& frames, const RunA
                              record.frames.size(), record.frames_of_recording, arguments.out.string()));
     if (!record.stopped) view->stay();
   }
-  if (!record.is_complete() || summary.inputs.lost_since_ns || summary.readout_contradicted ||
-      !summary.mistakes.empty()) {
+  if (!record.is_complete() || !is_trustworthy(summary)) {
     throw CLI::RuntimeError(kExitFailed);  // the notes say why
   }
 }

@@ -35,7 +35,14 @@ void WatchedFrames::complete(RunRecord& record) {
 
 RunSummary WatchedFrames::judge(RunRecord& record) const {
   RunSummary out = judge_run(recording_, options_, readout_.estimate(), record);
-  add_offsets(first_.offsets(), out);
+  SensorOffsets offsets = first_.offsets();
+  if (first_.gross().empty() && !out.readout_contradicted && !out.inputs.lost_since_ns) {
+    offsets.inertial = check_inertial(recording_, options_, record);
+    if (const auto mistake = inertial_mistake(offsets)) {
+      record.notes.push_back(FirstFrames::in_words(mistake->words));
+    }
+  }
+  add_offsets(offsets, out);
   out.mistakes = first_.gross();
   return out;
 }

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: MIT
 """Makes each common mistake in a copy of a recording, and asks `limber health` what is wrong.
 
-  scripts/mistake_table.py RECORDING... [--limber FILE]
+  scripts/mistake_table.py RECORDING... [--only TEXT,...] [--run METHOD] [--limber FILE]
 
 RECORDING: a folder in EuRoC's layout, with images or a track log, or a KITTI odometry sequence, calibrated right. A row: the
 mistake, the verdict, what was named. Of a mistake that a recording cannot have (of an IMU that it does not hold) the row says so.
+--run asks `limber run` instead: exit code, verdict, ATE and ANEES, what was named.
 """
 import argparse
 import json
@@ -79,6 +80,53 @@ def inverted(which):
         for k in which:
             set_matrix(sensors(mav0)[k], inverse(matrix(sensors(mav0)[k])))
     return change
+
+
+def shifted_cameras(*metres):
+    """Another lever arm: both cameras stand elsewhere on the IMU."""
+    def change(mav0):
+        for sensor in sensors(mav0):
+            m = matrix(sensor)
+            set_matrix(sensor, [[*row[:3], row[3] + by] for row, by in zip(m[:3], metres)] + [m[3]])
+    return change
+
+
+def turned_cameras(degrees):
+    """Both cameras turned in cam0, about the IMU's z axis."""
+    def change(mav0):
+        c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+        R = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
+        centre = [row[3] for row in matrix(sensors(mav0)[0])[:3]]
+        for sensor in sensors(mav0):
+            m = matrix(sensor)
+            about = [[*m[i][:3], m[i][3] - centre[i]] for i in range(3)]
+            turned = [[sum(R[i][k] * about[k][j] for k in range(3)) for j in range(4)] for i in range(3)]
+            set_matrix(sensor, [[*turned[i][:3], turned[i][3] + centre[i]] for i in range(3)] + [m[3]])
+    return change
+
+
+def intrinsics(change):
+    def changed(mav0):
+        for sensor in sensors(mav0):
+            def other(found):
+                values = [float(v) for v in found.group(2).split(",")]
+                return found.group(1) + ", ".join(repr(v) for v in change(values)) + "]"
+            sensor.write_text(re.sub(r"(intrinsics:\s*\[)(.*?)\]", other, sensor.read_text()))
+    return changed
+
+
+def turned_accelerometer(degrees):
+    """About y."""
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+
+    def change(row):
+        x, y, z = (float(v) for v in row[4:7])
+        return [*row[:4], repr(c * x + s * z), repr(y), repr(c * z - s * x)]
+    return lambda mav0: columns(mav0 / "imu0/data.csv", change)
+
+
+def exchanged_axes(mav0):
+    columns(mav0 / "imu0/data.csv", lambda row: [row[0], row[2], row[1], row[3], row[5], row[4], row[6]])
 
 
 def halved(mav0):
@@ -157,6 +205,19 @@ MISTAKES = {
     "stamps of the IMU in s": imu_in_seconds,
     "IMU 20 ms late": imu_late(0.02),
     "IMU 0.1 s early": imu_late(-0.1),
+    "gyro 1 % too much": imu(1, 4, 1.01),
+    "accelerometer 1 % too much": imu(4, 7, 1.01),
+    "accelerometer 2 % too much": imu(4, 7, 1.02),
+    "accelerometer turned by 1.5 deg": turned_accelerometer(1.5),
+    "x and y of the IMU exchanged": exchanged_axes,
+    "IMU 5 cm away": shifted_cameras(0.05, 0.0, 0.0),
+    "IMU 10 cm away": shifted_cameras(0.0, 0.1, 0.0),
+    "IMU 20 cm away": shifted_cameras(0.2, 0.0, 0.0),
+    "mount turned by 0.5 deg, beside the IMU": turned_cameras(0.5),
+    "mount turned by 3 deg, beside the IMU": turned_cameras(3.0),
+    "both principal points 2 px off, beside the IMU": intrinsics(lambda v: [v[0], v[1], v[2] + 2.0, v[3]]),
+    "both principal points 5 px off, beside the IMU": intrinsics(lambda v: [v[0], v[1], v[2] + 5.0, v[3]]),
+    "focal lengths 1 % too long, beside the IMU": intrinsics(lambda v: [1.01 * v[0], 1.01 * v[1], v[2], v[3]]),
     "cameras swapped": swapped,
     "T_BS of both cameras inverted": inverted((0, 1)),
     "T_BS of cam1 inverted": inverted((1,)),
@@ -214,15 +275,34 @@ def judged(limber, folder):
     return found["verdict"], "; ".join(found["mistakes"])
 
 
+def run(limber, method, folder):
+    """Exit code, what is known of the run, and what was named."""
+    out = folder.parent / "run"
+    done = subprocess.run([limber, "run", folder, "--method", method, "--out", out], capture_output=True, text=True)
+    if not (out / "summary.json").exists():
+        return "refused", done.stderr.strip().splitlines()[-1]
+    found = json.loads((out / "summary.json").read_text())
+    ate, anees = (found["ate_m"] or {}).get("se3"), found["anees"]
+    truth = f", {ate:.3g} m" if ate is not None else ""
+    truth += f" (ANEES {anees:.1f})" if anees is not None else ""
+    named = [note.removeprefix("looks like a mistake: ") for note in found["notes"] if note.startswith("looks like a mistake")]
+    return f"exit {done.returncode}, {(found['health'] or {}).get('verdict', 'not judged')}{truth}", "; ".join(named)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("recordings", nargs="+", type=pathlib.Path)
+    parser.add_argument("--only", default="", help="mistakes whose names contain one of these")
+    parser.add_argument("--run", metavar="METHOD", help="ask limber run by that method instead of limber health")
     parser.add_argument("--limber", type=pathlib.Path, default=ROOT / "build/release/limber")
     arguments = parser.parse_args()
+    limber = arguments.limber.resolve()
     print("| recording | mistake | verdict | named |\n| --- | --- | --- | --- |", flush=True)
     for recording in arguments.recordings:
         mistakes = {**MISTAKES, **KITTI_MISTAKES} if is_kitti(recording) else MISTAKES
         for name, make in mistakes.items():
+            if not any(text in name for text in arguments.only.split(",")):
+                continue
             with tempfile.TemporaryDirectory() as scratch:
                 folder = pathlib.Path(scratch) / recording.name
                 mav0 = copy(recording, folder)
@@ -231,7 +311,7 @@ def main():
                     print(f"| {recording.name} | {name} | – | not made: {reason} |", flush=True)
                     continue
                 make(mav0)
-                verdict, named = judged(arguments.limber.resolve(), folder)
+                verdict, named = run(limber, arguments.run, folder) if arguments.run else judged(limber, folder)
                 print(f"| {recording.name} | {name} | {verdict} | {named.replace(str(folder), recording.name)} |", flush=True)
 
 

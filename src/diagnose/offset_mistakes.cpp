@@ -157,16 +157,16 @@ std::optional<OffsetMistake> turn_scale_mistake(const SensorOffsets& offsets) {
     }
   }
   return OffsetMistake{
-      fmt::format("turns: the cameras turn by {:.2f} ± {:.2f} % {} than the gyro says, as {} would have it: "
-                  "attitude is wrong by more than its sigmas say, and positions with it",
+      fmt::format("turns: the cameras turn by {:.2f} ± {:.2f} % {} than the gyro says, as {} would have it",
                   100.0 * std::abs(scale->excess), 100.0 * scale->sigma,
                   scale->excess > 0.0 ? "more" : "less", explained),
-      by_focal_length ? kFocalAdvice : kGyroScaleAdvice};
+      by_focal_length ? kFocalAdvice : kGyroScaleAdvice,
+      offsets.inertial && is_noise_of_gyro(offsets.inertial->learned)};
 }
 
 std::vector<OffsetMistake> camera_imu_mistakes(const SensorOffsets& offsets) {
   std::vector<OffsetMistake> out;
-  for (auto mistake : {turn_scale_mistake(offsets), mount_mistake(offsets)}) {
+  for (auto mistake : {turn_scale_mistake(offsets), mount_mistake(offsets), inertial_mistake(offsets)}) {
     if (mistake) {
       out.push_back(*std::move(mistake));
     }

@@ -10,8 +10,8 @@
 namespace limber {
 namespace {
 
-constexpr double kLasts = 3.0;             // [s]
-constexpr std::size_t kFewestFrames = 10;  // of them
+constexpr double kLasts = 3.0;                // [s]
+constexpr std::size_t kFewestOverruled = 10;  // of them
 
 }  // namespace
 
@@ -24,7 +24,7 @@ std::optional<std::int64_t> overruled_since(std::span<const FrameReport> frames)
     }
     const std::span<const FrameReport> stretch = frames.subspan(first, k + 1 - first);
     if (seconds_between(stretch.front().t_ns, stretch.back().t_ns) >= kLasts &&
-        stretch.size() >= kFewestFrames && 2 * overruled > stretch.size()) {
+        stretch.size() >= kFewestOverruled && 2 * overruled > stretch.size()) {
       return std::ranges::find_if(stretch, &FrameReport::gate_overruled)->t_ns;
     }
   }

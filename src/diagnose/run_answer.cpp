@@ -124,6 +124,19 @@ constexpr const char* kOdometrySigmas =
     "not what lasts for a while (points that slide): on real drives errors were 2 to 6 times as large as "
     "claimed";
 
+/// Poses that are wrong by more than they claim come before the verdict on the rig.
+void say_what_contradicts(const RunSummary& s, RunAnswer& out) {
+  const auto worst =
+      std::ranges::find_if(s.camera_imu_mistakes, [](const OffsetMistake& m) { return !m.sigmas_hold; });
+  if (worst != s.camera_imu_mistakes.end()) {
+    out.light = AnswerLight::kRed;
+    out.headline = "cameras and IMU contradict each other; " + out.headline;
+    out.advice = worst->advice;
+  } else if (!s.camera_imu_mistakes.empty()) {
+    out.advice = s.camera_imu_mistakes.front().advice;
+  }
+}
+
 /// The verdict on the calibration, and why.
 void judge_calibration(const RunOptions& options, const RunRecord& record, const RunSummary& s,
                        RunAnswer& out) {
@@ -155,9 +168,7 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
       out.headline = "calibration in doubt: its baseline has another length than the IMU shows";
       out.advice = kLengthAdvice;
     }
-    if (!s.camera_imu_mistakes.empty()) {
-      out.advice = s.camera_imu_mistakes.front().advice;
-    }
+    say_what_contradicts(s, out);
     if (!s.clock_mistakes.empty()) {
       out.advice = kClockAdvice;
     }

@@ -232,6 +232,11 @@ void add_offsets(const SensorOffsets& offsets, RunSummary& summary) {
   }
 }
 
+bool is_trustworthy(const RunSummary& summary) {
+  return summary.mistakes.empty() && !summary.inputs.lost_since_ns && !summary.readout_contradicted &&
+         std::ranges::all_of(summary.camera_imu_mistakes, &OffsetMistake::sigmas_hold);
+}
+
 RunSummary summarize(const Recording& recording, const RunOptions& options, const RunRecord& record) {
   RunSummary out;
   out.method = to_string(options.method);

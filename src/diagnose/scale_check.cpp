@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "diagnose/samples_as_taken.hpp"
 #include "limber/core/divergence_error.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
@@ -21,39 +22,6 @@ constexpr double kDisagrees = 2.0;                   // squared, over the varian
 constexpr std::int64_t kInputsBefore = 100'000'000;  // [ns], of the first frame
 constexpr std::size_t kMostPoints = 60;              // a frame: enough, and what it costs is bounded
 
-/// How much later than taken samples are stamped from that frame on.
-struct ClockOffset {
-  std::int64_t t_ns, offset_ns;
-};
-
-std::vector<ClockOffset> clock_offsets_in(const RunRecord& record) {
-  std::vector<ClockOffset> out;
-  for (const FrameReport& frame : record.frames) {
-    if (frame.inputs.contradiction && frame.inputs.contradiction->clock_offset_ns) {
-      out.push_back({frame.t_ns, *frame.inputs.contradiction->clock_offset_ns});
-    }
-  }
-  return out;
-}
-
-/// The samples with the times at which they were taken, as far as the run found out.
-std::vector<ImuSample> samples_as_taken(const Recording& recording, const RunRecord& record,
-                                        std::int64_t from_ns) {
-  const std::vector<ClockOffset> offsets = clock_offsets_in(record);
-  std::vector<ImuSample> out;
-  for (ImuSample sample : recording.imu) {
-    const std::int64_t stamp_ns = sample.t_ns;
-    const auto taken_ns = taken_at(stamp_ns, record.clock_step_of_start);
-    sample.t_ns = taken_ns.value_or(from_ns - 1);
-    const auto next = std::ranges::lower_bound(offsets, stamp_ns, {}, &ClockOffset::t_ns);
-    sample.t_ns -= next != offsets.begin() ? std::prev(next)->offset_ns : 0;
-    if (sample.t_ns >= from_ns && (out.empty() || sample.t_ns > out.back().t_ns)) {
-      out.push_back(sample);
-    }
-  }
-  return out;
-}
-
 /// What is needed of the recording to go through the frames that were kept.
 Recording stretch_of(const Recording& recording, const RunRecord& record) {
   const std::int64_t from_ns = record.last_frames.front().t_ns - kInputsBefore;
@@ -62,7 +30,7 @@ Recording stretch_of(const Recording& recording, const RunRecord& record) {
   out.calibration = recording.calibration;
   out.imu_noise = recording.imu_noise;
   out.pixel_noise = recording.pixel_noise;
-  out.imu = samples_as_taken(recording, record, from_ns);
+  out.imu = detail::samples_as_taken(recording, record, from_ns);
   for (const StereoFrame& frame : record.last_frames) {
     if (recording.images.empty()) {
       out.frames.push_back(frame);

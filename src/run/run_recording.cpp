@@ -16,7 +16,6 @@
 #include "limber/datasets/interpolate.hpp"
 #include "limber/navigate/navigator.hpp"
 #include "limber/run/input_summary.hpp"
-#include "limber/run/trusted_axes.hpp"
 #include "remarks.hpp"
 #include "shared_starts.hpp"
 #include "start_from_sensors.hpp"
@@ -225,12 +224,11 @@ RunRecord run_recording(const Recording& recording, const RunOptions& options, c
   const RunSetup setup = set_up_run(recording, options);
   const MotionModel motion = setup.navigator.motion;
   FrameCleaner cleaner(setup.calibration, options.cleaning);
-  const bool asks_for_scale =
-      options.watch && motion == MotionModel::kImu && trusts_length(options, motion, setup.calibration.theta);
+  const bool asks_once_more = options.watch && motion == MotionModel::kImu;
   RunRecord record;
   const FrameSource frames = [&](std::size_t n) {
     StereoFrame frame = cleaner.clean(source(n));
-    if (asks_for_scale) {
+    if (asks_once_more) {
       keep(frame, record.last_frames);
     }
     return frame;

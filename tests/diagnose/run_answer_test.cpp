@@ -136,6 +136,21 @@ TEST(RunAnswer, AdvisesToMendAClockThatIsOffWhateverTheRigIs) {
   EXPECT_EQ(said.answer().advice, kClockAdvice) << "as limber health prints";
 }
 
+TEST(RunAnswer, OfPosesThatAreWorseThanTheyClaimIsRed) {
+  Said said(kOk);
+  said.summary.camera_imu_mistakes = {{"turns: more", kGyroScaleAdvice, true}};
+  EXPECT_TRUE(is_trustworthy(said.summary));  // sigmas hold it
+  EXPECT_NE(said.answer().light, AnswerLight::kRed);
+  EXPECT_EQ(said.answer().advice, kGyroScaleAdvice);
+  said.summary.camera_imu_mistakes.push_back({"inertial: a lever arm", kInertialAdvice, false});
+  EXPECT_FALSE(is_trustworthy(said.summary));
+  const RunAnswer answer = said.answer();
+  EXPECT_EQ(answer.light, AnswerLight::kRed);
+  EXPECT_THAT(answer.headline, HasSubstr("cameras and IMU contradict each other; calibration ok"));
+  EXPECT_EQ(answer.advice, kInertialAdvice);
+  EXPECT_THAT(answer.sentences, Contains("inertial: a lever arm"));
+}
+
 TEST(RunAnswer, OfALostRunIsThatItIsLost) {
   Said said(kOk);
   said.summary.inputs.lost_since_ns = 7'500'000'000;
@@ -203,7 +218,8 @@ TEST(RunAnswer, SaysThatAMountIsTurned) {
   offsets.mount = MountTurn{Eigen::Vector3d(0.01, 0.0, 0.0), 1e-4, 20.0};
   offsets.focal_widths = 0.6;
   add_offsets(offsets, said.summary);
-  EXPECT_EQ(said.answer().headline, "calibration degraded");
+  EXPECT_EQ(said.answer().headline, "cameras and IMU contradict each other; calibration degraded");
+  EXPECT_FALSE(is_trustworthy(said.summary));
   EXPECT_THAT(said.answer().sentences.at(1), HasSubstr("cam0 is turned by 0.57"));
   EXPECT_THAT(said.answer().advice, HasSubstr("--estimate imu-ax"));
 }

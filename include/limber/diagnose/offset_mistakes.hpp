@@ -9,6 +9,7 @@
 
 #include "limber/diagnose/cameras_beside_imu.hpp"
 #include "limber/diagnose/health_summary.hpp"
+#include "limber/diagnose/inertial_check.hpp"
 #include "limber/diagnose/time_offset.hpp"
 #include "limber/sensors/calibration.hpp"
 #include "limber/sensors/samples.hpp"
@@ -25,12 +26,15 @@ struct SensorOffsets {
   double focal_widths = 0.0;                         ///< focal length of cam0, in widths of its image
   std::vector<TurnScale> scales;                     ///< as of CamerasBesideImu; none as above
   double confusion = 1.0;                            ///< as there
+  std::optional<InertialCheck> inertial;  ///< of a run; nothing where none was asked, or none tells
 };
 
 /// What is wrong between cameras and IMU, and what to do about it.
 struct OffsetMistake {
   std::string words;   ///< one sentence
   const char* advice;  ///< one clause
+  /// What is learned of the IMU's noise is as large as the mistake: poses are as wrong as their sigmas say.
+  bool sigmas_hold = false;
 };
 
 /// All of them. @param calibration  with the rig as found: a wrong rig is no wrong clock
@@ -62,9 +66,22 @@ struct OffsetMistake {
 /// simulation with 0.2 px rms: up to 0.16 %). It names the surest factor, and others that explain it as well.
 [[nodiscard]] std::optional<OffsetMistake> turn_scale_mistake(const SensorOffsets& offsets);
 
-/// What the IMU and the cameras are not to each other as the calibration says, but for clocks: turns, then
-/// the mount.
+/// @brief Images and IMU that contradict each other by more than noise, in words: a factor that explains 12
+/// times as much for each of its directions (of one: 20 times) as chance would, also without the stretch that
+/// says most of it, and whose offset is 0.4 deg, 3 cm (both more for a lens as in mount_mistake), 0.5 % or
+/// 0.5 deg (axes) at least: what a lens model leaves (0.2 px rms) looks like 0.3 deg or 2 cm. With it are
+/// named those that explain 0.4 times as much, as a principal point makes them. None where a clock explains
+/// more, nor what the others name already. Where the run found contradictions everywhere, and no stretch is
+/// explained by any motion: that.
+[[nodiscard]] std::optional<OffsetMistake> inertial_mistake(const SensorOffsets& offsets);
+
+/// What the IMU and the cameras are not to each other as the calibration says, but for clocks: turns, the
+/// mount, then what the inputs contradict beside these.
 [[nodiscard]] std::vector<OffsetMistake> camera_imu_mistakes(const SensorOffsets& offsets);
+
+/// Whether a run took the gyro for much noisier than stated, and nothing else: a scale of it that is off is
+/// in the sigmas then.
+[[nodiscard]] bool is_noise_of_gyro(const ImuNoiseFactors& learned);
 
 /// All of them in words: clocks, then the others.
 [[nodiscard]] std::vector<std::string> offset_mistakes(const SensorOffsets& offsets);
@@ -103,6 +120,15 @@ inline constexpr const char* kFocalAdvice =
 /// What to do about turns that the gyro alone explains.
 inline constexpr const char* kGyroScaleAdvice =
     "calibrate the scale of the gyro: limber takes its rates as they are";
+
+/// What to do about images and IMU that contradict each other.
+inline constexpr const char* kInertialAdvice =
+    "measure where cam0 stands on the IMU (T_BS), and calibrate both; --estimate "
+    "imu-tx=0.3,imu-ty=0.3,imu-tz=0.3,cu0,cv0,cu1,cv1 tells a lever arm from a principal point";
+
+/// What to do about an accelerometer alone.
+inline constexpr const char* kAccelAdvice =
+    "calibrate the accelerometer (scale, and axes against the gyro): limber takes its samples as they are";
 
 /// What to do about a mount that is turned.
 inline constexpr const char* kMountAdvice =

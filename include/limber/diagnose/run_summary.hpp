@@ -127,6 +127,10 @@ inline constexpr std::string_view kFirstPoseAlignment = "position and yaw of the
 void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibration& assumed,
                  RunRecord& record, RunSummary& summary);
 
+/// Whether the run's poses are as good as it says of them, as far as it knows: it is not lost, and no mistake
+/// was found that its sigmas do not hold.
+[[nodiscard]] bool is_trustworthy(const RunSummary& summary);
+
 /// @brief Takes in what the frames of a run show of its clocks and of the cameras' mount. A rig that looks
 /// wrong where a clock may be why is not judged, one that is `ok` on a mount that is turned is `degraded`:
 /// see verdict_beside.

@@ -99,9 +99,8 @@ struct RunRecord {
   std::optional<StartReport> sensor_start;  ///< StartMode::kAuto: what was known by then, and when that was
   /// That of the IMU's clock which the start found; for those that the filter did see FrameReport::inputs.
   std::optional<StampJump> clock_step_of_start;
-  /// Frames of the last 30 s, of those of the start as well, as the navigator saw them, where the method
-  /// takes the length of the baseline for exact (trusts_length) although an IMU knows a metre: enough to ask
-  /// what that shows alone.
+  /// Frames of the last 30 s, of those of the start as well, as the navigator saw them, where there is an IMU
+  /// and the run is watched: enough to ask once more what the IMU shows.
   std::deque<StereoFrame> last_frames;
   /// What was learned of the pixels by the last frame; nothing where their noise was stated.
   std::optional<PixelNoiseReport> pixel_noise;
