@@ -36,9 +36,26 @@ double least_of(InertialFactor factor, const SensorOffsets& offsets) {
   return 3e-3;
 }
 
+/// Beyond, a linearisation says nothing; a gyro at rest, whose samples are noise, would best not be there at
+/// all.
+double most_of(InertialFactor factor) {
+  switch (factor) {
+    case InertialFactor::kLeverArm:
+      return 5.0;
+    case InertialFactor::kMountTurn:
+    case InertialFactor::kAccelTurn:
+      return 0.35;
+    case InertialFactor::kAccelScale:
+    case InertialFactor::kGyroScale:
+    case InertialFactor::kClock:
+      break;
+  }
+  return 0.2;
+}
+
 bool is_sure(const InertialOffset& offset, const SensorOffsets& offsets) {
-  const double asked = place_of(offset.of).size == 1 ? kSureOfOne : kSureOfThree;
-  return offset.sureness > asked && offset.value.norm() >= least_of(offset.of, offsets);
+  const double asked = place_of(offset.of).size == 1 ? kSureOfOne : kSureOfThree, size = offset.value.norm();
+  return offset.sureness > asked && size >= least_of(offset.of, offsets) && size <= most_of(offset.of);
 }
 
 std::string axes_in_words(const char* what, double unit, const Eigen::Vector3d& value,
@@ -71,6 +88,10 @@ std::string in_words(const InertialOffset& offset) {
       break;
   }
   return {};
+}
+
+bool is_noise_of_gyro(const ImuNoiseFactors& learned) {
+  return learned.gyro >= kNoisierGyro && learned.accel < kNoisierAccel;
 }
 
 using Told = std::vector<const InertialOffset*>;
@@ -130,8 +151,11 @@ const char* advice_on(const Told& told) {
 
 }  // namespace
 
-bool is_noise_of_gyro(const ImuNoiseFactors& learned) {
-  return learned.gyro >= kNoisierGyro && learned.accel < kNoisierAccel;
+bool turns_are_in_sigmas(const InertialCheck& check) {
+  const bool contradicted = std::ranges::any_of(check.offsets, [](const InertialOffset& offset) {
+    return offset.of == InertialFactor::kGyroScale && offset.sureness > kSureOfOne;
+  });
+  return !contradicted || is_noise_of_gyro(check.learned);
 }
 
 std::optional<OffsetMistake> inertial_mistake(const SensorOffsets& offsets) {

@@ -125,8 +125,8 @@ std::optional<OffsetMistake> mount_mistake(const SensorOffsets& offsets) {
   return OffsetMistake{
       fmt::format(
           "mount: beside the IMU, cam0 is turned by {:.2f} ± {:.2f} deg against T_BS (imu-ax {:+.2f}, imu-ay "
-          "{:+.2f}, imu-az {:+.2f} deg; a principal point that is off looks alike): attitude is wrong "
-          "by more than its sigmas say, and positions with it",
+          "{:+.2f}, imu-az {:+.2f} deg; a principal point, or axes of the gyro, that are off look "
+          "alike): attitude is wrong by more than its sigmas say, and positions with it",
           kToDegrees * mount.turn.norm(), kToDegrees * mount.sigma, kToDegrees * mount.turn.x(),
           kToDegrees * mount.turn.y(), kToDegrees * mount.turn.z()),
       kMountAdvice};
@@ -161,7 +161,7 @@ std::optional<OffsetMistake> turn_scale_mistake(const SensorOffsets& offsets) {
                   100.0 * std::abs(scale->excess), 100.0 * scale->sigma,
                   scale->excess > 0.0 ? "more" : "less", explained),
       by_focal_length ? kFocalAdvice : kGyroScaleAdvice,
-      offsets.inertial && is_noise_of_gyro(offsets.inertial->learned)};
+      offsets.inertial && turns_are_in_sigmas(*offsets.inertial)};
 }
 
 std::vector<OffsetMistake> camera_imu_mistakes(const SensorOffsets& offsets) {

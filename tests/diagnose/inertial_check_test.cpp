@@ -133,6 +133,7 @@ TEST(InertialMistake, NeedsSizeAndSurenessAndNoBetterExplanation) {
   InertialCheck late = check_of(InertialFactor::kLeverArm, 0.05, 13.0);
   late.offsets.push_back({InertialFactor::kClock, Eigen::Vector3d(0.01, 0, 0), 1e-4, 14.0});
   EXPECT_FALSE(named(late));
+  EXPECT_FALSE(named(check_of(InertialFactor::kGyroScale, -0.98, 100.0)));  // a rig that stands still
   EXPECT_TRUE(named(check_of(InertialFactor::kAccelScale, 0.02, 21.0)));
   EXPECT_FALSE(named(check_of(InertialFactor::kAccelScale, 0.02, 19.0)));
 }

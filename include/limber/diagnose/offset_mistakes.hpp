@@ -79,9 +79,10 @@ struct OffsetMistake {
 /// mount, then what the inputs contradict beside these.
 [[nodiscard]] std::vector<OffsetMistake> camera_imu_mistakes(const SensorOffsets& offsets);
 
-/// Whether a run took the gyro for much noisier than stated, and nothing else: a scale of it that is off is
-/// in the sigmas then.
-[[nodiscard]] bool is_noise_of_gyro(const ImuNoiseFactors& learned);
+/// @brief Whether turns that contradict each other are in the sigmas of a run: it took the gyro for much
+/// noisier than stated, and nothing else, or its stretches do not contradict each other so (samples of the
+/// gyro that were left out, say).
+[[nodiscard]] bool turns_are_in_sigmas(const InertialCheck& check);
 
 /// All of them in words: clocks, then the others.
 [[nodiscard]] std::vector<std::string> offset_mistakes(const SensorOffsets& offsets);
