@@ -190,13 +190,16 @@ void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bo
   if (out.tracks < kFewestTracks) {
     return;
   }
-  const bool depths = out.deep_tracks >= kFewestTracks && !out.scale_is_lost;
+  const bool few_depths = out.deep_tracks < kFewestTracks, depths = !few_depths && !out.scale_is_lost;
+  if (few_depths) {  // lines alone are asked, which hardly know of a vergence
+    out.effect.epipolar_px = effect_of(with_assumed_vergence(out.whole, theta), theta, slope).epipolar_px;
+  }
   out.by_epipolar = judge(out.effect.epipolar_px, tolerance.epipolar_px);
   out.by_depth = depths ? judge(out.effect.depth, tolerance.depth) : HealthVerdict::kCannotTell;
   out.verdict = worst(out.by_epipolar, out.by_depth);
   for (Eigen::Index k = 0; k < (out.scale_is_lost ? 3 : 6); ++k) {  // lengths are in metres of that scale
     const auto i = static_cast<std::size_t>(k);
-    if (std::isfinite(out.bands[i].ok)) {
+    if (std::isfinite(out.bands[i].ok) && !(few_depths && k == vergence_axis(theta))) {
       out.axes[i] = judge(axis_size(out.estimate, k), out.bands[i]);
     }
     out.verdict = tolerance.axes[i] ? worst(out.verdict, out.axes[i]) : out.verdict;

@@ -220,6 +220,15 @@ BetaEstimate with_unknown_length(const BetaEstimate& estimate, const RigParamete
   return out;
 }
 
+BetaEstimate with_assumed_vergence(const BetaEstimate& estimate, const RigParameters& theta) {
+  const Eigen::Index k = vergence_axis(theta);
+  const NormalEquations::Vector by_vergence = estimate.covariance.col(k) / estimate.covariance(k, k);
+  BetaEstimate out = estimate;
+  out.beta -= estimate.beta(k) * by_vergence;
+  out.covariance -= estimate.covariance(k, k) * by_vergence * by_vergence.transpose();
+  return out;
+}
+
 BetaEstimate robust_estimate(const std::vector<RigEvidence>& windows, const RigParameters& theta,
                              bool metric) {
   const Fit found = fit(windows, std::vector<VectorXd>(windows.size(), VectorXd::Ones(1)));

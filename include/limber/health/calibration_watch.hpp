@@ -78,8 +78,9 @@ struct CalibrationState {
                                         bool drifts = false);
 
 /// @brief Fills in what follows from an estimate: effect, bands and verdicts. With fewer than 30 tracks
-/// (`out.tracks`) nothing can be told. Where vision alone has lost its scale (`out.scale_is_lost`) epipolar
-/// lines and angles tell, depths and lengths do not.
+/// (`out.tracks`) nothing can be told. With fewer whose depth is known (`out.deep_tracks`) neither depths nor
+/// vergence are, and epipolar lines are as they would be with the assumed one. Where vision alone has lost
+/// its scale (`out.scale_is_lost`) epipolar lines and angles tell, depths and lengths do not.
 void judge_estimate(const BetaEstimate& estimate, const RigParameters& theta, bool metric,
                     const Tolerance& tolerance, CalibrationState& out);
 

@@ -65,6 +65,9 @@ struct BetaEstimate {
 /// @param theta  assumed
 [[nodiscard]] BetaEstimate with_unknown_length(const BetaEstimate& estimate, const RigParameters& theta);
 
+/// The same, had vergence been known to be the assumed one: without what depths say of it.
+[[nodiscard]] BetaEstimate with_assumed_vergence(const BetaEstimate& estimate, const RigParameters& theta);
+
 /// A rig that drifts: the error at the end of the last window, and how it changed from the middle of the
 /// first window to that of the last.
 struct BetaTrend {
