@@ -126,13 +126,21 @@ constexpr const char* kOdometrySigmas =
 
 /// Poses that are wrong by more than they claim come before the verdict on the rig.
 void say_what_contradicts(const RunSummary& s, RunAnswer& out) {
-  const auto worst =
-      std::ranges::find_if(s.camera_imu_mistakes, [](const OffsetMistake& m) { return !m.sigmas_hold; });
-  if (worst != s.camera_imu_mistakes.end()) {
+  const auto holds = [](const OffsetMistake& mistake) { return mistake.sigmas_hold; };
+  const auto worst = std::ranges::find_if_not(s.camera_imu_mistakes, holds);
+  std::vector<std::string> words;
+  for (const OffsetMistake& mistake : s.camera_imu_mistakes) {
+    words.push_back(mistake.words);
+  }
+  const bool contradicted = worst != s.camera_imu_mistakes.end();
+  out.sentences.insert(contradicted ? out.sentences.begin() : out.sentences.end(), words.begin(),
+                       words.end());
+  if (contradicted) {
+    const bool wrong_rig = s.health->verdict == HealthVerdict::kDecalibrated;
     out.light = AnswerLight::kRed;
-    out.headline = "cameras and IMU contradict each other; " + out.headline;
+    out.headline = "cameras and IMU contradict each other" + (wrong_rig ? ", " + out.headline : "");
     out.advice = worst->advice;
-  } else if (!s.camera_imu_mistakes.empty()) {
+  } else if (!words.empty()) {
     out.advice = s.camera_imu_mistakes.front().advice;
   }
 }
@@ -160,9 +168,6 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
     out.sentences.push_back(in_words(*s.health, watch_options(options).tolerance));
     out.advice = advice_on(s.health->verdict, s.health->present.moves());
     out.sentences.insert(out.sentences.end(), s.clock_mistakes.begin(), s.clock_mistakes.end());
-    for (const OffsetMistake& mistake : s.camera_imu_mistakes) {
-      out.sentences.push_back(mistake.words);
-    }
     if (s.health->verdict == HealthVerdict::kCannotTell && s.scale_check && is_off(s.scale_check->scale)) {
       out.light = AnswerLight::kYellow;
       out.headline = "calibration in doubt: its baseline has another length than the IMU shows";
