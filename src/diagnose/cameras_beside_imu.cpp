@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "limber/diagnose/cameras_beside_imu.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <set>
 #include <utility>
 #include <vector>
@@ -14,6 +12,7 @@
 #include "diagnose/compared_turns.hpp"
 #include "diagnose/gyro_attitude.hpp"
 #include "diagnose/left_turn.hpp"
+#include "diagnose/surest_part.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/so3.hpp"
 
@@ -23,7 +22,6 @@ namespace {
 using detail::BiasSteps, detail::Compared, detail::rows_of;
 using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
-using Eigen::SelfAdjointEigenSolver;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
@@ -31,26 +29,7 @@ constexpr std::size_t kEnoughPairs = 20;
 constexpr int kShifts = 8;
 constexpr std::size_t kEnoughClusters = 4;
 constexpr double kLargestOffset = 1.0;  // [s]
-constexpr double kSurest = 5.0;         // standard deviations
 constexpr double kLeastTurning = 0.03;  // beside which the noise of a gyro is small [rad/s]
-
-/// Of a turn, the part within the one, two or three directions that are known best of which most is sure.
-Vector3d surest_part(const Vector3d& turn, const Matrix3d& covariance) {
-  const SelfAdjointEigenSolver<Matrix3d> axes(covariance);  // the best known first
-  Vector3d part = Vector3d::Zero(), surest = part;
-  double most = -std::numeric_limits<double>::infinity();
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    const Vector3d axis = axes.eigenvectors().col(k);
-    part += axis * axis.dot(turn);
-    const Vector3d along = part.normalized();
-    const double sure = part.norm() - kSurest * std::sqrt(along.dot(covariance * along));
-    if (sure > most) {
-      most = sure;
-      surest = part;
-    }
-  }
-  return surest;
-}
 
 std::optional<MountTurn> mount_turn(const std::vector<Compared>& compared, const BiasSteps& steps) {
   const auto by_axes = detail::solve(rows_of(compared, steps, skew));
@@ -58,7 +37,8 @@ std::optional<MountTurn> mount_turn(const std::vector<Compared>& compared, const
     return std::nullopt;
   }
   const Vector3d direction =
-      surest_part(by_axes->x.tail<3>(), by_axes->covariance.bottomRightCorner<3, 3>()).normalized();
+      detail::surest_part(by_axes->x.tail<3>(), by_axes->covariance.bottomRightCorner<3, 3>())
+          .value.normalized();
   const Matrix3d last_along_it = rotation_between(Vector3d::UnitZ(), direction);
   const auto along_it = detail::solve(
       rows_of(compared, steps, [&](const Vector3d& gyro) { return Matrix3Xd(skew(gyro) * last_along_it); }));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "limber/diagnose/inertial_check.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,14 +11,13 @@
 #include <numeric>
 
 #include "diagnose/samples_as_taken.hpp"
+#include "diagnose/surest_part.hpp"
 #include "limber/core/time.hpp"
 
 namespace limber {
 namespace {
 
-using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::SelfAdjointEigenSolver;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
@@ -56,7 +56,9 @@ void thin(Stretch& stretch) {
   std::size_t kept = 0;
   for (std::size_t k = 0; k < n; ++k) {
     if (k == 0 || (n - 1 - k) % stride == 0) {
-      if (kept != k) stretch.frames[kept] = std::move(stretch.frames[k]);
+      if (kept != k) {
+        stretch.frames[kept] = std::move(stretch.frames[k]);
+      }
       stretch.states[kept++] = stretch.states[k];
     }
   }
@@ -100,38 +102,25 @@ double sureness_of(const InertialEvidence& all, const FactorPlace& at) {
   return s.dot(I.ldlt().solve(s)) / (static_cast<double>(at.size) * shown_noise(all));
 }
 
-/// Of the directions that are known best those of which most is sure.
-void add_value(const InertialEvidence& all, const FactorPlace& at, InertialOffset& out) {
-  const MatrixXd C = all.information.block(at.first, at.first, at.size, at.size).inverse() * shown_noise(all);
-  const VectorXd x = C * all.score.segment(at.first, at.size) / shown_noise(all);
-  const SelfAdjointEigenSolver<MatrixXd> axes(C);
-  VectorXd part = VectorXd::Zero(at.size);
-  double most = -1e300;
-  for (Index k = 0; k < at.size; ++k) {
-    const VectorXd axis = axes.eigenvectors().col(k);
-    part += axis * axis.dot(x);
-    const VectorXd along = part.stableNormalized();
-    const double sigma = std::sqrt(along.dot(C * along)), sure = part.norm() - 5.0 * sigma;
-    if (sure > most) {
-      most = sure;
-      out.value.head(at.size) = part;
-      out.sigma = sigma;
-    }
-  }
-}
-
 InertialOffset offset_of(InertialFactor factor, const std::vector<InertialEvidence>& each,
                          const InertialEvidence& all) {
   const FactorPlace at = place_of(factor);
   InertialOffset out;
   out.of = factor;
-  add_value(all, at, out);
+  const MatrixXd inverse = all.information.block(at.first, at.first, at.size, at.size).inverse();
+  const detail::SurestPart surest =
+      detail::surest_part(inverse * all.score.segment(at.first, at.size), shown_noise(all) * inverse);
+  out.value.head(at.size) = surest.value;
+  out.sigma = surest.sigma;
   out.sureness = sureness_of(all, at);
   for (const InertialEvidence& one : each) {
     if (each.size() > 1) {
       InertialEvidence others = all;
       out.sureness = std::min(out.sureness, sureness_of(others -= one, at));
     }
+  }
+  if (!std::isfinite(out.sureness)) {  // what no motion tells at all
+    out.sureness = 0.0;
   }
   return out;
 }

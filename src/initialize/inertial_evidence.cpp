@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <stdexcept>
 #include <utility>
 
 #include "inertial_offsets.hpp"
@@ -91,6 +92,9 @@ std::optional<InertialEvidence> inertial_evidence(const NavigatorOptions& option
                                                   std::span<const StereoFrame> frames,
                                                   std::span<const ImuSample> imu,
                                                   std::span<const NavigationState> states) {
+  if (states.size() != frames.size()) {
+    throw std::invalid_argument("inertial evidence: expected a state for each frame");
+  }
   if (options.motion != MotionModel::kImu || frames.size() < kFewestForEvidence || imu.size() < 2) {
     return std::nullopt;
   }

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -169,6 +171,10 @@ TEST(InertialEvidence, IsNoneOfFewFramesOrWithoutAnImu) {
   Recording blind = recording;
   blind.imu.clear();
   EXPECT_FALSE(evidence_in(blind, 1.0, 4.0));
+  const Seen seen = seen_in(recording, 1.0, 4.0);
+  EXPECT_THROW((void)inertial_evidence(set_up_run(recording, {}).navigator, recording.calibration,
+                                       seen.frames, recording.imu, std::span(seen.states).first(3)),
+               std::invalid_argument);
 }
 
 }  // namespace

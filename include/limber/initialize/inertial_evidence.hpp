@@ -65,7 +65,7 @@ struct InertialEvidence {
 /// @param imu      of all that time, in order of time
 /// @param states   one for each frame
 /// @return nothing where frames are fewer than 20, or no motion fits
-/// @throws std::invalid_argument as SensorStart
+/// @throws std::invalid_argument as SensorStart, and if there are more or fewer states than frames
 [[nodiscard]] std::optional<InertialEvidence> inertial_evidence(const NavigatorOptions& options,
                                                                 const StereoCalibration& calibration,
                                                                 std::span<const StereoFrame> frames,
