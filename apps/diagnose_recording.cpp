@@ -96,10 +96,10 @@ RunSummary judge(const Recording& recording, const RunOptions& options, const St
 /// What is wrong with the calibration as it was given, else with clocks and mount beside the rig as it was
 /// found.
 void add_mistakes(const Recording& recording, const StereoCalibration& assumed,
-                  const std::vector<StereoFrame>& seen, double gravity, std::optional<InertialCheck> inertial,
+                  const std::vector<StereoFrame>& seen, const RunOptions& options, const RunRecord* record,
                   Diagnosis& out) {
   out.mistakes = calibration_mistakes(assumed, seen);
-  const std::vector<std::string> of_imu = imu_mistakes(assumed, seen, recording.imu, gravity);
+  const std::vector<std::string> of_imu = imu_mistakes(assumed, seen, recording.imu, options.gravity);
   out.mistakes.insert(out.mistakes.end(), of_imu.begin(), of_imu.end());
   StereoCalibration found = assumed;
   if (out.health) {
@@ -108,7 +108,9 @@ void add_mistakes(const Recording& recording, const StereoCalibration& assumed,
   }
   if (out.mistakes.empty() && out.readout_contradicted.empty()) {
     out.offsets = sensor_offsets(found, seen, recording.imu);
-    out.offsets.inertial = std::move(inertial);
+    if (record != nullptr && !out.lost_since_s) {
+      out.offsets.inertial = check_inertial(recording, options, *record);
+    }
   }
   if (out.health && verdict_beside(out.offsets, *out.health) != out.health->verdict) {
     out.state.reset();
@@ -162,8 +164,8 @@ Diagnosis diagnose_recording(const Recording& recording, const RunOptions& optio
   if (failure) {
     seen.take_as_many_as_a_run(frame_count(recording), stop);
   }
-  add_mistakes(recording, assumed, at_stamps(seen.release(), assumed), options.gravity,
-               ran && !out.lost_since_s ? check_inertial(recording, options, ran->first) : std::nullopt, out);
+  add_mistakes(recording, assumed, at_stamps(seen.release(), assumed), options, ran ? &ran->first : nullptr,
+               out);
   if (failure) {
     explain(failure, out);
   }

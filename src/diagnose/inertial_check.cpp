@@ -21,9 +21,8 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr std::size_t kFramesOfStretch = 32, kFewestOfStretch = 20;
-constexpr double kStretch = 5.0;                      // [s]
-constexpr std::int64_t kBeforeStretch = 100'000'000;  // [ns], of the first frame
+constexpr std::size_t kFramesOfStretch = 32;
+constexpr double kStretch = 5.0;  // [s]
 constexpr std::array kFactors = {InertialFactor::kMountTurn,  InertialFactor::kLeverArm,
                                  InertialFactor::kAccelScale, InertialFactor::kAccelTurn,
                                  InertialFactor::kGyroScale,  InertialFactor::kClock};
@@ -138,8 +137,8 @@ StereoCalibration as_found(const StereoCalibration& assumed, const RunRecord& re
 std::optional<InertialEvidence> evidence_in(const Stretch& stretch, const NavigatorOptions& options,
                                             const StereoCalibration& calibration,
                                             const std::vector<ImuSample>& imu) {
-  const auto from =
-      std::ranges::lower_bound(imu, stretch.frames.front().t_ns - kBeforeStretch, {}, &ImuSample::t_ns);
+  const auto from = std::ranges::lower_bound(imu, stretch.frames.front().t_ns - detail::kInputsBefore, {},
+                                             &ImuSample::t_ns);
   return inertial_evidence(options, calibration, stretch.frames, std::span(from, imu.end()), stretch.states);
 }
 
@@ -154,15 +153,14 @@ std::optional<InertialCheck> check_inertial(const Recording& recording, const Ru
   }
   const RunSetup setup = set_up_run(recording, options);
   const StereoCalibration calibration = as_found(setup.calibration, record);
-  const std::vector<ImuSample> imu =
-      detail::samples_as_taken(recording, record, record.last_frames.front().t_ns - kBeforeStretch);
+  const std::vector<ImuSample> imu = detail::samples_as_taken(recording, record);
   std::vector<Stretch> stretches = stretches_of(record);
   InertialCheck out;
   out.learned = record.imu_noise.value_or(ImuNoiseFactors{});
   out.contradicted = std::ranges::none_of(stretches, &Stretch::sound);
   std::vector<InertialEvidence> each;
   for (Stretch& stretch : stretches) {
-    if ((!stretch.sound && !out.contradicted) || stretch.frames.size() < kFewestOfStretch) {
+    if ((!stretch.sound && !out.contradicted) || stretch.frames.size() < InertialEvidence::kFewestFrames) {
       continue;
     }
     thin(stretch);

@@ -18,19 +18,17 @@ namespace limber {
 namespace {
 
 constexpr std::size_t kFewestRows = 20;
-constexpr double kDisagrees = 2.0;                   // squared, over the variance
-constexpr std::int64_t kInputsBefore = 100'000'000;  // [ns], of the first frame
-constexpr std::size_t kMostPoints = 60;              // a frame: enough, and what it costs is bounded
+constexpr double kDisagrees = 2.0;       // squared, over the variance
+constexpr std::size_t kMostPoints = 60;  // a frame: enough, and what it costs is bounded
 
 /// What is needed of the recording to go through the frames that were kept.
 Recording stretch_of(const Recording& recording, const RunRecord& record) {
-  const std::int64_t from_ns = record.last_frames.front().t_ns - kInputsBefore;
   Recording out;
   out.name = recording.name;
   out.calibration = recording.calibration;
   out.imu_noise = recording.imu_noise;
   out.pixel_noise = recording.pixel_noise;
-  out.imu = detail::samples_as_taken(recording, record, from_ns);
+  out.imu = detail::samples_as_taken(recording, record);
   for (const StereoFrame& frame : record.last_frames) {
     if (recording.images.empty()) {
       out.frames.push_back(frame);

@@ -17,7 +17,6 @@ using Eigen::MatrixXd;
 
 namespace {
 
-constexpr std::size_t kFewestForEvidence = 20;
 constexpr int kShownSteps = 6;  // of a solution, from one that is near
 
 /// The method that takes nothing of the rig for granted.
@@ -95,7 +94,8 @@ std::optional<InertialEvidence> inertial_evidence(const NavigatorOptions& option
   if (states.size() != frames.size()) {
     throw std::invalid_argument("inertial evidence: expected a state for each frame");
   }
-  if (options.motion != MotionModel::kImu || frames.size() < kFewestForEvidence || imu.size() < 2) {
+  if (options.motion != MotionModel::kImu || frames.size() < InertialEvidence::kFewestFrames ||
+      imu.size() < 2) {
     return std::nullopt;
   }
   StartWindow window = window_of(options, calibration, frames, imu);

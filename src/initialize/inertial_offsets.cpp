@@ -231,14 +231,11 @@ void add_misfit(const std::vector<InputRows>& inputs, Index n, const Best& best,
                        motion.J * best.frames.segment(rows.to, n) -
                        motion.F * best.frames.segment(rows.from, n);
     out.misfit += e.dot(rows.information * e);
-    const MatrixXd FP = multiply(motion.F, covariance.block(rows.from, rows.to, n, n).eval());
     const MatrixXd by_offsets = rows.by_offsets -
                                 multiply(motion.J, best.taken_up.middleRows(rows.to, n).eval()) +
                                 multiply(motion.F, best.taken_up.middleRows(rows.from, n).eval());
-    const MatrixXd C = congruence(motion.F, covariance.block(rows.from, rows.from, n, n).eval()) +
-                       congruence(motion.J, covariance.block(rows.to, rows.to, n, n).eval()) -
-                       multiply(FP, transposed(motion.J)) - multiply(motion.J, transposed(FP)) +
-                       congruence(by_offsets, best.covariance);
+    const MatrixXd C =
+        covariance_of(motion, covariance, rows.from, rows.to) + congruence(by_offsets, best.covariance);
     out.dof += static_cast<double>(n) - rows.information.cwiseProduct(C).sum();
   }
 }
@@ -247,6 +244,7 @@ void add_misfit(const std::vector<InputRows>& inputs, Index n, const Best& best,
 
 InertialEvidence evidence_of(const WindowModel& model, WindowState state, const WindowNormal& normal,
                              const MatrixXd& covariance) {
+  state.points.clear();  // the inputs know of none, and the states are varied many times
   sum_up_inputs(model, state);
   const Derivatives derivatives(model, state);
   const std::vector<InputRows> inputs = rows_of(model, state, derivatives);

@@ -62,14 +62,10 @@ struct Misfit {
 ImuNoiseFactors misfit_of_imu(const WindowModel& model, const WindowState& state, const MatrixXd& covariance,
                               const Doubt& doubt) {
   Misfit gyro, accel;
-  const Index n = model.body_size();
   for (std::size_t k = 1; k < state.frames.size(); ++k) {
     const MotionResidual motion = motion_residual(model, state, k);
     const Index a = static_cast<Index>(k - 1) * model.frame_size(), b = a + model.frame_size();
-    const MatrixXd FP = multiply(motion.F, covariance.block(a, b, n, n).eval());
-    const MatrixXd C = congruence(motion.F, covariance.block(a, a, n, n).eval()) +
-                       congruence(motion.J, covariance.block(b, b, n, n).eval()) -
-                       multiply(FP, transposed(motion.J)) - multiply(motion.J, transposed(FP));
+    const MatrixXd C = covariance_of(motion, covariance, a, b);
     gyro.add(motion.e.segment<3>(StateLayout::kAttitude),
              motion.Q.block<3, 3>(StateLayout::kAttitude, StateLayout::kAttitude),
              C.block<3, 3>(StateLayout::kAttitude, StateLayout::kAttitude));

@@ -234,6 +234,14 @@ MotionResidual motion_residual(const WindowModel& model, const WindowState& stat
   return {std::move(error.error), std::move(error.J_to), -error.J_from, inputs->between.Q};
 }
 
+MatrixXd covariance_of(const MotionResidual& motion, const MatrixXd& covariance, Index from, Index to) {
+  const Index n = motion.e.size();
+  const MatrixXd FP = multiply(motion.F, covariance.block(from, to, n, n).eval());
+  return congruence(motion.F, covariance.block(from, from, n, n).eval()) +
+         congruence(motion.J, covariance.block(to, to, n, n).eval()) - multiply(FP, transposed(motion.J)) -
+         multiply(motion.J, transposed(FP));
+}
+
 BodyPoint point_in_body(const WindowState& state, const MountedRig& rig, std::size_t cam,
                         const WindowPoint& point, std::size_t frame) {
   const Anchor anchor{state.frames[point.anchor()].nav.T_world_body, rig[0].T_cam_body.inverse()};

@@ -129,6 +129,12 @@ struct MotionResidual {
 [[nodiscard]] MotionResidual motion_residual(const WindowModel& model, const WindowState& state,
                                              std::size_t frame);
 
+/// Of a residual's error in a solution.
+/// @param covariance  of the frames' errors
+/// @param from, to    where those of the earlier frame and of the later one begin
+[[nodiscard]] Eigen::MatrixXd covariance_of(const MotionResidual& motion, const Eigen::MatrixXd& covariance,
+                                            Eigen::Index from, Eigen::Index to);
+
 /// Sums up the inputs to each frame, where that was not done about these states or ones like them. As long as
 /// they are kept neither the model's noise nor `steps` may change.
 void sum_up_inputs(const WindowModel& model, WindowState& state);

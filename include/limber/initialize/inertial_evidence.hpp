@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -43,7 +44,8 @@ struct FactorPlace {
 /// else that is unknown at its best, is score' x - x' information x / 2. Of stretches that share no noise the
 /// sums say it.
 struct InertialEvidence {
-  static constexpr Eigen::Index kOffsets = 12;  ///< of all factors, in their order
+  static constexpr Eigen::Index kOffsets = 12;      ///< of all factors, in their order
+  static constexpr std::size_t kFewestFrames = 20;  ///< of a stretch
   Eigen::Matrix<double, kOffsets, kOffsets> information =
       Eigen::Matrix<double, kOffsets, kOffsets>::Zero();  ///< symmetric
   /// its other part
@@ -64,7 +66,7 @@ struct InertialEvidence {
 /// @param frames   without mismatches that a cleaning can see, at their stamps; in order of time
 /// @param imu      of all that time, in order of time
 /// @param states   one for each frame
-/// @return nothing where frames are fewer than 20, or no motion fits
+/// @return nothing where frames are fewer than kFewestFrames, or no motion fits
 /// @throws std::invalid_argument as SensorStart, and if there are more or fewer states than frames
 [[nodiscard]] std::optional<InertialEvidence> inertial_evidence(const NavigatorOptions& options,
                                                                 const StereoCalibration& calibration,
