@@ -49,9 +49,11 @@ NavigationState state_of(const TrajectoryRow& row) {
   return out;
 }
 
-/// So many that the cost is bounded, the first and the last among them.
+/// So many that the cost is bounded, the first and the last among them, and no fewer than are needed.
 void thin(Stretch& stretch) {
-  const std::size_t n = stretch.frames.size(), stride = (n + kFramesOfStretch - 1) / kFramesOfStretch;
+  const std::size_t n = stretch.frames.size();
+  const std::size_t stride = std::min((n + kFramesOfStretch - 1) / kFramesOfStretch,
+                                      (n - 1) / (InertialEvidence::kFewestFrames - 1));
   std::size_t kept = 0;
   for (std::size_t k = 0; k < n; ++k) {
     if (k == 0 || (n - 1 - k) % stride == 0) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "limber/core/so3.hpp"
 #include "limber/diagnose/judge_run.hpp"
@@ -175,6 +176,22 @@ TEST(InertialMistake, IsNotSaidTwiceNorBesideAClock) {
   offsets.mount = MountTurn{Eigen::Vector3d(0.01, 0, 0), 1e-4, 50.0};
   EXPECT_FALSE(inertial_mistake(offsets));
   EXPECT_EQ(camera_imu_mistakes(offsets).size(), 1u);  // the mount
+}
+
+/// One stretch of 36 frames: every other one of them had been too few, and counted as one that no motion
+/// explains.
+TEST(InertialCheck, KeepsAsManyFramesOfAStretchAsItNeeds) {
+  Recording recording = testing::realistic("drone_none", 7.0, 85);
+  std::vector<StereoFrame> some;
+  for (std::size_t k = 0; k < recording.frames.size(); k += 4) {
+    some.push_back(recording.frames[k]);
+  }
+  ASSERT_EQ(some.size(), 36u);
+  recording.frames = some;
+  const Checked sparse = checked(recording);
+  ASSERT_TRUE(sparse.offsets.inertial);
+  EXPECT_EQ(sparse.offsets.inertial->stretches, 1u);
+  EXPECT_EQ(sparse.offsets.inertial->unexplained, 0u);
 }
 
 /// A start from the truth is watched, too; without an IMU there is nothing to ask.
