@@ -43,7 +43,7 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
   std::vector<Move> kept, passive;
   for (std::size_t k = 0; k < passive_blocks_.size(); ++k) {
     const Vector3d correction = corrections.segment<kTriplet>(kTriplet * static_cast<Index>(k));
-    passive.push_back({passive_blocks_[k], displacement(passive_blocks_[k], correction, grown_)});
+    passive.push_back({passive_blocks_[k], displacement(passive_blocks_[k], correction, changed_)});
   }
   for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
     const StateBlock block = active_blocks_[k];
@@ -80,7 +80,7 @@ void Estimate::change_epoch(const std::vector<std::int64_t>& retired) {
   frozen_end_ = passive_.z_size() > 0 ? P_.size() : layout_.map_begin();
   drift_.setZero(frozen_end_ - layout_.map_begin());
   moved_ = drift_;
-  grown_ = {};
+  changed_ = {};
   refresh_map_scale();
   size_as_epoch_began_ = P_.size();
   epoch_began_ns_ = nav_.t_ns;
@@ -245,14 +245,14 @@ Anchor Estimate::current(const Anchor& anchor) const {
 /// What the passive triplet at `row` has moved by since the epoch began, though its mean waits for it.
 Vector3d Estimate::passive_displacement(Index row) const {
   return displacement(passive_blocks_[static_cast<std::size_t>(row / kTriplet)],
-                      passive_.correction(row, drift_), grown_);
+                      passive_.correction(row, drift_), changed_);
 }
 
 std::vector<Vector3d> Estimate::landmark_positions() const {
   const Eigen::VectorXd corrections = passive_.correction(drift_);
   const auto of_row = [&](Index row) {
     return displacement(passive_blocks_[static_cast<std::size_t>(row / kTriplet)],
-                        corrections.segment<kTriplet>(row), grown_);
+                        corrections.segment<kTriplet>(row), changed_);
   };
   std::vector<Vector3d> positions;
   positions.reserve(landmarks_.size());

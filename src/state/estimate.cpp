@@ -74,7 +74,7 @@ const Anchor* Estimate::anchor_of(const Landmark& landmark) const {
 }
 
 void Estimate::retract(const Eigen::VectorXd& dx, const ScaleShares& grows) {
-  const Growth by = growth(dx, grows);
+  const WorldChange by = world_change(dx, grows);
   const VectorXd moved = displacements(dx, by);
   transport(moved);
   nav_.T_world_body.p += moved.segment<3>(L::kPosition);
@@ -100,9 +100,8 @@ void Estimate::retract(const Eigen::VectorXd& dx, const ScaleShares& grows) {
     retract_triplet(active_blocks_[k],
                     moved.segment<3>(layout_.map_begin() + kTriplet * static_cast<Index>(k)));
   }
-  drift_ += dx.segment(layout_.map_begin(), drift_.size());
-  moved_ += moved.segment(layout_.map_begin(), moved_.size());
-  grown_ += by;
+  add_displacements(dx, moved);
+  changed_ += by;
 }
 
 void Estimate::retract_parameters(const Eigen::VectorXd& dx) {

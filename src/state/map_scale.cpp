@@ -53,42 +53,25 @@ Estimate::ScaleShares Estimate::scale_shares() const {
 /// With odometry the map may be long or short, but the body is where odometry took it, however far from the
 /// origin: a factor of its position would be wrong. Corrections of the scale are small there, and are applied
 /// as they stand.
-Estimate::Growth Estimate::growth(const VectorXd& dx, const ScaleShares& grows) const {
+Estimate::WorldChange Estimate::world_change(const VectorXd& dx, const ScaleShares& grows) const {
+  const Vector3d turn = nav_.T_world_body.R * dx.segment<3>(L::kAttitude);
   if (!layout_.has_map_scale) {
-    return {};
+    return {turn};
   }
   const double log = dx(layout_.map_scale());
   if (layout_.motion == MotionModel::kOdometry) {
-    return {log, {}, {}};
+    return {turn, log};
   }
   const auto of = [log](double share) { return Factor{share * log, factor(share * log)}; };
-  return {log, of(1.0), of(grows.position), of(grows.velocity)};
+  return {turn, log, of(1.0), of(grows.position), of(grows.velocity)};
 }
 
-/// What a correction moves the triplets by: itself and, where all lengths grow, what a factor does to second
-/// order. That of a frozen triplet is of its error as it was when the epoch began.
-VectorXd Estimate::displacements(const VectorXd& dx, const Growth& by) const {
-  VectorXd out = dx;
-  if (!layout_.has_map_scale) {
-    return out;
-  }
-  out.segment<3>(L::kPosition) += by.positions.beyond_linear() * (nav_.T_world_body.p - centre_of_growth_);
-  if (layout_.motion != MotionModel::kOdometry) {
-    out.segment<3>(L::kVelocity) += by.velocity.beyond_linear() * nav_.v_world_body;
-  }
-  for (std::size_t k = 0; k < active_blocks_.size(); ++k) {
-    const Index at = layout_.map_begin() + kTriplet * static_cast<Index>(k);
-    out.segment<3>(at) = displacement(active_blocks_[k], dx.segment<3>(at), by) +
-                         by.log * grown(active_blocks_[k], displacement_in_epoch(at));
-  }
-  return out;
-}
-
-Vector3d Estimate::displacement(StateBlock block, const Vector3d& dx, const Growth& by) const {
-  if (block.owner == Owner::kAnchorPosition) {
+/// A correction of a triplet of the map and, where all lengths grow, what a factor does to second order.
+Vector3d Estimate::scaled(StateBlock block, const Vector3d& dx, const WorldChange& by) const {
+  if (layout_.has_map_scale && block.owner == Owner::kAnchorPosition) {
     return dx + by.positions.beyond_linear() * (anchors_[block.index].T_world_body.p - centre_of_growth_);
   }
-  if (block.owner != Owner::kLandmark) {
+  if (!layout_.has_map_scale || block.owner != Owner::kLandmark) {
     return dx;
   }
   const Landmark& landmark = landmarks_[block.index];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How Estimate's covariance is carried along with a correction: see Estimate::retract.
+// What a correction moves Estimate's mean by, and how its covariance is carried along: see Estimate::retract.
 #include <array>
 #include <span>
 
@@ -12,7 +12,62 @@ namespace limber {
 using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
 using L = StateLayout;
+
+namespace {
+
+/// A correction of a world vector while the world turns, to second order: that of the right-invariant error.
+Vector3d turned(const Vector3d& dx, const Vector3d& turn) { return dx + 0.5 * turn.cross(dx); }
+
+}  // namespace
+
+/// What a correction moves everything by.
+VectorXd Estimate::displacements(const VectorXd& dx, const WorldChange& by) const {
+  VectorXd out = dx;
+  const Vector3d grown = by.positions.beyond_linear() * (nav_.T_world_body.p - centre_of_growth_);
+  out.segment<3>(L::kPosition) = turned(dx.segment<3>(L::kPosition) + grown, by.turn);
+  if (layout_.motion != MotionModel::kOdometry) {
+    const Vector3d faster = by.velocity.beyond_linear() * nav_.v_world_body;
+    out.segment<3>(L::kVelocity) = turned(dx.segment<3>(L::kVelocity) + faster, by.turn);
+  }
+  for (Index at = layout_.map_begin(); at < size(); at += kTriplet) {
+    out.segment<3>(at) = at < frozen_end_ ? displacement_of_frozen(at, dx.segment<3>(at), by)
+                                          : displacement(active_blocks_[slot(at)], dx.segment<3>(at), by);
+  }
+  return out;
+}
+
+/// Of a triplet of the map whose error is as defined now.
+Vector3d Estimate::displacement(StateBlock block, const Vector3d& dx, const WorldChange& by) const {
+  const Vector3d out = scaled(block, dx, by);
+  return is_world_vector(block) ? turned(out, by.turn) : out;
+}
+
+/// P and dx are those of the error as it was when the epoch began. Now it is that less [moved]_x R dtheta
+/// (world vectors), turned back (attitudes), and more by what has grown: see refer_to_epoch.
+Vector3d Estimate::displacement_of_frozen(Index at, const Vector3d& dx, const WorldChange& by) const {
+  const StateBlock block = active_blocks_[slot(at)];
+  const Vector3d moved = displacement_in_epoch(at);
+  if (block.owner == Owner::kAnchorAttitude) {
+    return so3_exp(-moved) * dx;
+  }
+  const Vector3d out = scaled(block, dx, by) + by.log * grown(block, moved);
+  return is_world_vector(block) ? turned(out + by.turn.cross(moved), by.turn) : out;
+}
+
+/// To those of the frozen triplets.
+void Estimate::add_displacements(const VectorXd& dx, const VectorXd& moved) {
+  drift_ += dx.segment(layout_.map_begin(), drift_.size());
+  for (Index k = 0; k < moved_.size(); k += kTriplet) {
+    const Index at = layout_.map_begin() + k;
+    const Vector3d by = moved.segment<kTriplet>(at);
+    moved_.segment<kTriplet>(k) = active_blocks_[slot(at)].owner == Owner::kAnchorAttitude
+                                      ? so3_log(so3_exp(moved_.segment<kTriplet>(k)) * so3_exp(by))
+                                      : Vector3d(moved_.segment<kTriplet>(k) + by);
+  }
+}
 
 void Estimate::transport(const Eigen::VectorXd& dx) {
   const Index attitude = L::kAttitude;

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <vector>
 
 #include "limber/core/so3.hpp"
@@ -25,6 +27,24 @@ using testing::Snapshot;
 
 constexpr int kLandmarks = 12;
 
+/// Random derivatives with respect to the errors as they are now, as those in P: see
+/// Estimate::refer_to_epoch.
+PointProjection random_projection(const std::function<MatrixXd(Index, Index)>& random,
+                                  const Estimate& estimate, const Landmark& landmark) {
+  PointProjection out;
+  out.J_position = random(2, 3);
+  out.J_attitude = random(2, 3);
+  out.J_landmark = random(2, 3);
+  out.J_anchor_position = random(2, 3);
+  out.J_anchor_attitude = random(2, 3);
+  if (estimate.anchor_of(landmark) == nullptr) {
+    out.J_anchor_position.setZero();
+    out.J_anchor_attitude.setZero();
+  }
+  estimate.refer_to_epoch(landmark, out);
+  return out;
+}
+
 /// The same random measurement of the body and of the landmarks `ids`, whose anchors count as theirs.
 LinearMeasurement measure(Generator generator, const Estimate& estimate,
                           const std::vector<std::int64_t>& ids) {
@@ -40,12 +60,15 @@ LinearMeasurement measure(Generator generator, const Estimate& estimate,
   Index row = 0;
   for (const std::int64_t id : ids) {
     const Landmark& landmark = *estimate.find(id);
-    std::vector<Index> places = {0, 3, 6, landmark.at};
+    const PointProjection projection = random_projection(random, estimate, landmark);
+    const auto add = [&](Index at, const MatrixXd& value) { z.H.blocks.push_back({row, at, value}); };
+    add(0, projection.J_position);
+    add(3, projection.J_attitude);
+    add(6, random(2, kTriplet));
+    add(landmark.at, projection.J_landmark);
     if (const Anchor* anchor = estimate.anchor_of(landmark); anchor != nullptr) {
-      places.insert(places.end(), {anchor->position_at, anchor->attitude_at});
-    }
-    for (const Index at : places) {
-      z.H.blocks.push_back({row, at, random(2, kTriplet)});
+      add(anchor->position_at, projection.J_anchor_position);
+      add(anchor->attitude_at, projection.J_anchor_attitude);
     }
     row += 2;
   }
@@ -69,8 +92,12 @@ void move(Estimate& estimate) {
   estimate.mutable_P().propagate_leading(Phi, 1e-6 * MatrixXd::Identity(k, k));
 }
 
-void expect_same(const Estimate& sleepy, const Estimate& awake) {
+void expect_same(const Estimate& sleepy, const Estimate& awake,
+                 const std::vector<std::int64_t>& without = {}) {
   for (const Landmark& landmark : awake.landmarks()) {
+    if (std::find(without.begin(), without.end(), landmark.track_id) != without.end()) {
+      continue;
+    }
     Matrix3d expected, found;
     const Vector3d p = awake.landmark_position(landmark, &expected);
     const Landmark* other = sleepy.find(landmark.track_id);
@@ -173,6 +200,61 @@ TEST(Epoch, WhoComesBackAmidstAnEpochIsAsIfHeHadBeenAwake) {
     sleepy.change_epoch({});
     EXPECT_FALSE(sleepy.has_frozen());
     expect_same_snapshot(sleepy, awake);
+  }
+}
+
+/// Of those that stay awake P holds the error as it was when the epoch began, and yet the second correction
+/// is the same, and the tenth.
+TEST(Epoch, WhoStaysAwakeIsCorrectedAsWithoutEpochsHoweverOften) {
+  const std::vector<std::int64_t> asleep = {4, 5, 6, 8}, in_view = {0, 1, 2, 3, 7, 9, 10, 11};
+  Generator generator(15);
+  Estimate sleepy = random_map(generator, kLandmarks);
+  Estimate awake = sleepy;
+  sleepy.change_epoch(asleep);
+  for (std::uint64_t k = 0; k < 10; ++k) {
+    const Matrix3d R = awake.nav().T_world_body.R;
+    correct(sleepy, k, in_view);
+    correct(awake, k, in_view);
+    ASSERT_GT((awake.nav().T_world_body.R - R).norm(), 1e-4);
+    ASSERT_LT((awake.nav().T_world_body.R - sleepy.nav().T_world_body.R).norm(), 1e-9);
+    for (const std::int64_t id : in_view) {
+      const Vector3d expected = awake.landmark_position(*awake.find(id));
+      EXPECT_LT((sleepy.landmark_position(*sleepy.find(id)) - expected).norm(), 1e-9) << id;
+    }
+  }
+  ASSERT_TRUE(sleepy.has_frozen());
+  sleepy.change_epoch({});
+  expect_same(sleepy, awake, asleep);
+}
+
+/// Whoever sleeps, too.
+TEST(Epoch, AMapWhoseDirectionsAreUnknownTurnsAsAWhole) {
+  Generator generator(16);
+  Estimate estimate = random_map(generator, kLandmarks);
+  const MatrixXd turns = testing::gauge(estimate).leftCols<3>();
+  const Index n = estimate.size();
+  estimate.mutable_P().set_diagonal_block(
+      0, 1e-14 * MatrixXd::Identity(n, n) + 0.01 * turns * turns.transpose());
+  const Estimate before = estimate;
+  estimate.change_epoch({4, 5, 6, 8});
+  double turned = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    LinearMeasurement z;
+    z.residual = estimate.nav().T_world_body.R.transpose() * Vector3d(0.04, -0.02, 0.03);
+    z.sigma = Vector3d::Constant(0.1);
+    z.D.resize(3, 0);
+    z.H.blocks.push_back({0, StateLayout::kAttitude, MatrixXd::Identity(3, 3)});
+    const Eigen::VectorXd dx = update(estimate.mutable_P(), z, {}).dx;
+    estimate.retract(dx);
+    turned += dx.segment<3>(StateLayout::kAttitude).norm();
+  }
+  EXPECT_GT(turned, 0.05);
+  const Pose then = before.nav().T_world_body.inverse(), now = estimate.nav().T_world_body.inverse();
+  for (const Landmark& landmark : before.landmarks()) {
+    const Vector3d x = before.landmark_position(landmark);
+    const Vector3d expected = then * x,
+                   found = now * estimate.landmark_position(*estimate.find(landmark.track_id));
+    EXPECT_LE((found - expected).norm(), std::pow(turned, 3) * x.norm()) << landmark.track_id;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "check_covariance.hpp"
 #include "limber/core/so3.hpp"
@@ -21,39 +22,12 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using testing::add_random_landmark;
+using testing::gauge;
 using testing::Generator;
 using testing::random_estimate;
 using testing::random_map;
 using testing::Snapshot;
 using testing::snapshot;
-
-/// How the error state sees the world turn and move, which no sensor of ours can see (gravity aside): 6
-/// columns.
-MatrixXd gauge(const Estimate& estimate) {
-  MatrixXd N = MatrixXd::Zero(estimate.size(), 6);
-  const auto vector = [&](Index at, const Vector3d& x, bool moves) {
-    N.block<3, 3>(at, 0) = -skew(x);
-    if (moves) {
-      N.block<3, 3>(at, 3).setIdentity();
-    }
-  };
-  const auto pose = [&](Index position, Index attitude, const Pose& T) {
-    vector(position, T.p, true);
-    N.block<3, 3>(attitude, 0) = T.R.transpose();
-  };
-  pose(0, 3, estimate.nav().T_world_body);
-  if (estimate.layout().motion != MotionModel::kOdometry) {
-    vector(6, estimate.nav().v_world_body, false);
-  }
-  for (const Landmark& landmark : estimate.landmarks()) {
-    if (const Anchor* anchor = estimate.anchor_of(landmark); anchor != nullptr) {
-      pose(anchor->position_at, anchor->attitude_at, anchor->T_world_body);
-    } else {
-      vector(landmark.at, landmark.value, true);
-    }
-  }
-  return N;
-}
 
 TEST(Estimate, RetractionKeepsUnknownWhatNobodyCanObserve) {
   Generator generator(15);
@@ -70,6 +44,30 @@ TEST(Estimate, RetractionKeepsUnknownWhatNobodyCanObserve) {
       const MatrixXd after = gauge(estimate);
       EXPECT_LE((estimate.P().dense() - after * after.transpose()).cwiseAbs().maxCoeff(), 1e-10);
       EXPECT_GT((after - before).cwiseAbs().maxCoeff(), 0.1);
+    }
+  }
+}
+
+TEST(Estimate, RetractionTurnsTheWorldAsAWhole) {
+  Generator generator(25);
+  for (const MotionModel motion :
+       {MotionModel::kImu, MotionModel::kConstantVelocity, MotionModel::kOdometry}) {
+    const Estimate before = random_map(generator, 8, {motion, false});
+    Estimate after = before;
+    const Vector3d turn = 0.03 * testing::random_normal(generator, 3);
+    after.retract(gauge(before).leftCols<3>() * turn);
+    const auto third_order = [&](const Vector3d& x) { return std::pow(turn.norm(), 3) * x.norm(); };
+    const Pose &from = before.nav().T_world_body, &to = after.nav().T_world_body;
+    EXPECT_LE((to.R - so3_exp(turn) * from.R).norm(), 1e-14);
+    EXPECT_LE((to.p - so3_exp(turn) * from.p).norm(), third_order(from.p));
+    const Vector3d &v = before.nav().v_world_body, &faster = after.nav().v_world_body;
+    if (motion != MotionModel::kOdometry) {
+      EXPECT_LE((faster - so3_exp(turn) * v).norm(), third_order(v));
+    }
+    for (const Landmark& landmark : before.landmarks()) {
+      const Vector3d x = before.landmark_position(landmark);
+      const Vector3d moved = after.landmark_position(*after.find(landmark.track_id));
+      EXPECT_LE((moved - so3_exp(turn) * x).norm(), 2.0 * third_order(x)) << landmark.track_id;
     }
   }
 }

@@ -83,6 +83,32 @@ Estimate random_map(Generator& generator, int count, StateLayout layout) {
   return estimate;
 }
 
+Eigen::MatrixXd gauge(const Estimate& estimate) {
+  Eigen::MatrixXd N = Eigen::MatrixXd::Zero(estimate.size(), 6);
+  const auto vector = [&](Eigen::Index at, const Eigen::Vector3d& x, bool moves) {
+    N.block<3, 3>(at, 0) = -skew(x);
+    if (moves) {
+      N.block<3, 3>(at, 3).setIdentity();
+    }
+  };
+  const auto pose = [&](Eigen::Index position, Eigen::Index attitude, const Pose& T) {
+    vector(position, T.p, true);
+    N.block<3, 3>(attitude, 0) = T.R.transpose();
+  };
+  pose(0, 3, estimate.nav().T_world_body);
+  if (estimate.layout().motion != MotionModel::kOdometry) {
+    vector(6, estimate.nav().v_world_body, false);
+  }
+  for (const Landmark& landmark : estimate.landmarks()) {
+    if (const Anchor* anchor = estimate.anchor_of(landmark); anchor != nullptr) {
+      pose(anchor->position_at, anchor->attitude_at, anchor->T_world_body);
+    } else {
+      vector(landmark.at, landmark.value, true);
+    }
+  }
+  return N;
+}
+
 bool Snapshot::operator==(const Snapshot& other) const {
   return track_ids == other.track_ids && mean.size() == other.mean.size() && mean == other.mean &&
          P.rows() == other.P.rows() && P == other.P;

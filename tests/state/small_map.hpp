@@ -40,6 +40,10 @@ void add_landmark_ahead(Estimate& estimate, std::int64_t track_id, double depth,
 /// `count` landmarks with ids 0, 1, ...: some Cartesian, the others on anchors of three each.
 Estimate random_map(Generator& generator, int count, StateLayout layout = {MotionModel::kImu, false});
 
+/// How the error state sees the world turn and move, which no sensor of ours can see (gravity aside): 6
+/// columns.
+Eigen::MatrixXd gauge(const Estimate& estimate);
+
 /// Mean and covariance in an order of their own: body, theta, then by track id each landmark and its anchor.
 struct Snapshot {
   std::vector<std::int64_t> track_ids;

@@ -252,11 +252,13 @@ class Estimate {
     [[nodiscard]] double beyond_linear_inverse() const { return 1.0 / factor - 1.0 + log; }
     void operator+=(const Factor& next) { *this = {log + next.log, factor * next.factor}; }
   };
-  /// The same of all that grows with the map's scale.
-  struct Growth {
-    double log = 0.0;  ///< of the scale
-    Factor depths, positions, velocity{};
-    void operator+=(const Growth& next) {
+  /// What a correction does to the whole world.
+  struct WorldChange {
+    Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< of the body's attitude, in the world [rad]
+    double log = 0.0;                                ///< of the scale
+    Factor depths, positions, velocity{};            ///< of all that grows with it
+    void operator+=(const WorldChange& next) {
+      turn += next.turn;
       log += next.log;
       depths += next.depths;
       positions += next.positions;
@@ -269,10 +271,15 @@ class Estimate {
     double variance;
   };
   [[nodiscard]] std::vector<LogDepth> log_depths() const;
-  [[nodiscard]] Growth growth(const Eigen::VectorXd& dx, const ScaleShares& grows) const;
-  [[nodiscard]] Eigen::VectorXd displacements(const Eigen::VectorXd& dx, const Growth& by) const;
+  [[nodiscard]] WorldChange world_change(const Eigen::VectorXd& dx, const ScaleShares& grows) const;
+  [[nodiscard]] Eigen::VectorXd displacements(const Eigen::VectorXd& dx, const WorldChange& by) const;
+  [[nodiscard]] Eigen::Vector3d displacement_of_frozen(Eigen::Index at, const Eigen::Vector3d& dx,
+                                                       const WorldChange& by) const;
   [[nodiscard]] Eigen::Vector3d displacement(StateBlock block, const Eigen::Vector3d& dx,
-                                             const Growth& by) const;
+                                             const WorldChange& by) const;
+  void add_displacements(const Eigen::VectorXd& dx, const Eigen::VectorXd& moved);
+  [[nodiscard]] Eigen::Vector3d scaled(StateBlock block, const Eigen::Vector3d& dx,
+                                       const WorldChange& by) const;
   [[nodiscard]] Eigen::Vector3d grown(StateBlock block, const Eigen::Vector3d& displacement) const;
   void couple_scale(Eigen::MatrixXd& U, Eigen::Index at, const Eigen::Vector3d& grown) const;
   [[nodiscard]] Eigen::Index coupled_columns() const {
@@ -327,8 +334,8 @@ class Estimate {
   PassiveBlock passive_;
   Eigen::Index frozen_end_ = 0;  // P is [body | frozen | initialised since]; map_begin if nothing is frozen
   Eigen::VectorXd drift_;        // sum of the corrections of the frozen part since the epoch began
-  Eigen::VectorXd moved_;        // what it was moved by: beside corrections, factors to second order
-  Growth grown_;                 // of all lengths since then
+  Eigen::VectorXd moved_;        // what it was moved by: see displacements()
+  WorldChange changed_;          // since then
   Eigen::Index size_as_epoch_began_ = 0;
   std::int64_t epoch_began_ns_ = 0;
 };
