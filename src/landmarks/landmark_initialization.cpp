@@ -5,7 +5,11 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <utility>
+#include <vector>
 
+#include "limber/core/median.hpp"
+#include "limber/landmarks/map_management.hpp"
 #include "limber/measure/point_rows.hpp"
 #include "limber/measure/triangulate.hpp"
 #include "limber/update/innovation.hpp"
@@ -26,6 +30,9 @@ constexpr double kFarthestBaselines = 1000.0;
 /// A triangulated point nearer than this many baselines starts there.
 constexpr double kNearestBaselines = 0.5;
 constexpr int kRefinements = 4;
+constexpr double kKnownDepth = 0.3;  // of an inverse depth [-]: it tells what those of others may be
+constexpr std::size_t kEnoughDepths = 5;
+constexpr double kGuessedWithin = 4.0;  // times the guess: wide enough to say nothing of the map's scale
 
 /// Of the pixels that one or two cameras saw, with respect to the landmark's triplet.
 using LandmarkJacobian = Eigen::Matrix<double, Eigen::Dynamic, kTriplet, Eigen::ColMajor, 4, kTriplet>;
@@ -193,8 +200,9 @@ std::optional<RemainingRows> initialize_mono(Estimate& estimate, const StereoObs
                                              const Sighting& sighting, const MountedRig& rig,
                                              const PixelNoise& sigma_px, std::int64_t t_ns, int anchor,
                                              const LandmarkInitOptions& options) {
-  const Landmark landmark =
+  Landmark landmark =
       inverse_depth_landmark(observation, sighting.d0, options.mono_inverse_depth, anchor, t_ns);
+  landmark.depth_guessed = true;
   const double rho_sigma = options.mono_inverse_depth_sigma;
   Matrix3d P_ll = diffuse_covariance(rig, landmark, sigma_px, rho_sigma);
   if (left_pixel_is_clean(rig[0])) {
@@ -269,6 +277,24 @@ std::optional<RemainingRows> initialize_cartesian(Estimate& estimate, const Ster
 }
 
 }  // namespace
+
+void guess_depth_as_in_map(const Estimate& estimate, const MountedCamera& cam0, std::int64_t since_ns,
+                           LandmarkInitOptions& options) {
+  const Vector3d p_world_cam0 = estimate.nav().T_world_body * cam0.T_cam_body.inverse().p;
+  std::vector<double> inverse_depths;
+  for (const Landmark& landmark : estimate.landmarks()) {
+    if (!landmark.passive && landmark.last_seen_ns >= since_ns &&
+        depth_doubt(estimate, landmark) < kKnownDepth) {
+      const Vector3d ray = world_position(landmark, estimate.anchor_of(landmark)) - p_world_cam0;
+      inverse_depths.push_back(1.0 / ray.norm());
+    }
+  }
+  if (inverse_depths.size() < kEnoughDepths) {
+    return;
+  }
+  options.mono_inverse_depth = median(std::move(inverse_depths));
+  options.mono_inverse_depth_sigma = kGuessedWithin * options.mono_inverse_depth;
+}
 
 std::optional<RemainingRows> initialize_landmark(Estimate& estimate, const StereoObservation& observation,
                                                  const MountedRig& rig, const PixelNoise& sigma_px,

@@ -134,16 +134,27 @@ double depth_shift(const Estimate& estimate, const Landmark& landmark) {
   return shift > sigma ? shift / landmark.rho_assumed : 0.0;
 }
 
+double depth_doubt(const Estimate& estimate, const Landmark& landmark) {
+  if (landmark.kind == LandmarkKind::kCartesian) {
+    return 0.0;
+  }
+  const double rho = landmark.value.z();
+  const double sigma = std::sqrt(estimate.P().diagonal_block<3>(landmark.at)(2, 2));
+  return rho > 0.0 ? sigma / rho : std::numeric_limits<double>::infinity();
+}
+
 std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,
                              const MountedCamera& cam0, const MapManagementOptions& options) {
   std::size_t forgotten = 0;
   for (const StereoObservation& observation : frame.observations) {
-    const Landmark* landmark = estimate.find(observation.track_id);
+    Landmark* landmark = estimate.find(observation.track_id);
     if (landmark == nullptr) {
       continue;
     }
     const bool returns = landmark->last_seen_ns < previous_ns;
-    if ((returns && projection_curvature(estimate, *landmark, cam0) > options.max_curvature_px) ||
+    const bool told = observation.in_cam1 && std::exchange(landmark->depth_guessed, false);
+    if ((told && depth_doubt(estimate, *landmark) > options.known_depth) ||
+        (returns && projection_curvature(estimate, *landmark, cam0) > options.max_curvature_px) ||
         depth_shift(estimate, *landmark) > options.max_depth_shift) {
       estimate.remove_landmark(observation.track_id);
       ++forgotten;

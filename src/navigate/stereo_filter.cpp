@@ -187,6 +187,9 @@ StereoFilter::NewLandmarks StereoFilter::initialize_landmarks(Estimate& estimate
                                                               const MountedRig& rig) const {
   LandmarkInitOptions how = options_.landmark_init;
   how.mode = initializes_before_update() ? LandmarkInitMode::kDiffuse : LandmarkInitMode::kClassical;
+  if (options_.method != Method::kMonoLeft) {  // whose depths none of them tells
+    guess_depth_as_in_map(estimate, rig[0], last_frame_ns_, how);
+  }
   NewLandmarks new_landmarks;
   int anchor = -1;
   for (const StereoObservation& observation : frame.observations) {

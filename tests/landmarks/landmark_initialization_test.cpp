@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "check_covariance.hpp"
+#include "landmarks/pinhole_at_the_body.hpp"
 #include "limber/core/so3.hpp"
 #include "state/small_map.hpp"
 
@@ -191,6 +192,7 @@ TEST(InitializeLandmark, SeenByTheLeftCameraAloneItsDepthIsThePrior) {
     observation.in_cam1 = false;
     ASSERT_TRUE(initialize(estimate, observation, rig, options));
     const Landmark& landmark = *estimate.find(7);
+    EXPECT_TRUE(landmark.depth_guessed);
     EXPECT_EQ(landmark.value, Vector3d(0.0, 0.0, 0.2));
     const Matrix3d P = estimate.P().diagonal_block<3>(landmark.at);
     EXPECT_NEAR(P(2, 2), 0.09, 1e-12);
@@ -200,6 +202,32 @@ TEST(InitializeLandmark, SeenByTheLeftCameraAloneItsDepthIsThePrior) {
     const Vector3d ray = in_cam0(estimate, rig, landmark).normalized();
     EXPECT_LE((ray - Vector3d(0.5, 0.2, 4.0).normalized()).norm(), 1e-9);
   }
+}
+
+TEST(GuessDepthAsInMap, IsTheMedianOfWhatIsKnownAndWasSeenAndWide) {
+  Estimate estimate = testing::empty_map();
+  const MountedCamera cam0 = testing::pinhole_at_the_body();
+  const LandmarkInitOptions before = options_for(LandmarkInitMode::kClassical, LandmarkKind::kInverseDepth);
+  std::int64_t id = 0;
+  const auto add = [&](double depth, double share, std::int64_t seen_ns) {
+    testing::add_landmark_ahead(estimate, id++, depth, share / depth, seen_ns);
+  };
+  for (const double depth : {10.0, 20.0, 25.0, 40.0}) {
+    add(depth, 0.01, 100);
+  }
+  add(2.0, 0.5, 100);  // not known
+  add(3.0, 0.01, 99);  // not seen
+  LandmarkInitOptions options = before;
+  guess_depth_as_in_map(estimate, cam0, 100, options);
+  EXPECT_EQ(options.mono_inverse_depth, before.mono_inverse_depth) << "four tell nothing";
+  add(50.0, 0.01, 100);
+  guess_depth_as_in_map(estimate, cam0, 100, options);
+  EXPECT_NEAR(options.mono_inverse_depth, 1.0 / 25.0, 1e-12);
+  EXPECT_NEAR(options.mono_inverse_depth_sigma, 4.0 / 25.0, 1e-12);
+  // From where it is now, not from where they began.
+  testing::move_body(estimate, [](NavigationState& nav) { nav.T_world_body.p.z() = 5.0; });
+  guess_depth_as_in_map(estimate, cam0, 100, options);
+  EXPECT_NEAR(options.mono_inverse_depth, 1.0 / 20.0, 1e-12);
 }
 
 TEST(InitializeLandmark, DiffuselyInitializedPointsKnowNothingOfTheOthersButTheirAnchor) {

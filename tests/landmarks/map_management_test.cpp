@@ -163,6 +163,28 @@ TEST(ForgetMisplaced, RemovesWhatTurnsOutToLieElsewhere) {
   }
 }
 
+TEST(ForgetMisplaced, RemovesWhoseDepthWasGuessedWhenTheRightCameraTellsIt) {
+  StereoFrame frame;
+  frame.t_ns = kPresent;
+  frame.observations.resize(1);
+  frame.observations[0].track_id = 1;
+  const auto forgotten = [&](bool guessed, bool in_cam1, double share) {
+    Estimate estimate = before_a_point(5.0, share / 5.0);
+    estimate.find(1)->depth_guessed = guessed;
+    frame.observations[0].in_cam1 = in_cam1;
+    const std::size_t count =
+        forget_misplaced(estimate, frame, kPresent, testing::pinhole_at_the_body(), MapManagementOptions{});
+    if (count == 0) {
+      EXPECT_EQ(estimate.find(1)->depth_guessed, guessed && !in_cam1);
+    }
+    return count;
+  };
+  EXPECT_EQ(forgotten(true, true, 0.11), 1U);
+  EXPECT_EQ(forgotten(true, true, 0.09), 0U);  // its parallax has told
+  EXPECT_EQ(forgotten(true, false, 0.11), 0U);
+  EXPECT_EQ(forgotten(false, true, 0.11), 0U);
+}
+
 std::vector<std::int64_t> ids(const Estimate& estimate) { return testing::snapshot(estimate).track_ids; }
 
 /// Landmarks 0 to 9; the k-th was last seen 10 − k seconds ago, but 8 and 9 just now.

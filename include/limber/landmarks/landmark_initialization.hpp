@@ -35,6 +35,12 @@ struct LandmarkInitOptions {
 /// Which rows of the new landmark's own frame are still to be used by the stacked update.
 enum class RemainingRows : std::uint8_t { kNone, kRight, kAll };
 
+/// @brief A point that the left camera alone sees begins at the median distance of those in the map: prior of
+/// its inverse depth.
+/// @param since_ns  of landmarks seen since then whose depths are known; with fewer than five `options` stay
+void guess_depth_as_in_map(const Estimate& estimate, const MountedCamera& cam0, std::int64_t since_ns,
+                           LandmarkInitOptions& options);
+
 /// @brief Puts a new point into the map.
 /// @param anchor  index of this frame's anchor; ignored for Cartesian landmarks
 /// @return the rows left for the same frame's update; nothing if the point was not initialised: no left

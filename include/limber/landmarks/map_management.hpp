@@ -36,6 +36,10 @@ struct MapManagementOptions {
   /// to lie this share away from what was assumed at initialisation [-], and is known better than that: its
   /// first frames were linearised at the wrong place.
   double max_depth_shift = 0.1;
+  /// A point whose depth was guessed is taken for a new one when the right camera tells it, unless its
+  /// inverse depth is known to this share by then [-]: a linear update over a wide prior bends it and what
+  /// sees it.
+  double known_depth = 0.1;
 };
 
 /// Linearity index of an inverse-depth landmark seen from the current pose: 4 sigma_d / d |cos(alpha)| [-],
@@ -52,8 +56,13 @@ struct MapManagementOptions {
 /// what was assumed then [-]; zero while it is not known better than that, and for all other landmarks.
 [[nodiscard]] double depth_shift(const Estimate& estimate, const Landmark& landmark);
 
+/// Standard deviation of an inverse depth as a share of it [-]; zero for a Cartesian landmark, infinite where
+/// the inverse depth is not positive. For landmarks that are not passive.
+[[nodiscard]] double depth_doubt(const Estimate& estimate, const Landmark& landmark);
+
 /// @brief Forgets observed landmarks that are to be initialised anew: those that were absent for a while and
-/// whose place has become too uncertain, and those whose depth turned out to be another.
+/// whose place has become too uncertain, those whose depth turned out to be another, and those whose depth
+/// was guessed and is told now.
 /// @param previous_ns  time of the frame before: landmarks seen then are not absent
 /// @return number of removed landmarks
 std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,

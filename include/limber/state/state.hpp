@@ -151,6 +151,7 @@ struct Landmark {
   bool passive = false;             ///< `at` is a row of the passive block
   double rho_assumed =
       0.0;  ///< inverse depth at initialisation if the right pixel under a doubtful theta gave it, else 0
+  bool depth_guessed = false;  ///< the left camera alone has seen it: its inverse depth began as a prior
   /// time of the last frame that saw it [ns]
   std::int64_t last_seen_ns = 0;
   int refusals = 0;   ///< frames in a row in which it was refused
