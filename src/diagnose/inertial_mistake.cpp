@@ -12,7 +12,7 @@
 namespace limber {
 namespace {
 
-constexpr double kSureOfThree = 12.0, kSureOfOne = 20.0;   // chi-square over degrees of freedom
+constexpr double kSure = 12.0, kSureOfGyro = 20.0;         // chi-square over degrees of freedom
 constexpr double kExplainsAlike = 0.4;                     // of what explains most
 constexpr double kNoisierGyro = 5.0, kNoisierAccel = 3.0;  // than stated, and learned
 
@@ -54,7 +54,8 @@ double most_of(InertialFactor factor) {
 }
 
 bool is_sure(const InertialOffset& offset, const SensorOffsets& offsets) {
-  const double asked = place_of(offset.of).size == 1 ? kSureOfOne : kSureOfThree, size = offset.value.norm();
+  const double asked = offset.of == InertialFactor::kGyroScale ? kSureOfGyro : kSure;
+  const double size = offset.value.norm();
   return offset.sureness > asked && size >= least_of(offset.of, offsets) && size <= most_of(offset.of);
 }
 
@@ -153,7 +154,7 @@ const char* advice_on(const Told& told) {
 
 bool turns_are_in_sigmas(const InertialCheck& check) {
   const bool contradicted = std::ranges::any_of(check.offsets, [](const InertialOffset& offset) {
-    return offset.of == InertialFactor::kGyroScale && offset.sureness > kSureOfOne;
+    return offset.of == InertialFactor::kGyroScale && offset.sureness > kSureOfGyro;
   });
   return !contradicted || is_noise_of_gyro(check.learned);
 }

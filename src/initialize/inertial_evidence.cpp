@@ -18,6 +18,8 @@ using Eigen::MatrixXd;
 namespace {
 
 constexpr int kShownSteps = 6;  // of a solution, from one that is near
+constexpr double kAnyBias =
+    0.6;  // [m/s^2]: of cheap accelerometers, whose axes and scales were blamed for it
 
 /// The method that takes nothing of the rig for granted.
 NavigatorOptions doubting_rig(NavigatorOptions options) {
@@ -99,6 +101,7 @@ std::optional<InertialEvidence> inertial_evidence(const NavigatorOptions& option
     return std::nullopt;
   }
   StartWindow window = window_of(options, calibration, frames, imu);
+  window.model.prior.bias_accel = kAnyBias;
   const StartWindow::Frames now = window.kept();
   (void)window.try_guess(window.continued(from_origin(now, frames, states), now));
   if (!window.solution) {
