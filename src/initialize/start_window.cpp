@@ -22,6 +22,9 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double kGrowth = 1.4;  // of the window, from one solution to the next
+/// A body whose motion nobody states may move that much more: images tell it all, and rounds of a solution
+/// mind no wide prior.
+constexpr double kLivelier = 10.0;
 constexpr int kStartIterations = 25;
 constexpr int kCleanings = 10;
 constexpr double kSamePlace = 1e-4;      // of the cost, by which two solutions differ
@@ -110,6 +113,10 @@ WindowModel window_model(const NavigatorOptions& options, const StereoCalibratio
   out.calibration = calibration;
   out.directions = free_directions(options, calibration);
   out.right = options.method != Method::kMonoLeft;
+  if (options.learn_motion_noise) {
+    out.options.constant_velocity_noise.acceleration_density *= kLivelier;
+    out.options.constant_velocity_noise.angular_acceleration_density *= kLivelier;
+  }
   return out;
 }
 

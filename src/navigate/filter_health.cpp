@@ -92,7 +92,7 @@ bool StereoFilter::points_quarrel(const FrameReport& report) const {
 /// off then is neither.
 void StereoFilter::learn_noise(const ParameterErrorModel& model, const UpdateReport& update,
                                const PoseCorrection& correction, const FrameReport& report) {
-  if (!pixel_noise_ && !imu_noise_) {
+  if (!pixel_noise_ && !imu_noise_ && !motion_noise_) {
     return;
   }
   const Innovations rest = without_rig(model, update);
@@ -100,6 +100,9 @@ void StereoFilter::learn_noise(const ParameterErrorModel& model, const UpdateRep
   counted.nis = rest.nis;
   counted.dof = rest.dof;
   const double scatter = scatter_beside(counted);
+  if (motion_noise_) {  // also where points seem to contradict the state: that it moves more looks like it
+    motion_noise_->learn(counted);
+  }
   if (accuses_rig(rest.explained, scatter)) {
     rig_accused_ns_ = correction.t_ns;
   }

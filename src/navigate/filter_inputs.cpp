@@ -79,8 +79,18 @@ std::vector<InputStep> StereoFilter::steps_to(std::int64_t t_ns) const {
 /// The body carried to t_ns by the inputs so far; changes nothing.
 Propagation StereoFilter::propagated(std::int64_t t_ns) const {
   const OdometryNoise odometry = odometry_noise_ ? odometry_noise_->assumed() : options_.odometry_noise;
-  return propagate(estimate_.nav(), steps_to(t_ns), options_, odometry, inputs_.usual_interval_s(),
-                   more_noise());
+  return propagate(estimate_.nav(), steps_to(t_ns), options_, odometry, motion_noise(),
+                   inputs_.usual_interval_s(), more_noise());
+}
+
+/// Of accelerations that no input shows.
+ConstantVelocityNoise StereoFilter::motion_noise() const {
+  ConstantVelocityNoise out = options_.constant_velocity_noise;
+  if (motion_noise_) {
+    out.acceleration_density *= motion_noise_->factors().accel;
+    out.angular_acceleration_density *= motion_noise_->factors().gyro;
+  }
+  return out;
 }
 
 /// What inputs are noisier by than their samples and what was stated say.

@@ -13,7 +13,8 @@ using Eigen::VectorXd;
 namespace {
 
 Transition predict_step(NavigationState& nav, const InputStep& step, const NavigatorOptions& options,
-                        const OdometryNoise& odometry_noise, double usual_interval_s, const MoreNoise& more) {
+                        const OdometryNoise& odometry_noise, const ConstantVelocityNoise& motion_noise,
+                        double usual_interval_s, const MoreNoise& more) {
   switch (options.motion) {
     case MotionModel::kImu: {
       const ImuStep imu = imu_step(step, nav, options.imu_noise, options.gravity, more);
@@ -25,7 +26,7 @@ Transition predict_step(NavigationState& nav, const InputStep& step, const Navig
     case MotionModel::kConstantVelocity:
       break;
   }
-  return predict_constant_velocity(nav, step.dt, options.constant_velocity_noise);
+  return predict_constant_velocity(nav, step.dt, motion_noise);
 }
 
 /// What the body's error gains where samples were taken before they are stamped: the inputs then are what
@@ -41,12 +42,14 @@ VectorXd late_by_a_second(const InputStep& step, const Transition& part) {
 
 Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& steps,
                       const NavigatorOptions& options, const OdometryNoise& odometry_noise,
-                      double usual_interval_s, const MoreNoise& more) {
+                      const ConstantVelocityNoise& motion_noise, double usual_interval_s,
+                      const MoreNoise& more) {
   const Eigen::Index k = StateLayout{options.motion}.body_size();
   Propagation out{nav, {MatrixXd::Identity(k, k), MatrixXd::Zero(k, k)}, Vector3d::Zero(), VectorXd::Zero(k)};
   for (const InputStep& step : steps) {
     out.omega_input = step.angular;
-    const Transition part = predict_step(out.nav, step, options, odometry_noise, usual_interval_s, more);
+    const Transition part =
+        predict_step(out.nav, step, options, odometry_noise, motion_noise, usual_interval_s, more);
     if (options.motion == MotionModel::kImu && !estimates_time_offset(options)) {
       out.by_clock = part.Phi * out.by_clock + late_by_a_second(step, part);
     }

@@ -29,6 +29,7 @@ struct Propagation {
 /// @param more              noise of the inputs beyond all that
 [[nodiscard]] Propagation propagate(const NavigationState& nav, const std::vector<InputStep>& steps,
                                     const NavigatorOptions& options, const OdometryNoise& odometry_noise,
-                                    double usual_interval_s, const MoreNoise& more);
+                                    const ConstantVelocityNoise& motion_noise, double usual_interval_s,
+                                    const MoreNoise& more);
 
 }  // namespace limber::detail

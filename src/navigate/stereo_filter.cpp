@@ -35,7 +35,8 @@ NavigatorOptions completed(NavigatorOptions options, const StereoCalibration& ca
   return options;
 }
 
-constexpr double kLongFrame = 0.2;        // [s] without an image: the state was blind meanwhile
+constexpr double kLivelier = 3.0;   // than stated: a body whose motion images are to tell, until they do
+constexpr double kLongFrame = 0.2;  // [s] without an image: the state was blind meanwhile
 constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degrees of freedom
 constexpr int kTriangulations = 8;
 constexpr double kRigSettled = 0.03;      // plausible errors
@@ -111,6 +112,9 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
   }
   if (options_.learn_imu_noise && options_.motion == MotionModel::kImu) {
     imu_noise_.emplace(initial.imu_noise);
+  }
+  if (options_.learn_motion_noise && options_.motion == MotionModel::kConstantVelocity) {
+    motion_noise_.emplace(ImuNoiseFactors{kLivelier, kLivelier});
   }
   if (options_.learn_pixel_noise) {
     pixel_noise_.emplace(options_.sigma_px, calibration);

@@ -186,6 +186,7 @@ RunSetup set_up_run(const Recording& recording, const RunOptions& options) {
   navigator.gravity = options.gravity;
   navigator.constant_velocity_noise =
       options.constant_velocity_noise.value_or(navigator.constant_velocity_noise);
+  navigator.learn_motion_noise = !options.constant_velocity_noise && navigator.carries_scale;
   navigator.theta_sigma = options.theta_sigma.value_or(plausible_error(setup.calibration.baseline()));
   navigator.estimated = options.estimated;
   navigator.softened = options.softened;

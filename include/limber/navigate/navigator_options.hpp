@@ -50,6 +50,9 @@ struct NavigatorOptions {
   bool doubt_odometry_mount = false;
   /// kConstantVelocity: continuous densities
   ConstantVelocityNoise constant_velocity_noise;
+  /// constant_velocity_noise is the least: how much more the body accelerates is learned from what images say
+  /// (as LearnedImuNoise does of an IMU), and a start expects ten times as much.
+  bool learn_motion_noise = false;
   /// u0, v0, u1, v1: white, per coordinate [px]
   PixelNoise sigma_px = PixelNoise::Constant(0.5);
   /// sigma_px is but where to begin: what has to be assumed is learned (LearnedPixelNoise).

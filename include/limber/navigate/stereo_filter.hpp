@@ -179,6 +179,7 @@ class StereoFilter {
   [[nodiscard]] std::int64_t started_at(std::int64_t t_ns) const;
   [[nodiscard]] std::vector<InputStep> steps_to(std::int64_t t_ns) const;
   [[nodiscard]] detail::Propagation propagated(std::int64_t t_ns) const;
+  [[nodiscard]] ConstantVelocityNoise motion_noise() const;
   [[nodiscard]] MoreNoise more_noise() const;
   [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);
   [[nodiscard]] bool is_blind_to_rig() const;
@@ -273,6 +274,7 @@ class StereoFilter {
   std::optional<LearnedPixelNoise> pixel_noise_;           // where nobody stated it
   std::optional<std::int64_t> rig_accused_ns_;             // by a frame, last: it explains what is off
   std::optional<LearnedImuNoise> imu_noise_;               // beside what was stated, if that is asked for
+  std::optional<LearnedImuNoise> motion_noise_;            // the same of accelerations that no input shows
   std::optional<LearnedOdometryNoise> odometry_noise_;     // where nobody stated it
   std::optional<HealthMonitor> monitor_;
   std::optional<HealthReport> last_health_;
