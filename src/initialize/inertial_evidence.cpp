@@ -18,8 +18,8 @@ using Eigen::MatrixXd;
 namespace {
 
 constexpr int kShownSteps = 6;  // of a solution, from one that is near
-constexpr double kAnyBias =
-    0.6;  // [m/s^2]: of cheap accelerometers, whose axes and scales were blamed for it
+/// [m/s^2]: of cheap accelerometers, whose axes and scales were blamed for it.
+constexpr double kAnyBias = 0.6;
 
 /// The method that takes nothing of the rig for granted.
 NavigatorOptions doubting_rig(NavigatorOptions options) {

@@ -85,8 +85,8 @@ bool same_start(const NavigatorOptions& a, const StereoCalibration& rig_of_a, co
          of_a.directions.cols() == of_b.directions.cols() && of_a.directions == of_b.directions &&
          a.estimated.tail<kMoreParameters>() == b.estimated.tail<kMoreParameters>() && a.motion == b.motion &&
          a.imu_noise == b.imu_noise && a.learn_imu_noise == b.learn_imu_noise &&
-         a.constant_velocity_noise == b.constant_velocity_noise && a.sigma_px == b.sigma_px &&
-         a.gravity == b.gravity;
+         a.constant_velocity_noise == b.constant_velocity_noise &&
+         a.learn_motion_noise == b.learn_motion_noise && a.sigma_px == b.sigma_px && a.gravity == b.gravity;
 }
 
 SensorStart::SensorStart(const NavigatorOptions& options, const StereoCalibration& calibration,

@@ -171,6 +171,7 @@ TEST(SensorStart, IsTheSameForMethodsThatLeaveTheSameOfTheRigOpenAndForNothingEl
       [](auto& o) { o.imu_noise.gyro_walk *= 2.0; },
       [](auto& o) { o.learn_imu_noise = true; },
       [](auto& o) { o.constant_velocity_noise.acceleration_density *= 2.0; },
+      [](auto& o) { o.learn_motion_noise = true; },
       [](auto& o) { o.sigma_px[3] *= 2.0; },
       [](auto& o) { o.gravity = 9.8; }};
   for (std::size_t k = 0; k < changes.size(); ++k) {
