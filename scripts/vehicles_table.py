@@ -21,6 +21,8 @@ from pathlib import Path
 
 import numpy as np
 
+from random_rigs_table import cell
+
 STEP, LENGTH = 0.02, 62.0  # [s]
 T = np.arange(0.0, LENGTH, STEP)
 
@@ -178,13 +180,6 @@ def run(arguments, name, inputs, rig, seed):
             file = folder / method / "summary.json"
             cells.append(cell(done.returncode, json.loads(file.read_text()) if file.exists() else None))
     return cells
-
-
-def cell(code, summary):
-    failed = f", exit {code}" if code else ""
-    if summary is None:
-        return f"none{failed}"
-    return f"{summary['ate_m']['se3']:.3f} ({summary['anees']:.1f}) {summary['health']['verdict']}{failed}"
 
 
 def words(text):

@@ -17,6 +17,10 @@ using Eigen::Vector3d;
 
 namespace {
 
+double sigma_of_inverse_depth(const Estimate& estimate, const Landmark& landmark) {
+  return std::sqrt(estimate.P().diagonal_block<3>(landmark.at)(2, 2));
+}
+
 std::vector<std::int64_t> to_remove(const Estimate& estimate, std::int64_t t_ns,
                                     const MapManagementOptions& options) {
   std::vector<std::int64_t> gone;
@@ -81,7 +85,7 @@ double linearity_index(const Estimate& estimate, const Landmark& landmark) {
   if (rho <= 0.0) {
     return std::numeric_limits<double>::infinity();
   }
-  const double sigma_rho = std::sqrt(estimate.P().diagonal_block<3>(landmark.at)(2, 2));
+  const double sigma_rho = sigma_of_inverse_depth(estimate, landmark);
   const Vector3d p_world_landmark = world_position(landmark, anchor);
   const Vector3d from_anchor = p_world_landmark - anchor->T_world_body * anchor->T_body_cam0.p;
   const Vector3d from_here = p_world_landmark - estimate.nav().T_world_body * anchor->T_body_cam0.p;
@@ -129,7 +133,7 @@ double depth_shift(const Estimate& estimate, const Landmark& landmark) {
   if (landmark.kind != LandmarkKind::kInverseDepth || landmark.rho_assumed <= 0.0) {
     return 0.0;
   }
-  const double sigma = std::sqrt(estimate.P().diagonal_block<3>(landmark.at)(2, 2));
+  const double sigma = sigma_of_inverse_depth(estimate, landmark);
   const double shift = std::abs(landmark.value.z() - landmark.rho_assumed);
   return shift > sigma ? shift / landmark.rho_assumed : 0.0;
 }
@@ -139,8 +143,8 @@ double depth_doubt(const Estimate& estimate, const Landmark& landmark) {
     return 0.0;
   }
   const double rho = landmark.value.z();
-  const double sigma = std::sqrt(estimate.P().diagonal_block<3>(landmark.at)(2, 2));
-  return rho > 0.0 ? sigma / rho : std::numeric_limits<double>::infinity();
+  return rho > 0.0 ? sigma_of_inverse_depth(estimate, landmark) / rho
+                   : std::numeric_limits<double>::infinity();
 }
 
 std::size_t forget_misplaced(Estimate& estimate, const StereoFrame& frame, std::int64_t previous_ns,

@@ -35,7 +35,8 @@ NavigatorOptions completed(NavigatorOptions options, const StereoCalibration& ca
   return options;
 }
 
-constexpr double kLivelier = 3.0;   // than stated: a body whose motion images are to tell, until they do
+constexpr double kLivelierAtFirst =
+    3.0;                            // than stated: a body whose motion images are to tell, until they do
 constexpr double kLongFrame = 0.2;  // [s] without an image: the state was blind meanwhile
 constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degrees of freedom
 constexpr int kTriangulations = 8;
@@ -59,6 +60,13 @@ bool shows_mostly_new(const StereoFrame& frame, const Estimate& estimate) {
     }
   }
   return known < kEnoughKnown && fresh >= kEnoughKnown;
+}
+
+/// Whether a point is new that the right camera, which tells all other depths, does not see.
+bool shows_new_to_left_alone(const StereoFrame& frame, const Estimate& estimate) {
+  return std::ranges::any_of(frame.observations, [&](const StereoObservation& o) {
+    return o.in_cam0 && !o.in_cam1 && estimate.find(o.track_id) == nullptr;
+  });
 }
 
 /// The scale is told by accelerations, and by nothing of the rig.
@@ -114,7 +122,7 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
     imu_noise_.emplace(initial.imu_noise);
   }
   if (options_.learn_motion_noise && options_.motion == MotionModel::kConstantVelocity) {
-    motion_noise_.emplace(ImuNoiseFactors{kLivelier, kLivelier});
+    motion_noise_.emplace(ImuNoiseFactors{kLivelierAtFirst, kLivelierAtFirst});
   }
   if (options_.learn_pixel_noise) {
     pixel_noise_.emplace(options_.sigma_px, calibration);
@@ -191,7 +199,7 @@ StereoFilter::NewLandmarks StereoFilter::initialize_landmarks(Estimate& estimate
                                                               const MountedRig& rig) const {
   LandmarkInitOptions how = options_.landmark_init;
   how.mode = initializes_before_update() ? LandmarkInitMode::kDiffuse : LandmarkInitMode::kClassical;
-  if (options_.method != Method::kMonoLeft) {  // whose depths none of them tells
+  if (options_.method != Method::kMonoLeft && shows_new_to_left_alone(frame, estimate)) {
     guess_depth_as_in_map(estimate, rig[0], last_frame_ns_, how);
   }
   NewLandmarks new_landmarks;

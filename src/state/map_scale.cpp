@@ -68,10 +68,13 @@ Estimate::WorldChange Estimate::world_change(const VectorXd& dx, const ScaleShar
 
 /// A correction of a triplet of the map and, where all lengths grow, what a factor does to second order.
 Vector3d Estimate::scaled(StateBlock block, const Vector3d& dx, const WorldChange& by) const {
-  if (layout_.has_map_scale && block.owner == Owner::kAnchorPosition) {
+  if (!layout_.has_map_scale) {
+    return dx;
+  }
+  if (block.owner == Owner::kAnchorPosition) {
     return dx + by.positions.beyond_linear() * (anchors_[block.index].T_world_body.p - centre_of_growth_);
   }
-  if (!layout_.has_map_scale || block.owner != Owner::kLandmark) {
+  if (block.owner != Owner::kLandmark) {
     return dx;
   }
   const Landmark& landmark = landmarks_[block.index];
