@@ -21,7 +21,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-using detail::Distance, detail::Judge, detail::Judged, detail::judged_rows;
+using detail::beside_the_pose, detail::judged_rows;
+using detail::Distance, detail::Judge, detail::Judged;
 
 namespace {
 
@@ -346,6 +347,9 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   const bool known_well = predicted.known && predicted.by_pose.size() > 0;
   Judged judged = judged_rows(innovation, groups, model);
   judged.asks_others = known_well;
+  if (predicted.P.size() > 0) {
+    judged = beside_the_pose(std::move(judged), innovation, predicted.P);
+  }
   GateReport report = nothing_refused(groups.size());
   Judge judge(judged);
   if (!judge.valid()) {

@@ -87,6 +87,18 @@ Judged judged_rows(const Innovation& innovation, const std::vector<RowGroup>& gr
   return out;
 }
 
+Judged beside_the_pose(Judged judged, const Innovation& innovation, const MatrixXd& P_pose) {
+  const Cholesky root(P_pose);
+  MatrixXd moved = innovation.PHt.topRows(P_pose.rows());
+  solve_lower(root.factor(), moved);  // by errors of the pose that are plausible
+  const Index m = moved.cols(), c = judged.DC.cols();
+  add_product(judged.S.topLeftCorner(m, m), -1.0, transposed(moved), moved);
+  judged.DC.conservativeResize(Eigen::NoChange, c + moved.rows());
+  judged.DC.rightCols(moved.rows()).setZero();
+  judged.DC.topRightCorner(m, moved.rows()) = moved.transpose();
+  return judged;
+}
+
 Judge::Judge(const Judged& judged)
     : z_(judged),
       white_(white_groups(judged.r, judged.S, judged.DC, judged.groups)),

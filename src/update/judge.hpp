@@ -35,6 +35,12 @@ struct Judged {
 [[nodiscard]] Judged judged_rows(const Innovation& innovation, const std::vector<RowGroup>& groups,
                                  const ParameterErrorModel& model);
 
+/// The same beside what all groups say of the pose: where it is hardly known, S alone would let pass whatever
+/// some motion explains, though the others tell of another one.
+/// @param P_pose  6×6, positive definite, of the state that comes first
+[[nodiscard]] Judged beside_the_pose(Judged judged, const Innovation& innovation,
+                                     const Eigen::MatrixXd& P_pose);
+
 /// Judges the groups still in play. Dropping a group is block elimination in V = S⁻¹, of which only the
 /// products that the judgement needs are kept, as V = S⁻¹ − U Uᵀ: O(m²) each.
 class Judge {

@@ -61,6 +61,8 @@ struct PredictedPose {
   /// m×6: how it moves the rows (FrameInnovation), where it is known to some pixels, as by an IMU; else
   /// empty.
   Eigen::MatrixXd by_pose{};
+  /// 6×6: the covariance of its error, where nothing but the images tell how the body moved; else empty.
+  Eigen::MatrixXd P{};
 };
 
 /// @brief Judges each group on its *projected* residual, so that a wrong calibration refuses no point.
@@ -80,6 +82,8 @@ struct PredictedPose {
 /// others where they are, there are two bodies, and the one that the prediction knows is the world. And where
 /// it is known to some pixels, while no pose and no parameters put half of the groups, and eight, near where
 /// they are, these are mismatched, and what agrees with the prediction is kept, which may be nothing.
+/// Where nothing but the images tell of the motion, each is judged after what the pose can explain of all,
+/// too: else whatever some motion explains would pass.
 /// @param groups  partition of the rows of the innovation: of a measurement as it is, or turned
 /// @note O(m³) for S⁻¹, then O(m²) for each group that is dropped and nothing for gross outliers.
 [[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
