@@ -15,12 +15,10 @@ constexpr double kKnownTurn = 0.05;  // [rad] at 1 sigma: beside such a predicti
 
 /// In doubt about theta each point for itself may be anywhere, and only beside the others is it wrong: they
 /// are judged after what theta can explain of all of them.
-ParameterErrorModel StereoFilter::gate_model(const ParameterErrorModel& model,
-                                             Eigen::Index parameters) const {
+ParameterErrorModel StereoFilter::gate_model(const ParameterErrorModel& model) const {
   ParameterErrorModel out = model;
-  const bool by_images = options_.motion == MotionModel::kConstantVelocity;
-  if (!fresh_.is_zero() || (by_images && model.constrained.cols() == 0)) {
-    out.constrained = MatrixXd::Zero(parameters, kBlockSize);
+  if (!fresh_.is_zero()) {
+    out.constrained = MatrixXd::Zero(model.white_covariance.rows(), kBlockSize);
     out.constrained.topRows<kBlockSize>() = scale_.asDiagonal();
   }
   return out;
@@ -33,14 +31,15 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const F
     return accepted;
   }
   const bool known = report.inputs.status == InputStatus::kSound && blind_turn_ <= kKnownTurn * kKnownTurn;
-  PredictedPose predicted{known, {}, {}};
+  PredictedPose predicted{known, {}, {}, {}};
   if (options_.motion == MotionModel::kImu) {
     predicted.by_pose = seen.by_pose;
   } else if (options_.motion == MotionModel::kConstantVelocity) {
     predicted.P = estimate_.P().diagonal_block<6>(0);
+    predicted.rig = MatrixXd::Zero(seen.innovation.D.cols(), kBlockSize);
+    predicted.rig.topRows<kBlockSize>() = scale_.asDiagonal();
   }
-  const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model, seen.innovation.D.cols()),
-                                gate_thresholds_, predicted);
+  const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_, predicted);
   report.gate_overruled = gated.overruled;
   report.most_mismatched = gated.most_mismatched;
   report.most_move = known && gated.most_refused() && !gated.most_mismatched;

@@ -366,6 +366,12 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   const std::optional<KnownPrediction> known = known_prediction(judged, innovation, predicted, widest);
   GateReport out = refuse(judged, judge, std::move(report), limits, model.constrained.cols() == 0, known);
   out.most_mismatched = out.most_mismatched || (known && refused_are_mismatched(*known, out));
+  if (predicted.rig.size() > 0 && model.constrained.cols() == 0) {
+    const bool contradicted = out.overruled;
+    out = gate(innovation, groups, {predicted.rig, model.white_covariance}, widest,
+               {predicted.known, predicted.by_pose, predicted.P, {}});
+    out.overruled = out.overruled || contradicted;
+  }
   return out;
 }
 

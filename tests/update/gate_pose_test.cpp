@@ -35,7 +35,7 @@ StereoProblem after_an_unknown_motion(Generator& generator) {
 GateReport gated_beside_the_pose(const StereoProblem& problem, const ParameterErrorModel& model) {
   const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
   return gate(frame.innovation, frame.groups, model, GateThresholds(kProbability),
-              {false, {}, problem.P.diagonal_block<6>(0)});
+              {false, {}, problem.P.diagonal_block<6>(0), {}});
 }
 
 TEST(GatePose, RefusesAMismatchThatSomeMotionWouldExplain) {
@@ -70,6 +70,26 @@ TEST(GatePose, RefusesSoundPointsAsRarelyAsIsAsked) {
   EXPECT_LE(refused, 11) << "of 3000 points, of which 3 are expected";  // Poisson: 2e-4 beyond
 }
 
+/// What only a bent rig explains is no mismatch; that it contradicts the rig as it is has to be said.
+TEST(GatePose, OfAFilterThatTrustsTheRigRefusesNothingThatABentOneExplains) {
+  Generator generator(34);
+  for (int run = 0; run < 10; ++run) {
+    StereoProblem problem = after_an_unknown_motion(generator);
+    const VectorXd bent = 30.0 * problem.C * VectorXd::Ones(problem.C.cols());
+    problem.z.residual += problem.z.D * bent;
+    const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
+    PredictedPose predicted{false, {}, problem.P.diagonal_block<6>(0), problem.C};
+    const GateReport report =
+        gate(frame.innovation, frame.groups, {}, GateThresholds(kProbability), predicted);
+    EXPECT_LE(std::count(report.accepted.begin(), report.accepted.end(), false), 1) << run;
+    EXPECT_TRUE(report.overruled) << run;
+    predicted.rig.resize(0, 0);
+    const GateReport trusting =
+        gate(frame.innovation, frame.groups, {}, GateThresholds(kProbability), predicted);
+    EXPECT_TRUE(trusting.overruled) << run;
+  }
+}
+
 /// Distances are those beside a pose that is constrained, and takes the map along as far as they are
 /// correlated.
 TEST(GatePose, AgreesWithAConstraintThatThePoseIsPartOf) {
@@ -77,8 +97,9 @@ TEST(GatePose, AgreesWithAConstraintThatThePoseIsPartOf) {
   for (int run = 0; run < 20; ++run) {
     StereoProblem problem = after_an_unknown_motion(generator);
     const Innovation innovation = form_innovation(problem.P, problem.z);
-    const GateReport fast = gate(innovation, problem.z.groups, problem.constrained(),
-                                 GateThresholds(kProbability), {false, {}, problem.P.diagonal_block<6>(0)});
+    const GateReport fast =
+        gate(innovation, problem.z.groups, problem.constrained(), GateThresholds(kProbability),
+             {false, {}, problem.P.diagonal_block<6>(0), {}});
     const VectorXd variance = problem.P.dense().diagonal().head(6);
     const Index c = problem.C.cols();
     MatrixXd seen(problem.z.rows(), problem.z.D.cols() + 6);

@@ -205,8 +205,7 @@ class StereoFilter {
   [[nodiscard]] StackedFrame stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
                                               NewLandmarks new_landmarks, const ParameterErrorModel& model,
                                               FrameReport& report);
-  [[nodiscard]] ParameterErrorModel gate_model(const ParameterErrorModel& model,
-                                               Eigen::Index parameters) const;
+  [[nodiscard]] ParameterErrorModel gate_model(const ParameterErrorModel& model) const;
   /// @return one flag per stacked point
   [[nodiscard]] std::vector<bool> gate_points(const StackedFrame& stacked, const FrameInnovation& seen,
                                               const ParameterErrorModel& model, FrameReport& report) const;

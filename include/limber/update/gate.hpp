@@ -63,6 +63,8 @@ struct PredictedPose {
   Eigen::MatrixXd by_pose{};
   /// 6×6: the covariance of its error, where nothing but the images tell how the body moved; else empty.
   Eigen::MatrixXd P{};
+  /// c×k: how the parameters may be wrong before a point is called mismatched, beside P; may be empty.
+  Eigen::MatrixXd rig{};
 };
 
 /// @brief Judges each group on its *projected* residual, so that a wrong calibration refuses no point.
@@ -83,7 +85,8 @@ struct PredictedPose {
 /// it is known to some pixels, while no pose and no parameters put half of the groups, and eight, near where
 /// they are, these are mismatched, and what agrees with the prediction is kept, which may be nothing.
 /// Where nothing but the images tell of the motion, each is judged after what the pose can explain of all,
-/// too: else whatever some motion explains would pass.
+/// too: else whatever some motion explains would pass. A filter that constrains nothing refuses those alone
+/// that are mismatched whatever the rig is; where most are off with the rig as it is, the gate is overruled.
 /// @param groups  partition of the rows of the innovation: of a measurement as it is, or turned
 /// @note O(m³) for S⁻¹, then O(m²) for each group that is dropped and nothing for gross outliers.
 [[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
