@@ -66,7 +66,8 @@ StartReport StartWindow::judged() const {
   out.waited_s = waited_s();
   out.tilt_sigma = solution ? tilt_sigma() : kUnknown;
   out.scale_sigma = solution ? scale_sigma() : kUnknown;
-  const bool tilt = out.tilt_sigma <= options.tilt_sigma;
+  const double cheap = model.prior.bias_accel / WindowPrior{}.bias_accel;
+  const bool tilt = out.tilt_sigma <= cheap * options.tilt_sigma;  // at rest it tells no better
   const bool scale =
       out.scale_sigma <= (leaves_scale_open() ? options.open_scale_sigma : options.scale_sigma);
   const bool settled = !solution || normal.left <= kSettled;
@@ -116,6 +117,9 @@ StartReport StartWindow::solve_and_judge() {
   if (failed && explain_by_clock()) {
     out = judged();
     failed = disagrees();
+  }
+  if (!failed && learn_accel_bias()) {
+    out = judged();
   }
   if (!failed && out.status != StartStatus::kWaiting && learn_imu_noise()) {
     out = judged();

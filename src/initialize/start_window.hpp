@@ -123,6 +123,9 @@ struct StartWindow {
   void shift_parameters() { shifted = shifted_solutions(model, *solution); }
   void clean(std::size_t end);
   void clean_and_cover();
+  /// @return whether the solution is another one, because the accelerometer's biases may be larger, or not as
+  /// large, as they were expected to be
+  bool learn_accel_bias();
   /// @return whether the solution is another one, because the IMU is noisier than it was taken for
   bool learn_imu_noise();
   /// The rig says nothing about how long a metre is.

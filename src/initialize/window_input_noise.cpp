@@ -12,7 +12,9 @@
 namespace limber::detail {
 
 using Eigen::Index;
+using Eigen::Matrix3d;
 using Eigen::MatrixXd;
+using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 namespace {
@@ -26,6 +28,11 @@ constexpr double kSureness = 4.0, kSurenessInDoubt = 1.0;
 constexpr double kSettledFactor = 0.1;  // of the logarithm
 constexpr int kRounds = 6;
 constexpr int kSteps = 3;  // of a solution, from one that is near
+
+// How far an accelerometer's biases may be off (standard deviation): of a good one, of the cheapest [m/s^2].
+constexpr double kGoodAccel = WindowPrior{}.bias_accel, kCheapAccel = 0.6;
+/// A component counts that the window knows to this share of a good one's.
+constexpr double kKnownTo = 0.5;
 
 /// From when on a misfit is more noise than stated.
 struct Doubt {
@@ -107,7 +114,47 @@ ImuNoiseFactors shown_noise(WindowModel model, WindowState state, const Doubt& d
   return model.imu_noise;
 }
 
+/// How large the biases of this accelerometer may be, by those of their components that the window tells
+/// whatever was expected of them.
+/// @param bias, P  of the first frame, as they were solved with what is expected now
+double shown_bias(const WindowModel& model, const Vector3d& bias, const Matrix3d& P) {
+  const double expected = std::pow(model.prior.bias_accel, -2);
+  const SymmetricEigen known = symmetric_eigen(P);
+  double square = 0.0;
+  int components = 0;
+  for (Index k = 0; k < bias.size(); ++k) {
+    const double information = 1.0 / known.values(k) - expected;  // of the window alone
+    if (information * std::pow(kKnownTo * kGoodAccel, 2) > 1.0) {
+      square += std::pow(known.vectors.col(k).dot(bias) * (1.0 + expected / information), 2);
+      ++components;
+    }
+  }
+  return components == 0 ? model.prior.bias_accel
+                         : std::clamp(std::sqrt(square / components), kGoodAccel, kCheapAccel);
+}
+
 }  // namespace
+
+/// A cheap accelerometer shows by what it measures along the vertical. Then its other biases, and so the
+/// tilt, are less known.
+bool StartWindow::learn_accel_bias() {
+  if (model.options.motion != MotionModel::kImu || !solution) {
+    return false;
+  }
+  const Matrix3d P = covariance.block<3, 3>(StateLayout::kBiasAccel, StateLayout::kBiasAccel);
+  const double shown = shown_bias(model, solution->frames.front().nav.bias_accel, P);
+  if (std::abs(std::log(shown / model.prior.bias_accel)) < kSettledFactor) {
+    return false;
+  }
+  StartWindow other = *this;
+  other.model.prior.bias_accel = shown;
+  other.settle_solution();
+  if (!other.solution) {
+    return false;
+  }
+  *this = std::move(other);
+  return true;
+}
 
 /// The noise in the model becomes as large as the solution says. The rig has to be free: a wrong one would be
 /// taken for noise of the IMU. A solution that is lost with more noise stays what it was.

@@ -25,6 +25,8 @@ constexpr double kFewFarOff = 0.02, kMostFarOff = 0.6;  // of all pixels
 constexpr double kMany = 0.25;                          // of a frame's
 // Inverse depths times the baseline: nearer than it, or that far behind the camera, is no point.
 constexpr double kNearestPoint = 1.0, kFarBehind = -0.1;
+/// The same from a camera that sees it: what is on the camera is in any of its pixels.
+constexpr double kOnCamera = 10.0;
 /// Baselines to the usual point, at least: a map whose scale nothing tells may have shrunk to any size.
 constexpr double kUsualDepth = 20.0;
 
@@ -83,11 +85,26 @@ std::vector<double> pixels_of_frames(const WindowState& state) {
   return out;
 }
 
+/// The largest inverse distance from the left camera, of all images in which it is used.
+double nearest(const WindowState& state, const std::vector<MountedRig>& rigs, const WindowPoint& point) {
+  double out = 0.0;
+  for (const WindowSighting& sighting : point.seen) {
+    if (sighting.observation.in_cam0) {
+      const MountedRig& rig = rigs[sighting.frame];
+      const BodyPoint at = point_in_body(state, rig, 0, point, sighting.frame);
+      const Pose& T = rig[0].T_cam_body;
+      out = std::max(out, std::abs(at.w) / (T.R * at.Y + at.w * T.p).norm());
+    }
+  }
+  return out;
+}
+
 /// Of mismatches alone points can be made that fit, somewhere: they tell nothing, and make the equations
 /// singular.
-bool can_be(const WindowPoint& point, double unit) {
+/// @param nearest  see there
+bool can_be(const WindowPoint& point, double nearest, double unit) {
   const double disparity = point.landmark.value.z() * unit;
-  return disparity > kFarBehind && disparity < kNearestPoint;
+  return disparity > kFarBehind && disparity < kNearestPoint && nearest * unit < kOnCamera;
 }
 
 /// @param share  of an image, by which they are off
@@ -164,8 +181,10 @@ std::size_t drop_mismatches(const WindowModel& model, WindowState& state, std::s
     }
   }
   const double unit = unit_of_length(model, state);
-  dropped += std::erase_if(state.points,
-                           [&](const WindowPoint& point) { return !is_seen(point) || !can_be(point, unit); });
+  const std::vector<MountedRig> rigs = rigs_of(model, state);
+  dropped += std::erase_if(state.points, [&](const WindowPoint& point) {
+    return !is_seen(point) || !can_be(point, nearest(state, rigs, point), unit);
+  });
   return dropped;
 }
 

@@ -30,7 +30,7 @@ struct WindowPrior {
   double velocity = 30.0;   ///< [m/s]
   double rate = 3.0;        ///< [rad/s]
   double bias_gyro = 0.1;   ///< [rad/s]
-  double bias_accel = 0.1;  ///< [m/s^2]
+  double bias_accel = 0.1;  ///< [m/s^2], unless the window shows larger ones
 };
 
 /// What stays the same while the problem is solved.

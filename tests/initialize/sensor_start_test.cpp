@@ -187,6 +187,24 @@ TEST(SensorStart, IsTheSameForMethodsThatLeaveTheSameOfTheRigOpenAndForNothingEl
   EXPECT_FALSE(same_start(lcekf, rig, lcekf, another));
 }
 
+/// A cheap accelerometer: 0.4 m/s^2 off along the vertical, and who knows how much across.
+TEST(SensorStart, KnowsTheTiltLessWellByAnAccelerometerThatShowsALargeBias) {
+  Scene scene = make_scene(of_seed(7));
+  const NavigatorOptions options = options_of(scene, Method::kEkf);
+  const double usual = start(scene, options).report.tilt_sigma;
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const InputSample& sample : scene.inputs) {
+    up += sample.linear;
+  }
+  for (InputSample& sample : scene.inputs) {
+    sample.linear += 0.4 * up.normalized();
+  }
+  const Started cheap = start(scene, options);
+  EXPECT_GT(cheap.report.tilt_sigma, 2.0 * usual);
+  EXPECT_LT(cheap.report.tilt_sigma, 5.0 * usual);
+  EXPECT_EQ(cheap.report.status, StartStatus::kReady) << "nothing would tell it better";
+}
+
 TEST(SensorStart, RefusesWhatIsNoFrameOfTheWindow) {
   const Scene scene = make_scene(of_seed(1));
   SensorStart start(options_of(scene, Method::kLcekf), scene.calibration);

@@ -78,6 +78,34 @@ TEST(WindowOutliers, APointThatIsNowhereIsDropped) {
   }
 }
 
+/// The camera drove to where the point is said to be, and sees it in whatever pixel it is asked for. Two of
+/// those took a car's start: its equations were singular.
+TEST(WindowOutliers, APointOnACameraThatSeesItIsDropped) {
+  const Seen seen = seen_from_truth();
+  for (const double away : {1e-5, 1.0}) {  // baselines
+    WindowState state = seen.state;
+    WindowPoint& point = state.points.front();
+    ASSERT_EQ(point.seen.size(), 2u);
+    const double baseline = seen.model.calibration.baseline();
+    point.landmark.value.z() = 0.1 / baseline;
+    const MountedRig rig = rigs_of(seen.model, state).front();
+    const BodyPoint there = point_in_body(state, rig, 0, point, 0);
+    Pose& body = state.frames.back().nav.T_world_body;
+    const Eigen::Vector3d X = state.frames.front().nav.T_world_body * (there.Y / there.w);
+    const Eigen::Vector3d camera = body * body_from_cam0(seen.model.calibration).p;
+    body.p += X - camera - away * baseline * (X - camera).normalized();
+    StereoObservation& o = point.seen.back().observation;
+    o.uv_cam0 = project_point(rigs_of(seen.model, state).back()[0],
+                              point_in_body(state, rigs_of(seen.model, state).back(), 0, point, 1))
+                    .value()
+                    .uv;
+    o.in_cam1 = false;
+    (void)drop_mismatches(seen.model, state, state.frames.size());
+    EXPECT_EQ(state.points.front().landmark.track_id == seen.state.points.front().landmark.track_id,
+              away == 1.0);
+  }
+}
+
 /// Of patches that fit to 0.05 px one that slides by 1.5 px is none of them: a few such had made of a start
 /// what fitted within the 0.5 px that are taken for granted, 1.7 m off.
 TEST(WindowOutliers, AreSeenAmongFinePixelsWhereNobodyStatesTheirNoise) {
