@@ -9,6 +9,7 @@
 namespace limber {
 
 using Eigen::Matrix3d;
+using Eigen::Vector3d;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using L = StateLayout;
 
@@ -18,28 +19,38 @@ constexpr int kRounds = 6;
 constexpr double kSettled = 1e-3;      // [m], [rad]: further rounds would change nothing
 constexpr double kFarthestTurn = 1.0;  // [rad]: images that say more than that are not understood
 
+/// As Estimate::retract corrects it: a world vector turns with the attitude, to second order.
 Pose shifted(const Pose& pose, const Vector6& shift) {
-  return {so3_normalized(pose.R * so3_exp(shift.tail<3>())), pose.p + shift.head<3>()};
+  const Vector3d turn = pose.R * shift.tail<3>(), moved = shift.head<3>();
+  return {so3_normalized(pose.R * so3_exp(shift.tail<3>())), pose.p + moved + 0.5 * turn.cross(moved)};
 }
 
 /// Rows that are linear at the pose `shift` away from the prediction, as rows of the prediction's error.
-void refer_to_prediction(LinearMeasurement& rows, const Vector6& shift) {
+/// @param R  attitude of the prediction
+void refer_to_prediction(LinearMeasurement& rows, const Matrix3d& R, const Vector6& shift) {
   const Matrix3d turn = so3_right_jacobian(shift.tail<3>());
+  const Matrix3d moved_by_move = Matrix3d::Identity() + 0.5 * skew(R * shift.tail<3>());
+  const Matrix3d moved_by_turn = -0.5 * skew(shift.head<3>()) * R;
+  std::vector<SparseJacobian::Block> further;
   for (SparseJacobian::Block& block : rows.H.blocks) {
+    auto residual = rows.residual.segment(block.row, block.value.rows());
     if (block.col == L::kPosition) {
-      rows.residual.segment(block.row, block.value.rows()) += block.value * shift.head<3>();
+      further.push_back({block.row, L::kAttitude, block.value * moved_by_turn});
+      block.value = (block.value * moved_by_move).eval();
+      residual += block.value * shift.head<3>() + further.back().value * shift.tail<3>();
     } else if (block.col == L::kAttitude) {
       block.value = (block.value * turn).eval();
-      rows.residual.segment(block.row, block.value.rows()) += block.value * shift.tail<3>();
+      residual += block.value * shift.tail<3>();
     }
   }
+  rows.H.blocks.insert(rows.H.blocks.end(), further.begin(), further.end());
 }
 
 }  // namespace
 
-/// @brief Iterated EKF [Bell1993] for frames before which inputs were missing: their prediction may be far
-/// off, and depths that are corrected along a wrong motion are lost. New landmarks wait for the next frame.
-/// Where the rounds do not settle, the frame is linearised at the prediction.
+/// @brief Iterated EKF [Bell1993] for frames before which inputs or images were missing: their prediction may
+/// be far off, and depths that are corrected along a wrong motion are lost. New landmarks wait for the next
+/// frame. Where the rounds do not settle, the frame is linearised at the prediction.
 StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
                                             NewLandmarks new_landmarks, const ParameterErrorModel& model,
                                             FrameReport& report) {
@@ -53,7 +64,7 @@ StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const Line
     estimate_.set_nav(nav);
     StackedFrame out = stack(frame, at, new_landmarks, said);
     estimate_.set_nav(predicted);
-    refer_to_prediction(out.measurement, shift);
+    refer_to_prediction(out.measurement, predicted.T_world_body.R, shift);
     return out;
   };
   Vector6 shift = Vector6::Zero();

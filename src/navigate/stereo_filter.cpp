@@ -38,6 +38,7 @@ NavigatorOptions completed(NavigatorOptions options, const StereoCalibration& ca
 constexpr double kLivelierAtFirst =
     3.0;                            // than stated: a body whose motion images are to tell, until they do
 constexpr double kLongFrame = 0.2;  // [s] without an image: the state was blind meanwhile
+constexpr double kSilence = 1.0;    // [s]
 constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degrees of freedom
 constexpr int kTriangulations = 8;
 constexpr double kRigSettled = 0.03;      // plausible errors
@@ -239,14 +240,14 @@ StackedFrame StereoFilter::stack(const StereoFrame& frame, const LinearizationPo
 }
 
 StereoFilter::Attempt StereoFilter::attempt(const StereoFrame& frame, const LinearizationPoint& at,
-                                            const ParameterErrorModel& model, bool images_alone,
+                                            const ParameterErrorModel& model, bool iterated,
                                             FrameReport& report) {
   Attempt out{at, {}, {}, {}, {}, {}};
   if (initializes_before_update()) {
     out.new_landmarks = initialize_landmarks(estimate_, frame, at.rig);  // Eqs. (29)-(32)
   }
-  out.stacked = images_alone ? stack_where_seen(frame, at, out.new_landmarks, model, report)
-                             : stack(frame, at, out.new_landmarks, report);  // Eqs. (23)-(28)
+  out.stacked = iterated ? stack_where_seen(frame, at, out.new_landmarks, model, report)
+                         : stack(frame, at, out.new_landmarks, report);  // Eqs. (23)-(28)
   out.seen = form_frame_innovation(estimate_.P(), out.stacked.measurement);
   out.accepted = gate_points(out.stacked, out.seen, model, report);
   return out;
@@ -367,13 +368,19 @@ BearingWalk StereoFilter::bearing_walk() const {
   return {root_mean_square(sigma_px()) / frames / calibration_.cam0.fu, frames};
 }
 
+/// No image came for so long that a prediction by inputs alone is not linear in the pixels.
+bool StereoFilter::is_after_silence(std::int64_t t_ns) const {
+  return has_processed_ && seconds_between(last_frame_ns_, t_ns) > kSilence;
+}
+
 /// The paper's steps.
 void StereoFilter::take_in(const StereoFrame& frame, FrameReport& report) {
   const double dt = seconds_between(estimate_.nav().t_ns, frame.t_ns);
   // A motion that only images tell takes several frames to become clear, and so do depths: no landmark is
   // given up meanwhile.
-  const bool images_alone =
-      report.inputs.status == InputStatus::kGap && dt <= kLongFrame && report.observed >= kEnoughAlone;
+  const bool enough = report.observed >= kEnoughAlone;
+  const bool images_alone = report.inputs.status == InputStatus::kGap && dt <= kLongFrame && enough;
+  const bool iterated = images_alone || (is_after_silence(frame.t_ns) && enough);
   const bool was_blind = blind_turn_ > 0.0 || dt > kLongFrame;
   predict_to(frame.t_ns);  // Eqs. (4), (7)
   update_active_set(estimate_, frame, last_frame_ns_, options_.map,
@@ -383,17 +390,17 @@ void StereoFilter::take_in(const StereoFrame& frame, FrameReport& report) {
     walk_bearings(estimate_, frame, mounted(calibration_)[0], bearing_walk());
   }
   const LinearizationPoint at = choose_linearization_point(frame);  // for Eq. (16)
-  if (!images_alone) {
+  if (!iterated) {
     report.removed += forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);
   }
   const ParameterErrorModel model = error_model();
-  Attempt to_see = attempt(frame, at, model, images_alone, report);
+  Attempt to_see = attempt(frame, at, model, iterated, report);
   if (leads_astray(frame, model, to_see)) {
     report.led_astray = true;
     report.removed += forget(frame);
     report.refused.clear();
     report.gate_overruled = report.most_move = report.most_mismatched = false;
-    to_see = attempt(frame, choose_linearization_point(frame), model, images_alone, report);
+    to_see = attempt(frame, choose_linearization_point(frame), model, iterated, report);
   }
   constrained_update(to_see, model, dt, report);  // Eqs. (16)-(19)
   record(to_see.stacked, to_see.accepted, to_see.new_landmarks, report);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 
 #include "limber/navigate/navigator.hpp"
 #include "limber/navigate/stereo_filter.hpp"
@@ -132,6 +133,41 @@ void run_through_gap(MotionModel motion, double gap_s, bool images, std::uint64_
         << static_cast<int>(motion) << (images ? ", with images" : ", without");
   }
   EXPECT_TRUE(reported);
+}
+
+/// Ten seconds by the IMU alone, which is noisier than most: then no correction is linear at the prediction.
+TEST(FailingInputs, ImagesThatComeBackAreLinearisedWhereTheyPutTheBody) {
+  double nees = 0.0;
+  int runs = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+    SceneOptions how;
+    how.duration_s = 13.0;
+    how.seed = seed;
+    Scene scene = make_scene(how);
+    scene.options.imu_noise.gyro_density = 0.01;
+    scene.options.imu_noise.accel_density = 0.05;
+    std::mt19937_64 generator(seed);
+    std::normal_distribution<double> normal;
+    const double per_sample = 1.0 / std::sqrt(0.005);
+    for (InputSample& sample : scene.inputs) {
+      for (int k = 0; k < 3; ++k) {
+        sample.angular(k) += scene.options.imu_noise.gyro_density * per_sample * normal(generator);
+        sample.linear(k) += scene.options.imu_noise.accel_density * per_sample * normal(generator);
+      }
+    }
+    Feeder feeder(scene, with_method(scene, Method::kEkf));
+    for (std::size_t k = 0; k < scene.frames.size(); ++k) {
+      const std::int64_t t_ns = scene.frames[k].t_ns;
+      if (t_ns <= 2000 * kMs || t_ns >= 12000 * kMs) {
+        (void)feeder.process(scene.frames[k]);
+      }
+    }
+    const Eigen::Matrix<double, 6, 1> error = testing::pose_error(feeder.navigator, scene.truth.back());
+    const Eigen::Matrix<double, 6, 6> P = feeder.navigator.estimate().P().diagonal_block<6>(0);
+    nees += error.dot(P.ldlt().solve(error)) / 6.0;
+    ++runs;
+  }
+  EXPECT_LE(nees / runs, 2.0);  // chi-square of 36 degrees of freedom: 1 in 5000
 }
 
 TEST(FailingInputs, AGapIsReportedAndNeverMadeUpFor) {

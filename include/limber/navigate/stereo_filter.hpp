@@ -205,12 +205,13 @@ class StereoFilter {
   [[nodiscard]] StackedFrame stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
                                               NewLandmarks new_landmarks, const ParameterErrorModel& model,
                                               FrameReport& report);
+  [[nodiscard]] bool is_after_silence(std::int64_t t_ns) const;
   [[nodiscard]] ParameterErrorModel gate_model(const ParameterErrorModel& model) const;
   /// @return one flag per stacked point
   [[nodiscard]] std::vector<bool> gate_points(const StackedFrame& stacked, const FrameInnovation& seen,
                                               const ParameterErrorModel& model, FrameReport& report) const;
   [[nodiscard]] Attempt attempt(const StereoFrame& frame, const LinearizationPoint& at,
-                                const ParameterErrorModel& model, bool images_alone, FrameReport& report);
+                                const ParameterErrorModel& model, bool iterated, FrameReport& report);
   [[nodiscard]] bool leads_astray(const StereoFrame& frame, const ParameterErrorModel& model,
                                   Attempt& attempt) const;
   [[nodiscard]] UpdateReport correct_covariance(Attempt& attempt, const ParameterErrorModel& model);
