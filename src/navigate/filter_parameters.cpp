@@ -164,6 +164,7 @@ void StereoFilter::copy_state(const StereoFilter& constrained) {
   rig_accused_ns_ = constrained.rig_accused_ns_;
   scale_told_ = constrained.scale_told_;
   last_frame_ns_ = constrained.last_frame_ns_;
+  last_points_ns_ = constrained.last_points_ns_;
 }
 
 void StereoFilter::take_over(const StereoFilter& constrained, const CalibrationPrior& prior) {

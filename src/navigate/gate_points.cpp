@@ -30,14 +30,14 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const F
   if (!options_.gate || accepted.empty()) {
     return accepted;
   }
-  const bool silence = is_after_silence(report.t_ns);
+  const bool darkness = is_after_darkness(report.t_ns);
   const bool known =
-      report.inputs.status == InputStatus::kSound && blind_turn_ <= kKnownTurn * kKnownTurn && !silence;
+      report.inputs.status == InputStatus::kSound && blind_turn_ <= kKnownTurn * kKnownTurn && !darkness;
   PredictedPose predicted{known, {}, {}, {}};
   if (options_.motion == MotionModel::kImu) {
     predicted.by_pose = seen.by_pose;
   }
-  if (options_.motion == MotionModel::kConstantVelocity || silence) {
+  if (options_.motion == MotionModel::kConstantVelocity || darkness) {
     predicted.P = estimate_.P().diagonal_block<6>(0);
     predicted.rig = MatrixXd::Zero(seen.innovation.D.cols(), kBlockSize);
     predicted.rig.topRows<kBlockSize>() = scale_.asDiagonal();

@@ -38,7 +38,7 @@ NavigatorOptions completed(NavigatorOptions options, const StereoCalibration& ca
 constexpr double kLivelierAtFirst =
     3.0;                            // than stated: a body whose motion images are to tell, until they do
 constexpr double kLongFrame = 0.2;  // [s] without an image: the state was blind meanwhile
-constexpr double kSilence = 1.0;    // [s]
+constexpr double kDarkness = 1.0;   // [s]
 constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degrees of freedom
 constexpr int kTriangulations = 8;
 constexpr double kRigSettled = 0.03;      // plausible errors
@@ -351,6 +351,7 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
     estimate_.set_time(frame.t_ns);
   }
   last_frame_ns_ = frame.t_ns;
+  last_points_ns_ = report.observed > 0 ? frame.t_ns : last_points_ns_;
   has_processed_ = true;
   report.reset = report.status == UpdateStatus::kSingularInnovation || is_broken();
   if (report.reset) {
@@ -368,9 +369,10 @@ BearingWalk StereoFilter::bearing_walk() const {
   return {root_mean_square(sigma_px()) / frames / calibration_.cam0.fu, frames};
 }
 
-/// No image came for so long that a prediction by inputs alone is not linear in the pixels.
-bool StereoFilter::is_after_silence(std::int64_t t_ns) const {
-  return has_processed_ && seconds_between(last_frame_ns_, t_ns) > kSilence;
+/// No image showed a point for so long that a prediction by inputs alone is not linear in the pixels.
+bool StereoFilter::is_after_darkness(std::int64_t t_ns) const {
+  return last_points_ns_ != std::numeric_limits<std::int64_t>::min() &&
+         seconds_between(last_points_ns_, t_ns) > kDarkness;
 }
 
 /// The paper's steps.
@@ -380,7 +382,7 @@ void StereoFilter::take_in(const StereoFrame& frame, FrameReport& report) {
   // given up meanwhile.
   const bool enough = report.observed >= kEnoughAlone;
   const bool images_alone = report.inputs.status == InputStatus::kGap && dt <= kLongFrame && enough;
-  const bool iterated = images_alone || (is_after_silence(frame.t_ns) && enough);
+  const bool iterated = images_alone || (is_after_darkness(frame.t_ns) && enough);
   const bool was_blind = blind_turn_ > 0.0 || dt > kLongFrame;
   predict_to(frame.t_ns);  // Eqs. (4), (7)
   update_active_set(estimate_, frame, last_frame_ns_, options_.map,

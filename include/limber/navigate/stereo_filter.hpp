@@ -205,7 +205,7 @@ class StereoFilter {
   [[nodiscard]] StackedFrame stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
                                               NewLandmarks new_landmarks, const ParameterErrorModel& model,
                                               FrameReport& report);
-  [[nodiscard]] bool is_after_silence(std::int64_t t_ns) const;
+  [[nodiscard]] bool is_after_darkness(std::int64_t t_ns) const;
   [[nodiscard]] ParameterErrorModel gate_model(const ParameterErrorModel& model) const;
   /// @return one flag per stacked point
   [[nodiscard]] std::vector<bool> gate_points(const StackedFrame& stacked, const FrameInnovation& seen,
@@ -281,6 +281,7 @@ class StereoFilter {
   std::optional<HealthReport> last_health_;
   WhiteSize fresh_;  // adaptive: zero as long as theta is trusted
   std::int64_t last_frame_ns_ = std::numeric_limits<std::int64_t>::min();
+  std::int64_t last_points_ns_ = std::numeric_limits<std::int64_t>::min();  // of a frame that shows any
 };
 
 }  // namespace limber
