@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// StereoFilter's frames without inputs: linearised where the images put the body.
+// StereoFilter's frames after a time without inputs or images: linearised where the images put the body.
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "limber/core/so3.hpp"
+#include "limber/core/time.hpp"
 #include "limber/navigate/stereo_filter.hpp"
 
 namespace limber {
@@ -16,6 +18,7 @@ using L = StateLayout;
 namespace {
 
 constexpr int kRounds = 6;
+constexpr double kDarkness = 1.0;      // [s]
 constexpr double kSettled = 1e-3;      // [m], [rad]: further rounds would change nothing
 constexpr double kFarthestTurn = 1.0;  // [rad]: images that say more than that are not understood
 
@@ -47,6 +50,12 @@ void refer_to_prediction(LinearMeasurement& rows, const Matrix3d& R, const Vecto
 }
 
 }  // namespace
+
+/// No image showed a point for so long that a prediction by inputs alone is not linear in the pixels.
+bool StereoFilter::is_after_darkness(std::int64_t t_ns) const {
+  return last_points_ns_ != std::numeric_limits<std::int64_t>::min() &&
+         seconds_between(last_points_ns_, t_ns) > kDarkness;
+}
 
 /// @brief Iterated EKF [Bell1993] for frames before which inputs or images were missing: their prediction may
 /// be far off, and depths that are corrected along a wrong motion are lost. New landmarks wait for the next

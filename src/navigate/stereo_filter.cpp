@@ -38,7 +38,6 @@ NavigatorOptions completed(NavigatorOptions options, const StereoCalibration& ca
 constexpr double kLivelierAtFirst =
     3.0;                            // than stated: a body whose motion images are to tell, until they do
 constexpr double kLongFrame = 0.2;  // [s] without an image: the state was blind meanwhile
-constexpr double kDarkness = 1.0;   // [s]
 constexpr std::size_t kEnoughAlone = 10;  // points: images alone tell six degrees of freedom
 constexpr int kTriangulations = 8;
 constexpr double kRigSettled = 0.03;      // plausible errors
@@ -367,12 +366,6 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
 BearingWalk StereoFilter::bearing_walk() const {
   const double frames = pixel_noise_->telling_frames();
   return {root_mean_square(sigma_px()) / frames / calibration_.cam0.fu, frames};
-}
-
-/// No image showed a point for so long that a prediction by inputs alone is not linear in the pixels.
-bool StereoFilter::is_after_darkness(std::int64_t t_ns) const {
-  return last_points_ns_ != std::numeric_limits<std::int64_t>::min() &&
-         seconds_between(last_points_ns_, t_ns) > kDarkness;
 }
 
 /// The paper's steps.

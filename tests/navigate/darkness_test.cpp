@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// Images that come back after a time by the IMU alone.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <random>
+
+#include "limber/navigate/stereo_filter.hpp"
+#include "scene.hpp"
+
+namespace limber {
+namespace {
+
+using testing::Feeder;
+using testing::kMs;
+using testing::make_scene;
+using testing::Scene;
+using testing::SceneOptions;
+using testing::with_method;
+
+/// A scene of 13 s by an IMU that is noisier than most.
+Scene noisy_scene(std::uint64_t seed) {
+  SceneOptions how;
+  how.duration_s = 13.0;
+  how.seed = seed;
+  Scene scene = make_scene(how);
+  ImuNoise& noise = scene.options.imu_noise;
+  noise.gyro_density = 0.01;
+  noise.accel_density = 0.05;
+  std::mt19937_64 generator(seed);
+  std::normal_distribution<double> normal(0.0, 1.0 / std::sqrt(0.005));  // 5 ms a sample
+  for (InputSample& sample : scene.inputs) {
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      sample.angular(k) += noise.gyro_density * normal(generator);
+      sample.linear(k) += noise.accel_density * normal(generator);
+    }
+  }
+  return scene;
+}
+
+/// @param empty  frames come from 2 s to 12 s, too, and show nothing
+/// @return squared error of the pose at the end, over what is expected of it
+double nees_after_darkness(const Scene& scene, bool empty) {
+  Feeder feeder(scene, with_method(scene, Method::kEkf));
+  for (const StereoFrame& frame : scene.frames) {
+    if (frame.t_ns <= 2000 * kMs || frame.t_ns >= 12000 * kMs) {
+      (void)feeder.process(frame);
+    } else if (empty) {
+      (void)feeder.process({frame.t_ns, {}});
+    }
+  }
+  const Eigen::Matrix<double, 6, 1> error = testing::pose_error(feeder.navigator, scene.truth.back());
+  const Eigen::Matrix<double, 6, 6> P = feeder.navigator.estimate().P().diagonal_block<6>(0);
+  return error.dot(P.ldlt().solve(error)) / 6.0;
+}
+
+/// After ten seconds by the IMU alone no correction is linear at the prediction.
+TEST(Darkness, ImagesThatComeBackAreLinearisedWhereTheyPutTheBody) {
+  for (const bool empty : {false, true}) {
+    double sum = 0.0;
+    for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+      sum += nees_after_darkness(noisy_scene(seed), empty);
+    }
+    EXPECT_LE(sum / 6.0, 2.0) << empty;  // chi-square of 36 degrees of freedom: 1 in 5000
+  }
+}
+
+}  // namespace
+}  // namespace limber
