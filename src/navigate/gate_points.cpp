@@ -11,6 +11,13 @@ namespace {
 
 constexpr double kKnownTurn = 0.05;  // [rad] at 1 sigma: beside such a prediction a majority may be wrong
 
+/// Of all parameters theta may be wrong, each in its plausible error.
+MatrixXd theta_alone(const RigParameters& scale, Eigen::Index parameters) {
+  MatrixXd out = MatrixXd::Zero(parameters, kBlockSize);
+  out.topRows<kBlockSize>() = scale.asDiagonal();
+  return out;
+}
+
 }  // namespace
 
 /// In doubt about theta each point for itself may be anywhere, and only beside the others is it wrong: they
@@ -18,8 +25,7 @@ constexpr double kKnownTurn = 0.05;  // [rad] at 1 sigma: beside such a predicti
 ParameterErrorModel StereoFilter::gate_model(const ParameterErrorModel& model) const {
   ParameterErrorModel out = model;
   if (!fresh_.is_zero()) {
-    out.constrained = MatrixXd::Zero(model.white_covariance.rows(), kBlockSize);
-    out.constrained.topRows<kBlockSize>() = scale_.asDiagonal();
+    out.constrained = theta_alone(scale_, model.white_covariance.rows());
   }
   return out;
 }
@@ -39,8 +45,7 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const F
   }
   if (options_.motion == MotionModel::kConstantVelocity || darkness) {
     predicted.P = estimate_.P().diagonal_block<6>(0);
-    predicted.rig = MatrixXd::Zero(seen.innovation.D.cols(), kBlockSize);
-    predicted.rig.topRows<kBlockSize>() = scale_.asDiagonal();
+    predicted.rig = theta_alone(scale_, seen.innovation.D.cols());
   }
   const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_, predicted);
   report.gate_overruled = gated.overruled;
@@ -54,6 +59,27 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const F
     }
   }
   return accepted;
+}
+
+void StereoFilter::record(const StackedFrame& stacked, const std::vector<bool>& accepted,
+                          const NewLandmarks& new_landmarks, FrameReport& report) {
+  for (std::size_t g = 0; g < stacked.track_ids.size(); ++g) {
+    Landmark* landmark = estimate_.find(stacked.track_ids[g]);
+    landmark->refusals = accepted[g] ? 0 : landmark->refusals + 1;
+    landmark->last_seen_ns = report.t_ns;
+    landmark->sightings += accepted[g] ? 1 : 0;
+    report.used += accepted[g] && report.status == UpdateStatus::kUpdated ? 1 : 0;
+  }
+  for (const Refusal& refusal : report.refused) {
+    Landmark* landmark = estimate_.find(refusal.track_id);
+    if (refusal.reason == RefusalReason::kNotProjectable) {
+      ++landmark->refusals;
+    }
+    // A new landmark that contradicts its own frame is none.
+    if (new_landmarks.contains(refusal.track_id)) {
+      estimate_.remove_landmark(refusal.track_id);
+    }
+  }
 }
 
 }  // namespace limber

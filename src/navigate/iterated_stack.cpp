@@ -7,6 +7,7 @@
 #include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
 #include "limber/navigate/stereo_filter.hpp"
+#include "limber/state/world_turn.hpp"
 
 namespace limber {
 
@@ -22,10 +23,10 @@ constexpr double kDarkness = 1.0;      // [s]
 constexpr double kSettled = 1e-3;      // [m], [rad]: further rounds would change nothing
 constexpr double kFarthestTurn = 1.0;  // [rad]: images that say more than that are not understood
 
-/// As Estimate::retract corrects it: a world vector turns with the attitude, to second order.
+/// As Estimate::retract corrects it.
 Pose shifted(const Pose& pose, const Vector6& shift) {
-  const Vector3d turn = pose.R * shift.tail<3>(), moved = shift.head<3>();
-  return {so3_normalized(pose.R * so3_exp(shift.tail<3>())), pose.p + moved + 0.5 * turn.cross(moved)};
+  return {so3_normalized(pose.R * so3_exp(shift.tail<3>())),
+          pose.p + turned_with_world(shift.head<3>(), pose.R * shift.tail<3>())};
 }
 
 /// Rows that are linear at the pose `shift` away from the prediction, as rows of the prediction's error.

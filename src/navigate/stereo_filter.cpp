@@ -305,27 +305,6 @@ void StereoFilter::constrained_update(Attempt& attempt, const ParameterErrorMode
   }
 }
 
-void StereoFilter::record(const StackedFrame& stacked, const std::vector<bool>& accepted,
-                          const NewLandmarks& new_landmarks, FrameReport& report) {
-  for (std::size_t g = 0; g < stacked.track_ids.size(); ++g) {
-    Landmark* landmark = estimate_.find(stacked.track_ids[g]);
-    landmark->refusals = accepted[g] ? 0 : landmark->refusals + 1;
-    landmark->last_seen_ns = report.t_ns;
-    landmark->sightings += accepted[g] ? 1 : 0;
-    report.used += accepted[g] && report.status == UpdateStatus::kUpdated ? 1 : 0;
-  }
-  for (const Refusal& refusal : report.refused) {
-    Landmark* landmark = estimate_.find(refusal.track_id);
-    if (refusal.reason == RefusalReason::kNotProjectable) {
-      ++landmark->refusals;
-    }
-    // A new landmark that contradicts its own frame is none.
-    if (new_landmarks.contains(refusal.track_id)) {
-      estimate_.remove_landmark(refusal.track_id);
-    }
-  }
-}
-
 FrameReport StereoFilter::process(const StereoFrame& raw) {
   const std::int64_t state_ns = started_at(raw.t_ns);
   check_frame(raw, state_ns, last_frame_ns_);

@@ -6,6 +6,7 @@
 #include "limber/core/dense.hpp"
 #include "limber/core/so3.hpp"
 #include "limber/state/estimate.hpp"
+#include "limber/state/world_turn.hpp"
 
 namespace limber {
 
@@ -16,21 +17,14 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using L = StateLayout;
 
-namespace {
-
-/// A correction of a world vector while the world turns, to second order: that of the right-invariant error.
-Vector3d turned(const Vector3d& dx, const Vector3d& turn) { return dx + 0.5 * turn.cross(dx); }
-
-}  // namespace
-
 /// What a correction moves everything by.
 VectorXd Estimate::displacements(const VectorXd& dx, const WorldChange& by) const {
   VectorXd out = dx;
   const Vector3d grown = by.positions.beyond_linear() * (nav_.T_world_body.p - centre_of_growth_);
-  out.segment<3>(L::kPosition) = turned(dx.segment<3>(L::kPosition) + grown, by.turn);
+  out.segment<3>(L::kPosition) = turned_with_world(dx.segment<3>(L::kPosition) + grown, by.turn);
   if (layout_.motion != MotionModel::kOdometry) {
     const Vector3d faster = by.velocity.beyond_linear() * nav_.v_world_body;
-    out.segment<3>(L::kVelocity) = turned(dx.segment<3>(L::kVelocity) + faster, by.turn);
+    out.segment<3>(L::kVelocity) = turned_with_world(dx.segment<3>(L::kVelocity) + faster, by.turn);
   }
   for (Index at = layout_.map_begin(); at < size(); at += kTriplet) {
     out.segment<3>(at) = at < frozen_end_ ? displacement_of_frozen(at, dx.segment<3>(at), by)
@@ -42,7 +36,7 @@ VectorXd Estimate::displacements(const VectorXd& dx, const WorldChange& by) cons
 /// Of a triplet of the map whose error is as defined now.
 Vector3d Estimate::displacement(StateBlock block, const Vector3d& dx, const WorldChange& by) const {
   const Vector3d out = scaled(block, dx, by);
-  return is_world_vector(block) ? turned(out, by.turn) : out;
+  return is_world_vector(block) ? turned_with_world(out, by.turn) : out;
 }
 
 /// P and dx are those of the error as it was when the epoch began. Now it is that less [moved]_x R dtheta
@@ -54,7 +48,7 @@ Vector3d Estimate::displacement_of_frozen(Index at, const Vector3d& dx, const Wo
     return so3_exp(-moved) * dx;
   }
   const Vector3d out = scaled(block, dx, by) + by.log * grown(block, moved);
-  return is_world_vector(block) ? turned(out + by.turn.cross(moved), by.turn) : out;
+  return is_world_vector(block) ? turned_with_world(out + by.turn.cross(moved), by.turn) : out;
 }
 
 /// To those of the frozen triplets.

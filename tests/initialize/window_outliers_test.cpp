@@ -95,10 +95,8 @@ TEST(WindowOutliers, APointOnACameraThatSeesItIsDropped) {
     const Eigen::Vector3d camera = body * body_from_cam0(seen.model.calibration).p;
     body.p += X - camera - away * baseline * (X - camera).normalized();
     StereoObservation& o = point.seen.back().observation;
-    o.uv_cam0 = project_point(rigs_of(seen.model, state).back()[0],
-                              point_in_body(state, rigs_of(seen.model, state).back(), 0, point, 1))
-                    .value()
-                    .uv;
+    const MountedRig moved = rigs_of(seen.model, state).back();
+    o.uv_cam0 = project_point(moved[0], point_in_body(state, moved, 0, point, 1)).value().uv;
     o.in_cam1 = false;
     (void)drop_mismatches(seen.model, state, state.frames.size());
     EXPECT_EQ(state.points.front().landmark.track_id == seen.state.points.front().landmark.track_id,
