@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // StereoFilter's frames after a time without inputs or images: linearised where the images put the body.
+#include <algorithm>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -18,9 +19,10 @@ using L = StateLayout;
 
 namespace {
 
-constexpr int kRounds = 6;
+constexpr int kRounds = 12;
 constexpr double kDarkness = 1.0;      // [s]
 constexpr double kSettled = 1e-3;      // [m], [rad]: further rounds would change nothing
+constexpr double kTurnAtOnce = 0.2;    // [rad] a round: beyond, rows are not linear
 constexpr double kFarthestTurn = 1.0;  // [rad]: images that say more than that are not understood
 
 /// As Estimate::retract corrects it.
@@ -29,21 +31,20 @@ Pose shifted(const Pose& pose, const Vector6& shift) {
           pose.p + turned_with_world(shift.head<3>(), pose.R * shift.tail<3>())};
 }
 
-/// Rows that are linear at the pose `shift` away from the prediction, as rows of the prediction's error.
+/// Rows that are linear at the pose `shift` away from the prediction, as rows of the prediction's error: of
+/// the right-invariant one, which is the same at both (the inverse of what Estimate::retract does to P).
 /// @param R  attitude of the prediction
 void refer_to_prediction(LinearMeasurement& rows, const Matrix3d& R, const Vector6& shift) {
-  const Matrix3d turn = so3_right_jacobian(shift.tail<3>());
-  const Matrix3d moved_by_move = Matrix3d::Identity() + 0.5 * skew(R * shift.tail<3>());
-  const Matrix3d moved_by_turn = -0.5 * skew(shift.head<3>()) * R;
+  const Matrix3d turned_back = so3_exp(-shift.tail<3>());
+  const Matrix3d moved_by_turn = -skew(turned_with_world(shift.head<3>(), R * shift.tail<3>())) * R;
   std::vector<SparseJacobian::Block> further;
   for (SparseJacobian::Block& block : rows.H.blocks) {
     auto residual = rows.residual.segment(block.row, block.value.rows());
     if (block.col == L::kPosition) {
       further.push_back({block.row, L::kAttitude, block.value * moved_by_turn});
-      block.value = (block.value * moved_by_move).eval();
       residual += block.value * shift.head<3>() + further.back().value * shift.tail<3>();
     } else if (block.col == L::kAttitude) {
-      block.value = (block.value * turn).eval();
+      block.value = (block.value * turned_back).eval();
       residual += block.value * shift.tail<3>();
     }
   }
@@ -60,7 +61,7 @@ bool StereoFilter::is_after_darkness(std::int64_t t_ns) const {
 
 /// @brief Iterated EKF [Bell1993] for frames before which inputs or images were missing: their prediction may
 /// be far off, and depths that are corrected along a wrong motion are lost. New landmarks wait for the next
-/// frame. Where the rounds do not settle, the frame is linearised at the prediction.
+/// frame. Where they are not understood, this one is linearised at the prediction.
 StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
                                             NewLandmarks new_landmarks, const ParameterErrorModel& model,
                                             FrameReport& report) {
@@ -86,16 +87,18 @@ StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const Line
     FrameInnovation seen = form_frame_innovation(P, stacked.measurement);
     const std::vector<bool> accepted = gate_points(stacked, seen, model, gated);
     const UpdateReport updated = update(P, compressed(std::move(seen), accepted), model);
-    if (updated.status != UpdateStatus::kUpdated || updated.dx.segment<3>(3).norm() > kFarthestTurn) {
-      break;
-    }
-    if ((updated.dx.head<6>() - shift).cwiseAbs().maxCoeff() < kSettled) {
+    const Vector6 step = updated.dx.head<6>() - shift;
+    if (updated.status == UpdateStatus::kUpdated && step.cwiseAbs().maxCoeff() < kSettled) {
       report.refused = said.refused;
       return stacked;
     }
-    shift = updated.dx.head<6>();
+    const Vector6 next = shift + std::min(1.0, kTurnAtOnce / step.tail<3>().norm()) * step;
+    if (updated.status != UpdateStatus::kUpdated || next.tail<3>().norm() > kFarthestTurn) {
+      return stacked_at(Vector6::Zero(), report);
+    }
+    shift = next;
   }
-  return stacked_at(Vector6::Zero(), report);
+  return stacked_at(shift, report);
 }
 
 }  // namespace limber

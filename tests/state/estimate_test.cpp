@@ -208,8 +208,8 @@ TEST(Estimate, RetractionMovesEveryPartByItsOwnTriplets) {
       const VectorXd dx = 0.01 * testing::random_normal(generator, before.size());
       after.retract(dx);
       const Vector3d turn = before.nav().T_world_body.R * dx.segment<3>(3);
-      const auto turned = [&](Index at) {  // world vectors turn with the body, to second order
-        return Vector3d(dx.segment<3>(at) + 0.5 * turn.cross(dx.segment<3>(at)));
+      const auto turned = [&](Index at) {  // world vectors turn with the body
+        return Vector3d(so3_right_jacobian(-turn) * dx.segment<3>(at));
       };
       const auto expect_moved = [&](const Pose& from, const Pose& to, Index position, Index attitude) {
         EXPECT_LE((to.p - from.p - turned(position)).norm(), 1e-14);
