@@ -317,7 +317,9 @@ FrameReport StereoFilter::process(const StereoFrame& raw) {
   report.t_ns = frame.t_ns;
   report.inputs = report_inputs(frame.t_ns);
   report.sigma_px = root_mean_square(sigma_px());
-  report.imu_noise = imu_noise_ ? imu_noise_->factors() : ImuNoiseFactors{};
+  report.imu_noise = imu_noise_      ? imu_noise_->factors()
+                     : motion_noise_ ? motion_noise_->factors()
+                                     : ImuNoiseFactors{};
   if (pixel_noise_) {
     pixel_noise_->see(raw);
   }

@@ -77,7 +77,7 @@ std::size_t first_frame(const Recording& recording, const RunOptions& options, M
 }
 
 /// Of the frames that the filter saw.
-std::optional<ImuNoiseFactors> usual_imu_noise(const RunRecord& record) {
+std::optional<ImuNoiseFactors> usual_noise(const RunRecord& record) {
   std::vector<double> gyro, accel;
   for (std::size_t k = record.frames_of_start; k < record.frames.size(); ++k) {
     gyro.push_back(record.frames[k].imu_noise.gyro);
@@ -102,7 +102,9 @@ void take_end(const Navigator& navigator, RunRecord& record) {
     record.pixel_noise = learned->report();
   }
   if (navigator.imu_noise()) {
-    record.imu_noise = usual_imu_noise(record);
+    record.imu_noise = usual_noise(record);
+  } else if (navigator.learned_motion_noise()) {
+    record.motion_noise = usual_noise(record);
   }
   if (const LearnedOdometryNoise* learned = navigator.odometry_noise(); learned && learned->knows()) {
     record.odometry_noise = learned->white();

@@ -198,6 +198,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["options"] = to_json(options);
   json["pixel_noise"] = record.pixel_noise ? to_json(*record.pixel_noise) : Json(nullptr);
   json["imu_noise"] = record.imu_noise ? to_json(*record.imu_noise) : Json(nullptr);
+  json["motion_noise"] = record.motion_noise ? to_json(*record.motion_noise) : Json(nullptr);
   json["odometry_noise"] = record.odometry_noise ? to_json(*record.odometry_noise) : Json(nullptr);
   json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start) : Json(nullptr);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);

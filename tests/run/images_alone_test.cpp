@@ -92,8 +92,14 @@ TEST(ImagesAlone, LearnHowMuchABodyMovesUnlessItIsStated) {
   RunOptions options;
   const Recording recording = shaking_hand(1);
   EXPECT_TRUE(set_up_run(recording, options).navigator.learn_motion_noise);
+  const RunRecord learned = run_recording(recording, options, matched_frames(recording));
+  ASSERT_TRUE(learned.motion_noise.has_value());
+  EXPECT_GT(learned.motion_noise->gyro, 1.5);
+  EXPECT_GT(learned.motion_noise->accel, 1.5);
+  EXPECT_FALSE(learned.imu_noise.has_value());
   options.constant_velocity_noise = ConstantVelocityNoise{};
   EXPECT_FALSE(set_up_run(recording, options).navigator.learn_motion_noise);
+  EXPECT_FALSE(run_recording(recording, options, matched_frames(recording)).motion_noise.has_value());
 }
 
 }  // namespace

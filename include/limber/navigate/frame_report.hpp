@@ -61,7 +61,9 @@ struct FrameReport {
   InputReport inputs;
   bool reset = false;         ///< the filter had broken down and began anew, see StereoFilter::process
   double sigma_px = 0.0;      ///< pixel noise that the frame was taken with, rms of u0, v0, u1, v1 [px]
-  ImuNoiseFactors imu_noise;  ///< IMU noise that the frame was predicted with, over what was stated
+  /// IMU noise that the frame was predicted with, over what was stated; where nothing measures the motion, how
+  /// much livelier than the constant-velocity model it is taken for
+  ImuNoiseFactors imu_noise;
   double nis = 0.0;           ///< of the projected rows [-]
   Eigen::Index dof = 0;       ///< of nis
   Eigen::Index rank = 0;      ///< constrained directions that this frame's geometry can see

@@ -81,6 +81,10 @@ class Navigator {
   [[nodiscard]] const LearnedPixelNoise* pixel_noise() const { return answering().pixel_noise(); }
   /// The same of an IMU.
   [[nodiscard]] const LearnedImuNoise* imu_noise() const { return answering().imu_noise(); }
+  /// The same of a motion that nothing measures.
+  [[nodiscard]] const LearnedImuNoise* learned_motion_noise() const {
+    return answering().learned_motion_noise();
+  }
   /// The same of odometry.
   [[nodiscard]] const LearnedOdometryNoise* odometry_noise() const { return answering().odometry_noise(); }
   /// Samples and frames that are kept to go back in time: some seconds of them, for `adaptive` alone.

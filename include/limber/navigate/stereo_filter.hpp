@@ -116,6 +116,10 @@ class StereoFilter {
   }
   /// What is learned of an IMU; null unless it is asked for.
   [[nodiscard]] const LearnedImuNoise* imu_noise() const { return imu_noise_ ? &*imu_noise_ : nullptr; }
+  /// The same of a motion that nothing measures.
+  [[nodiscard]] const LearnedImuNoise* learned_motion_noise() const {
+    return motion_noise_ ? &*motion_noise_ : nullptr;
+  }
   /// What is learned of odometry; null unless it is asked for.
   [[nodiscard]] const LearnedOdometryNoise* odometry_noise() const {
     return odometry_noise_ ? &*odometry_noise_ : nullptr;

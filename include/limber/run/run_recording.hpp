@@ -108,6 +108,8 @@ struct RunRecord {
   /// How much noisier than stated the IMU was taken for, the usual of all frames; nothing where that is not
   /// learned.
   std::optional<ImuNoiseFactors> imu_noise;
+  /// The same of a motion that nothing measures, over the constant-velocity model's.
+  std::optional<ImuNoiseFactors> motion_noise;
   CleaningReport cleaning;  ///< what was taken out of the frames before the navigator saw them
   /// that a whole run would have had
   std::size_t frames_of_recording = 0;
