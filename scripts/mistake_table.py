@@ -91,6 +91,12 @@ def shifted_cameras(*metres):
     return change
 
 
+def in_millimetres(mav0):
+    for sensor in sensors(mav0):
+        m = matrix(sensor)
+        set_matrix(sensor, [[*row[:3], 1000.0 * row[3]] for row in m[:3]] + [m[3]])
+
+
 def turned_cameras(degrees):
     """Both cameras turned in cam0, about the IMU's z axis."""
     def change(mav0):
@@ -218,6 +224,7 @@ MISTAKES = {
     "both principal points 2 px off, beside the IMU": intrinsics(lambda v: [v[0], v[1], v[2] + 2.0, v[3]]),
     "both principal points 5 px off, beside the IMU": intrinsics(lambda v: [v[0], v[1], v[2] + 5.0, v[3]]),
     "focal lengths 1 % too long, beside the IMU": intrinsics(lambda v: [1.01 * v[0], 1.01 * v[1], v[2], v[3]]),
+    "T_BS in mm": in_millimetres,
     "cameras swapped": swapped,
     "T_BS of both cameras inverted": inverted((0, 1)),
     "T_BS of cam1 inverted": inverted((1,)),

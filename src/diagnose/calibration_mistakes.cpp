@@ -20,6 +20,20 @@ using Eigen::Vector2d;
 constexpr std::size_t kEnoughPoints = 100;
 constexpr double kShareOutside = 0.01;
 constexpr double kOffCentre = 0.2, kCorner = 0.6;  // of width and height
+constexpr double kLongestBaseline = 10.0;          // [m]: of what is taken for a rig
+
+/// Lengths in another unit than metres. Neither images nor, for some seconds, an IMU contradict a rig that is
+/// a thousand times as long in a world that is, too.
+std::optional<std::string> unit_mistake(const StereoCalibration& calibration) {
+  const double baseline = calibration.baseline();
+  if (baseline < kLongestBaseline) {
+    return std::nullopt;
+  }
+  return fmt::format(
+      "the cameras are {0:.3g} m apart: is the calibration in mm (then {1:.3g} m) or cm ({2:.3g} m)? metres "
+      "are expected",
+      baseline, 1e-3 * baseline, 1e-2 * baseline);
+}
 
 void check_image(const Camera& camera, const std::vector<Vector2d>& pixels, const std::string& name,
                  std::vector<std::string>& out) {
@@ -72,6 +86,9 @@ std::vector<std::string> calibration_mistakes(const StereoCalibration& calibrati
   std::vector<std::string> out;
   check_image(calibration.cam0, pixels0, "cam0", out);
   check_image(calibration.cam1, pixels1, "cam1", out);
+  if (const auto mistake = unit_mistake(calibration)) {
+    out.push_back(*mistake);
+  }
   const detail::StereoPairs pairs = detail::stereo_pairs(calibration, frames);
   if (const auto mistake = detail::placement_mistake(calibration, pairs)) {
     out.push_back(*mistake);
@@ -88,7 +105,8 @@ std::vector<std::string> calibration_mistakes(const StereoCalibration& calibrati
 
 std::optional<std::string> placement_mistake(const StereoCalibration& calibration,
                                              std::span<const StereoFrame> frames) {
-  return detail::placement_mistake(calibration, detail::stereo_pairs(calibration, frames));
+  const std::optional<std::string> units = unit_mistake(calibration);
+  return units ? units : detail::placement_mistake(calibration, detail::stereo_pairs(calibration, frames));
 }
 
 }  // namespace limber

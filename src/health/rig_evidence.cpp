@@ -82,8 +82,9 @@ double mean_scale_variance(std::span<const RigEvidence* const> windows) {
   double variance = 0.0, weights = 0.0, worst = 0.0;
   for (const RigEvidence* window : windows) {
     const double own = window->scale_sigma * window->scale_sigma;
-    variance += window->length_weight * own;
-    weights += window->length_weight;
+    const double weight = std::max(window->length_weight, 0.0);  // what is nil may be less by rounding
+    variance += weight * own;
+    weights += weight;
     worst = std::max(worst, own);
   }
   return weights > 0.0 ? variance / weights : worst;

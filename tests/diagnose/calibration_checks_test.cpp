@@ -77,6 +77,16 @@ std::vector<StereoFrame> swapped(std::vector<StereoFrame> frames) {
   return frames;
 }
 
+TEST(CalibrationMistakes, NameLengthsInMillimetres) {
+  Recording recording = sound_recording();
+  recording.calibration.theta.tail<3>() *= 1000.0;
+  recording.calibration.T_body_cam0.p *= 1000.0;
+  EXPECT_THAT(calibration_mistakes(recording.calibration, recording.frames),
+              ElementsAre(HasSubstr("is the calibration in mm")));
+  EXPECT_THAT(placement_mistake(recording.calibration, recording.frames).value_or(""),
+              HasSubstr("metres are expected"));
+}
+
 TEST(CalibrationMistakes, AreNoneInASoundRigOrOneThatIsOffByTheUsual) {
   const Recording sound = sound_recording();
   EXPECT_THAT(calibration_mistakes(sound.calibration, sound.frames), IsEmpty());

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 namespace limber {
@@ -128,6 +129,23 @@ TEST(RigEvidence, AWindowAfterHalvedOnesSharesTheirTracks) {
   ASSERT_EQ(halved.back().with_earlier.size(), 2U);
   expect_equal(halved.back().with_earlier[0].tracks, apart[0].tracks + apart[1].tracks);
   expect_equal(halved.back().with_earlier[1].both, apart[2].both + apart[3].both);
+}
+
+/// Where nothing tells the baseline's length, what is known of it is nil and may be less by rounding: a run
+/// that was lost could not be written ("a number is not finite").
+TEST(RigEvidence, TheVarianceOfAScaleIsOneOfThoseThatWindowsHave) {
+  RigEvidence sure, unsure;
+  sure.scale_sigma = 0.1;
+  unsure.scale_sigma = 0.5;
+  const auto mean = [&](double weight_of_sure, double weight_of_unsure) {
+    sure.length_weight = weight_of_sure;
+    unsure.length_weight = weight_of_unsure;
+    const std::array<const RigEvidence*, 2> both = {&sure, &unsure};
+    return mean_scale_variance(both);
+  };
+  EXPECT_NEAR(mean(3.0, 1.0), 0.75 * 0.01 + 0.25 * 0.25, 1e-12);
+  EXPECT_NEAR(mean(1e-12, -0.9e-12), 0.01, 1e-12);
+  EXPECT_NEAR(mean(-1e-12, -1e-12), 0.25, 1e-12);  // none tells anything: the largest
 }
 
 }  // namespace

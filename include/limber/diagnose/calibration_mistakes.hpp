@@ -14,6 +14,7 @@ namespace limber {
 /// @brief Mistakes that look like a rig that has moved, each as a sentence with numbers; none if none is
 /// found.
 ///
+/// - Lengths that are not in metres: cameras more than 10 m apart.
 /// - Swapped cameras, T_BS of one or both cameras inverted, or a baseline of the wrong sign: of the stereo
 ///   points that do not agree either way (3 px from their epipolar line, in front of both cameras) less than
 ///   half agree with the calibration, and more than 80 % would without the mistake. Not where the cameras
@@ -25,7 +26,7 @@ namespace limber {
 [[nodiscard]] std::vector<std::string> calibration_mistakes(const StereoCalibration& calibration,
                                                             std::span<const StereoFrame> frames);
 
-/// The first of these alone: where the cameras stand.
+/// The first two of these alone, or one of them: where the cameras stand.
 [[nodiscard]] std::optional<std::string> placement_mistake(const StereoCalibration& calibration,
                                                            std::span<const StereoFrame> frames);
 

@@ -59,14 +59,14 @@ struct FrameReport {
   UpdateStatus status = UpdateStatus::kEmpty;  ///< unless it is kUpdated, the frame corrected nothing
   /// since the frame before
   InputReport inputs;
-  bool reset = false;         ///< the filter had broken down and began anew, see StereoFilter::process
-  double sigma_px = 0.0;      ///< pixel noise that the frame was taken with, rms of u0, v0, u1, v1 [px]
-  /// IMU noise that the frame was predicted with, over what was stated; where nothing measures the motion, how
-  /// much livelier than the constant-velocity model it is taken for
+  bool reset = false;     ///< the filter had broken down and began anew, see StereoFilter::process
+  double sigma_px = 0.0;  ///< pixel noise that the frame was taken with, rms of u0, v0, u1, v1 [px]
+  /// IMU noise that the frame was predicted with, over what was stated; where nothing measures the motion,
+  /// how much livelier than the constant-velocity model it is taken for
   ImuNoiseFactors imu_noise;
-  double nis = 0.0;           ///< of the projected rows [-]
-  Eigen::Index dof = 0;       ///< of nis
-  Eigen::Index rank = 0;      ///< constrained directions that this frame's geometry can see
+  double nis = 0.0;       ///< of the projected rows [-]
+  Eigen::Index dof = 0;   ///< of nis
+  Eigen::Index rank = 0;  ///< constrained directions that this frame's geometry can see
   /// points that came with the frame
   std::size_t observed = 0;
   std::size_t used = 0;         ///< points of the update; zero if there was none
