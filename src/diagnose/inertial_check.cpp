@@ -25,7 +25,8 @@ constexpr std::size_t kFramesOfStretch = 32;
 constexpr double kStretch = 5.0;  // [s]
 constexpr std::array kFactors = {InertialFactor::kMountTurn,  InertialFactor::kLeverArm,
                                  InertialFactor::kAccelScale, InertialFactor::kAccelTurn,
-                                 InertialFactor::kGyroScale,  InertialFactor::kClock};
+                                 InertialFactor::kGyroScale,  InertialFactor::kClock,
+                                 InertialFactor::kAccelScales};
 
 /// Frames with the states that the run found there.
 struct Stretch {
@@ -97,21 +98,22 @@ double shown_noise(const InertialEvidence& all) {
 }
 
 /// Chi-square over degrees of freedom of one factor.
-double sureness_of(const InertialEvidence& all, const FactorPlace& at) {
-  const MatrixXd I = all.information.block(at.first, at.first, at.size, at.size);
-  const VectorXd s = all.score.segment(at.first, at.size);
-  return s.dot(I.ldlt().solve(s)) / (static_cast<double>(at.size) * shown_noise(all));
+/// @param of  its directions
+double sureness_of(const InertialEvidence& all, const MatrixXd& of) {
+  const MatrixXd I = of.transpose() * all.information * of;
+  const VectorXd s = of.transpose() * all.score;
+  return s.dot(I.ldlt().solve(s)) / (static_cast<double>(of.cols()) * shown_noise(all));
 }
 
 InertialOffset offset_of(InertialFactor factor, const std::vector<InertialEvidence>& each,
                          const InertialEvidence& all) {
-  const FactorPlace at = place_of(factor);
+  const MatrixXd at = directions_of(factor);
   InertialOffset out;
   out.of = factor;
-  const MatrixXd inverse = all.information.block(at.first, at.first, at.size, at.size).inverse();
+  const MatrixXd inverse = MatrixXd(at.transpose() * all.information * at).inverse();
   const detail::SurestPart surest =
-      detail::surest_part(inverse * all.score.segment(at.first, at.size), shown_noise(all) * inverse);
-  out.value.head(at.size) = surest.value;
+      detail::surest_part(inverse * at.transpose() * all.score, shown_noise(all) * inverse);
+  out.value.head(at.cols()) = surest.value;
   out.sigma = surest.sigma;
   out.sureness = sureness_of(all, at);
   for (const InertialEvidence& one : each) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <vector>
 
 #include "limber/core/angle.hpp"
@@ -25,6 +26,7 @@ double least_of(InertialFactor factor, const SensorOffsets& offsets) {
     case InertialFactor::kLeverArm:
       return 0.03 * narrower;
     case InertialFactor::kAccelScale:
+    case InertialFactor::kAccelScales:
       return 5e-3;
     case InertialFactor::kGyroScale:
       return std::max(5e-3, 2e-3 * offsets.confusion);
@@ -46,6 +48,7 @@ double most_of(InertialFactor factor) {
     case InertialFactor::kAccelTurn:
       return 0.35;
     case InertialFactor::kAccelScale:
+    case InertialFactor::kAccelScales:
     case InertialFactor::kGyroScale:
     case InertialFactor::kClock:
       break;
@@ -78,6 +81,11 @@ std::string in_words(const InertialOffset& offset) {
     case InertialFactor::kAccelScale:
       return fmt::format("the accelerometer showed {:.1f} ± {:.1f} % too {}", 100.0 * size,
                          100.0 * offset.sigma, value.x() > 0.0 ? "little" : "much");
+    case InertialFactor::kAccelScales:
+      return fmt::format(
+          "the accelerometer's axes showed {:+.1f}, {:+.1f}, {:+.1f} % too much (x, y, z; together {:.1f} ± "
+          "{:.1f} %)",
+          -100.0 * value.x(), -100.0 * value.y(), -100.0 * value.z(), 100.0 * size, 100.0 * offset.sigma);
     case InertialFactor::kAccelTurn:
       return fmt::format("the accelerometer were turned by {:.2f} ± {:.2f} deg against the gyro",
                          kToDegrees * size, kToDegrees * offset.sigma);
@@ -97,15 +105,16 @@ bool is_noise_of_gyro(const ImuNoiseFactors& learned) {
 
 using Told = std::vector<const InertialOffset*>;
 
-bool all_of(const Told& told, InertialFactor factor) {
-  return std::ranges::all_of(told, [&](const InertialOffset* o) { return o->of == factor; });
+bool all_of(const Told& told, std::initializer_list<InertialFactor> factors) {
+  return std::ranges::all_of(
+      told, [&](const InertialOffset* o) { return std::ranges::find(factors, o->of) != factors.end(); });
 }
 
 /// Whether what the run has learned of the IMU's noise is as large as the mistake: only such noise is in
-/// sigmas.
+/// sigmas. No noise is what a scale does to all lengths.
 bool noise_holds(const Told& told, const ImuNoiseFactors& learned) {
-  return (all_of(told, InertialFactor::kAccelTurn) && learned.accel >= kNoisierAccel) ||
-         (all_of(told, InertialFactor::kGyroScale) && is_noise_of_gyro(learned));
+  return (all_of(told, {InertialFactor::kAccelTurn}) && learned.accel >= kNoisierAccel) ||
+         (all_of(told, {InertialFactor::kGyroScale}) && is_noise_of_gyro(learned));
 }
 
 /// Those that are sure and explain most, or nearly as much; none where a clock explains more, nor what is
@@ -142,12 +151,10 @@ std::optional<OffsetMistake> unexplained(const InertialCheck& check) {
 }
 
 const char* advice_on(const Told& told) {
-  const bool accelerometer = std::ranges::all_of(told, [](const InertialOffset* o) {
-    return o->of == InertialFactor::kAccelTurn || o->of == InertialFactor::kAccelScale;
-  });
-  return accelerometer                              ? kAccelAdvice
-         : all_of(told, InertialFactor::kGyroScale) ? kFocalAdvice
-                                                    : kInertialAdvice;
+  if (all_of(told, {InertialFactor::kAccelTurn, InertialFactor::kAccelScale, InertialFactor::kAccelScales})) {
+    return kAccelAdvice;
+  }
+  return all_of(told, {InertialFactor::kGyroScale}) ? kFocalAdvice : kInertialAdvice;
 }
 
 }  // namespace

@@ -62,14 +62,17 @@ StartWindow window_of(const NavigatorOptions& options, const StereoCalibration& 
 }  // namespace
 
 std::string_view to_string(InertialFactor factor) {
-  constexpr std::array<std::string_view, 6> kNames = {
-      "mount", "lever arm", "accelerometer scale", "accelerometer axes", "gyro scale", "clock"};
+  constexpr std::array<std::string_view, 7> kNames = {
+      "mount",      "lever arm", "accelerometer scale", "accelerometer axes",
+      "gyro scale", "clock",     "accelerometer scales"};
   return kNames[static_cast<std::size_t>(factor)];
 }
 
-FactorPlace place_of(InertialFactor factor) {
-  constexpr std::array<FactorPlace, 6> kPlaces = {{{0, 3}, {3, 3}, {6, 1}, {7, 3}, {10, 1}, {11, 1}}};
-  return kPlaces[static_cast<std::size_t>(factor)];
+MatrixXd directions_of(InertialFactor factor) {
+  const OffsetPlace at = place_of(factor);
+  MatrixXd each = MatrixXd::Zero(InertialEvidence::kOffsets, at.size);
+  each.middleRows(at.first, at.size).setIdentity();
+  return factor == InertialFactor::kAccelScale ? MatrixXd(each.rowwise().sum()) : each;
 }
 
 InertialEvidence& InertialEvidence::operator+=(const InertialEvidence& other) {

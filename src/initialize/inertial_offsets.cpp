@@ -29,7 +29,7 @@ constexpr double kAbout = 0.04;  // [s], on either side of a frame
 /// A mount 0.1 rad, a lever arm 0.5 m, scales 0.1, axes 0.1 rad, a clock 0.1 s.
 VectorXd plausible_offsets() {
   VectorXd out = VectorXd::Constant(kOffsets, 0.1);
-  const FactorPlace lever = place_of(InertialFactor::kLeverArm);
+  const OffsetPlace lever = place_of(InertialFactor::kLeverArm);
   out.segment(lever.first, lever.size).setConstant(0.5);
   return out;
 }
@@ -141,15 +141,14 @@ class Derivatives {
            2.0 * kSmall);
     }
     const Index turn = place_of(InertialFactor::kAccelTurn).first;
+    const Index scale = place_of(InertialFactor::kAccelScales).first;
     for (Index k = 0; k < 3; ++k) {
-      take(turn + k, with_samples(state_, &InputStep::linear, kSmall * skew(Vector3d(Vector3d::Unit(k)))),
-           state_, kSmall);
+      const Vector3d axis = kSmall * Vector3d::Unit(k);
+      take(turn + k, with_samples(state_, &InputStep::linear, skew(axis)), state_, kSmall);
+      take(scale + k, with_samples(state_, &InputStep::linear, axis.asDiagonal()), state_, kSmall);
     }
-    const Matrix3d all = kSmall * Matrix3d::Identity();
-    take(place_of(InertialFactor::kAccelScale).first, with_samples(state_, &InputStep::linear, all), state_,
-         kSmall);
-    take(place_of(InertialFactor::kGyroScale).first, with_samples(state_, &InputStep::angular, all), state_,
-         kSmall);
+    take(place_of(InertialFactor::kGyroScale).first,
+         with_samples(state_, &InputStep::angular, kSmall * Matrix3d::Identity()), state_, kSmall);
     take(place_of(InertialFactor::kClock).first, with_clock(model_, state_, kSmall),
          with_clock(model_, state_, -kSmall), 2.0 * kSmall);
   }

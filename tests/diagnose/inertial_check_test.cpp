@@ -89,6 +89,21 @@ TEST(InertialMistake, NamesAnAccelerometer) {
   EXPECT_THAT(turned.mistake->words, Not(HasSubstr("sigmas")));
 }
 
+/// Some per cent of each axis, in both directions: all lengths were 1 to 4 % off, and nothing was said, or a
+/// lever arm was.
+TEST(InertialMistake, NamesTheAxesOfAnAccelerometerThatShowTooMuchOrTooLittle) {
+  const Recording recording = testing::realistic("drone_none", 30.0, 75);
+  const Checked off =
+      checked(with_accelerometer(recording, Eigen::Matrix3d(Eigen::Vector3d(1.03, 0.97, 0.97).asDiagonal())));
+  ASSERT_TRUE(off.mistake);
+  EXPECT_THAT(off.mistake->words, HasSubstr("the accelerometer's axes showed +"));
+  EXPECT_FALSE(off.mistake->sigmas_hold);
+  const InertialOffset& axes = off.offsets.inertial->offsets.back();
+  ASSERT_EQ(axes.of, InertialFactor::kAccelScales);
+  EXPECT_NEAR(axes.value.x(), -0.03, 0.015);
+  EXPECT_NEAR(axes.value.y(), 0.03, 0.015);
+}
+
 void expect_none(const Recording& recording, const std::string& what) {
   const Checked sound = checked(recording);
   EXPECT_FALSE(sound.mistake) << what << ": " << sound.mistake->words;

@@ -25,7 +25,8 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using enum InertialFactor;
 
-constexpr std::array kAllFactors = {kMountTurn, kLeverArm, kAccelScale, kAccelTurn, kGyroScale, kClock};
+constexpr std::array kAllFactors = {kMountTurn, kLeverArm, kAccelScale, kAccelTurn,
+                                    kGyroScale, kClock,    kAccelScales};
 
 /// Every other frame of some seconds, with the true states.
 struct Seen {
@@ -62,9 +63,9 @@ std::optional<InertialEvidence> evidence_in(const Recording& recording, double f
 
 /// Offsets of one factor, if it is that factor alone.
 VectorXd offsets_of(const InertialEvidence& evidence, InertialFactor factor) {
-  const FactorPlace at = place_of(factor);
-  const MatrixXd information = evidence.information.block(at.first, at.first, at.size, at.size);
-  return information.ldlt().solve(VectorXd(evidence.score.segment(at.first, at.size)));
+  const MatrixXd of = directions_of(factor);
+  const MatrixXd information = of.transpose() * evidence.information * of;
+  return information.ldlt().solve(VectorXd(of.transpose() * evidence.score));
 }
 
 /// The recording, had that been taken for exact wrongly: true minus assumed is the offset.
@@ -78,6 +79,8 @@ Recording wrong_by(Recording recording, InertialFactor factor, const Vector3d& o
   for (ImuSample& sample : recording.imu) {
     if (factor == kAccelScale) {
       sample.accel_imu /= 1.0 + offset.x();
+    } else if (factor == kAccelScales) {
+      sample.accel_imu.array() /= 1.0 + offset.array();
     } else if (factor == kGyroScale) {
       sample.omega_imu /= 1.0 + offset.x();
     } else if (factor == kAccelTurn) {
@@ -101,7 +104,7 @@ TEST(InertialEvidence, FindsTheOffsetThatWasPutIn) {
   for (const Case& one : {Case{kMountTurn, {0.004, 0.0, 0.0}}, Case{kMountTurn, {0.0, -0.004, 0.006}},
                           Case{kLeverArm, {0.1, 0.0, 0.0}}, Case{kLeverArm, {0.0, -0.1, 0.15}},
                           Case{kAccelScale, {0.02, 0.0, 0.0}}, Case{kAccelTurn, {0.01, -0.01, 0.02}},
-                          Case{kGyroScale, {-0.005, 0.0, 0.0}}}) {
+                          Case{kGyroScale, {-0.005, 0.0, 0.0}}, Case{kAccelScales, {0.01, -0.01, 0.02}}}) {
     const auto with = evidence_in(wrong_by(sound, one.factor, one.offset), 3.0, 8.0);
     ASSERT_TRUE(with) << to_string(one.factor);
     const VectorXd found = offsets_of(*with, one.factor) - offsets_of(*without, one.factor);
@@ -134,9 +137,9 @@ TEST(InertialEvidence, IsChanceWithoutAnOffset) {
       const auto evidence = evidence_in(recording, from, from + 5.0);
       ASSERT_TRUE(evidence) << seed << ' ' << from;
       for (std::size_t k = 0; k < kAllFactors.size(); ++k) {
-        const FactorPlace at = place_of(kAllFactors[k]);
-        sums[k] += evidence->score.segment(at.first, at.size).dot(offsets_of(*evidence, kAllFactors[k])) /
-                   static_cast<double>(at.size);
+        const MatrixXd of = directions_of(kAllFactors[k]);
+        sums[k] += (of.transpose() * evidence->score).dot(offsets_of(*evidence, kAllFactors[k])) /
+                   static_cast<double>(of.cols());
       }
       misfit += evidence->misfit;
       dof += evidence->dof;

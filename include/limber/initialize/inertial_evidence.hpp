@@ -26,25 +26,19 @@ enum class InertialFactor : std::uint8_t {
   kAccelScale,  ///< how much more than its samples say the accelerometer saw, as a share of it
   kAccelTurn,   ///< of the accelerometer's axes, f_true = exp(turn) f, in body axes [rad]
   kGyroScale,   ///< as kAccelScale, of the gyro
-  kClock        ///< how much later than stamped the cameras saw [s]
+  kClock,       ///< how much later than stamped the cameras saw [s]
+  kAccelScales  ///< as kAccelScale, of each axis
 };
 
-/// "mount", "lever arm", "accelerometer scale", "accelerometer axes", "gyro scale", "clock".
+/// "mount", "lever arm", "accelerometer scale", "accelerometer axes", "gyro scale", "clock", "accelerometer
+/// scales".
 [[nodiscard]] std::string_view to_string(InertialFactor factor);
-
-/// Where the offsets of one factor stand among all.
-struct FactorPlace {
-  Eigen::Index first = 0, size = 0;  ///< of InertialEvidence::kOffsets
-};
-
-/// See there.
-[[nodiscard]] FactorPlace place_of(InertialFactor factor);
 
 /// @brief What one stretch of a recording says of all these offsets, near zero: the log-likelihood, with all
 /// else that is unknown at its best, is score' x - x' information x / 2. Of stretches that share no noise the
 /// sums say it.
 struct InertialEvidence {
-  static constexpr Eigen::Index kOffsets = 12;      ///< of all factors, in their order
+  static constexpr Eigen::Index kOffsets = 14;      ///< of all factors, see directions_of
   static constexpr std::size_t kFewestFrames = 20;  ///< of a stretch
   Eigen::Matrix<double, kOffsets, kOffsets> information =
       Eigen::Matrix<double, kOffsets, kOffsets>::Zero();  ///< symmetric
@@ -59,6 +53,10 @@ struct InertialEvidence {
   /// Without one that was added.
   InertialEvidence& operator-=(const InertialEvidence& other);
 };
+
+/// @brief The offsets of one factor among all: kOffsets rows, a column for each; orthogonal. The
+/// accelerometer's scale is that of its three axes alike.
+[[nodiscard]] Eigen::MatrixXd directions_of(InertialFactor factor);
 
 /// @brief Solves a stretch as a start does, with the rig free in every frame, from states that a filter
 /// found, and asks it for the evidence. Pixels count as good as they show themselves from frame to frame.
