@@ -28,15 +28,15 @@ namespace {
 constexpr double kNeverGivenATime = 60.0;
 /// Where theta is trusted or estimated a wrong rig moves the pose, too: only what no rig can do counts [-].
 constexpr double kTrustingFactor = 30.0;
-constexpr double kStepAge = 1.0;    // [s], after which steps are supposed to begin anew
-constexpr double kQuiet = 6.0;      // of the alarm's statistic: what 6 degrees of freedom show of themselves
-constexpr double kFastest = 1e3;    // [m/s]: faster is broken
-constexpr double kFarthest = 1e8;   // [m]
-constexpr double kTooBlind = 0.15;  // [rad], of turn between two updates that nobody saw
-constexpr double kAnewAttitude = 0.1;  // [rad], least uncertainty after a new beginning
-constexpr double kAnewVelocity = 1.0;  // [m/s]
-constexpr double kAnewPosition = 1.0;  // [m]
-constexpr double kAnewRate = 0.5;      // [rad/s]
+constexpr double kStepAge = 1.0;   // [s], after which steps are supposed to begin anew
+constexpr double kQuiet = 6.0;     // of the alarm's statistic: what 6 degrees of freedom show of themselves
+constexpr double kFastest = 1e3;   // [m/s]: faster is broken
+constexpr double kFarthest = 1e8;  // [m]
+constexpr double kTooBlind = 0.15, kAnywhere = 0.5;  // [rad], of turn between two updates that nobody saw
+constexpr double kAnewAttitude = 0.1;                // [rad], least uncertainty after a new beginning
+constexpr double kAnewVelocity = 1.0;                // [m/s]
+constexpr double kAnewPosition = 1.0;                // [m]
+constexpr double kAnewRate = 0.5;                    // [rad/s]
 constexpr double kAnewBiasGyro = 0.02, kAnewBiasAccel = 0.2;
 
 }  // namespace
@@ -262,13 +262,25 @@ std::size_t StereoFilter::forget(const StereoFrame& frame) {
 }
 
 /// Where nobody knows how the body turned, no landmark of before can be found in the image by a linear
-/// update.
+/// update; where it may be anywhere, none that will be seen again either.
 std::size_t StereoFilter::forget_after_blindness(const StereoFrame& frame) {
   if (blind_turn_ <= kTooBlind * kTooBlind) {
     return 0;
   }
+  const bool anywhere = blind_turn_ > kAnywhere * kAnywhere && !frame.observations.empty();
   blind_turn_ = frame.observations.empty() ? blind_turn_ : 0.0;
-  return forget(frame);
+  return anywhere ? forget_all() : forget(frame);
+}
+
+std::size_t StereoFilter::forget_all() {
+  std::vector<std::int64_t> known;
+  for (const Landmark& landmark : estimate_.landmarks()) {
+    known.push_back(landmark.track_id);
+  }
+  for (const std::int64_t id : known) {
+    estimate_.remove_landmark(id);
+  }
+  return known.size();
 }
 
 bool StereoFilter::is_broken() const {

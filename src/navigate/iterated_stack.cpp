@@ -5,50 +5,42 @@
 #include <utility>
 #include <vector>
 
-#include "limber/core/so3.hpp"
 #include "limber/core/time.hpp"
 #include "limber/navigate/stereo_filter.hpp"
-#include "limber/state/world_turn.hpp"
 
 namespace limber {
 
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Eigen::VectorXd;
 using L = StateLayout;
 
 namespace {
 
-constexpr int kRounds = 12;
-constexpr double kDarkness = 1.0;      // [s]
-constexpr double kSettled = 1e-3;      // [m], [rad]: further rounds would change nothing
-constexpr double kTurnAtOnce = 0.2;    // [rad] a round: beyond, rows are not linear
-constexpr double kFarthestTurn = 1.0;  // [rad]: images that say more than that are not understood
+constexpr int kRounds = 20;
+constexpr std::ptrdiff_t kEnoughToFind = 10;  // points, of which few agree by chance
+constexpr double kDarkness = 1.0;             // [s]
+constexpr double kSettled = 1e-3;             // [m], [rad]: further rounds would change nothing
+constexpr double kTurnAtOnce = 0.2;           // [rad] a round: beyond, rows are not linear
+constexpr double kFarthestTurn = 1.0;         // [rad]: images that say more than that are not understood
 
-/// As Estimate::retract corrects it.
-Pose shifted(const Pose& pose, const Vector6& shift) {
-  return {so3_normalized(pose.R * so3_exp(shift.tail<3>())),
-          pose.p + turned_with_world(shift.head<3>(), pose.R * shift.tail<3>())};
+/// What a correction does to the body and its map. Calibration and scales stay: rows are as linear in them
+/// anywhere.
+VectorXd of_body_and_map(const StateLayout& layout, VectorXd dx) {
+  dx.segment(layout.body_size(), layout.map_begin() - layout.body_size()).setZero();
+  return dx;
 }
 
-/// Rows that are linear at the pose `shift` away from the prediction, as rows of the prediction's error: of
-/// the right-invariant one, which is the same at both (the inverse of what Estimate::retract does to P).
-/// @param R  attitude of the prediction
-void refer_to_prediction(LinearMeasurement& rows, const Matrix3d& R, const Vector6& shift) {
-  const Matrix3d turned_back = so3_exp(-shift.tail<3>());
-  const Matrix3d moved_by_turn = -skew(turned_with_world(shift.head<3>(), R * shift.tail<3>())) * R;
-  std::vector<SparseJacobian::Block> further;
-  for (SparseJacobian::Block& block : rows.H.blocks) {
-    auto residual = rows.residual.segment(block.row, block.value.rows());
-    if (block.col == L::kPosition) {
-      further.push_back({block.row, L::kAttitude, block.value * moved_by_turn});
-      residual += block.value * shift.head<3>() + further.back().value * shift.tail<3>();
-    } else if (block.col == L::kAttitude) {
-      block.value = (block.value * turned_back).eval();
-      residual += block.value * shift.tail<3>();
-    }
+/// Most points agree upon where the body is.
+bool explains(const std::vector<bool>& accepted) {
+  const auto good = std::count(accepted.begin(), accepted.end(), true);
+  return good >= kEnoughToFind && 2 * static_cast<std::size_t>(good) > accepted.size();
+}
+
+/// Rows that are linear where `shift` leads from the estimate, as rows of the estimate's errors.
+void refer_back(const Estimate& estimate, const VectorXd& shift, LinearMeasurement& rows) {
+  estimate.refer_back(shift, rows.H);
+  for (const SparseJacobian::Block& block : rows.H.blocks) {
+    rows.residual.segment(block.row, block.value.rows()) += block.value * shift.segment<kTriplet>(block.col);
   }
-  rows.H.blocks.insert(rows.H.blocks.end(), further.begin(), further.end());
 }
 
 }  // namespace
@@ -60,25 +52,25 @@ bool StereoFilter::is_after_darkness(std::int64_t t_ns) const {
 }
 
 /// @brief Iterated EKF [Bell1993] for frames before which inputs or images were missing: their prediction may
-/// be far off, and depths that are corrected along a wrong motion are lost. New landmarks wait for the next
-/// frame. Where they are not understood, this one is linearised at the prediction.
-StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
-                                            NewLandmarks new_landmarks, const ParameterErrorModel& model,
-                                            FrameReport& report) {
+/// be far off, and depths that are corrected along a wrong motion are lost. All of body and map is where the
+/// images put it: what was seen first after the darkness goes with the body. New landmarks wait for the next
+/// frame.
+StereoFilter::Relocated StereoFilter::stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
+                                                       NewLandmarks new_landmarks,
+                                                       const ParameterErrorModel& model,
+                                                       FrameReport& report) const {
   for (auto& [id, rows] : new_landmarks) {
     rows = RemainingRows::kNone;
   }
-  const NavigationState predicted = estimate_.nav();
-  const auto stacked_at = [&](const Vector6& shift, FrameReport& said) {
-    NavigationState nav = predicted;
-    nav.T_world_body = shifted(predicted.T_world_body, shift);
-    estimate_.set_nav(nav);
-    StackedFrame out = stack(frame, at, new_landmarks, said);
-    estimate_.set_nav(predicted);
-    refer_to_prediction(out.measurement, predicted.T_world_body.R, shift);
+  const auto stacked_at = [&](const VectorXd& there, FrameReport& said) {
+    Estimate shifted = estimate_;
+    shifted.retract(there);
+    StackedFrame out = stack(shifted, frame, at, new_landmarks, said);
+    refer_back(estimate_, there, out.measurement);
     return out;
   };
-  Vector6 shift = Vector6::Zero();
+  VectorXd shift = VectorXd::Zero(estimate_.size());
+  double share = 1.0, last = std::numeric_limits<double>::infinity();  // of a step; its size
   for (int round = 0; round < kRounds; ++round) {
     FrameReport said = report;
     StackedFrame stacked = stacked_at(shift, said);
@@ -87,18 +79,24 @@ StackedFrame StereoFilter::stack_where_seen(const StereoFrame& frame, const Line
     FrameInnovation seen = form_frame_innovation(P, stacked.measurement);
     const std::vector<bool> accepted = gate_points(stacked, seen, model, gated);
     const UpdateReport updated = update(P, compressed(std::move(seen), accepted), model);
-    const Vector6 step = updated.dx.head<6>() - shift;
-    if (updated.status == UpdateStatus::kUpdated && step.cwiseAbs().maxCoeff() < kSettled) {
+    if (updated.status != UpdateStatus::kUpdated) {
+      break;
+    }
+    const VectorXd step = of_body_and_map(estimate_.layout(), updated.dx) - shift;
+    const double size = step.head<L::kPoseSize>().cwiseAbs().maxCoeff();
+    if (size < kSettled) {
       report.refused = said.refused;
-      return stacked;
+      return {std::move(stacked), explains(accepted)};
     }
-    const Vector6 next = shift + std::min(1.0, kTurnAtOnce / step.tail<3>().norm()) * step;
-    if (updated.status != UpdateStatus::kUpdated || next.tail<3>().norm() > kFarthestTurn) {
-      return stacked_at(Vector6::Zero(), report);
+    share *= size < last ? 1.0 : 0.5;
+    last = size;
+    shift += std::min(share, kTurnAtOnce / step.segment<3>(L::kAttitude).norm()) * step;
+    if (shift.segment<3>(L::kAttitude).norm() > kFarthestTurn) {
+      shift.setZero();
+      break;
     }
-    shift = next;
   }
-  return stacked_at(shift, report);
+  return {stacked_at(shift, report), false};
 }
 
 }  // namespace limber

@@ -227,9 +227,10 @@ StereoFilter::NewLandmarks StereoFilter::initialize_landmarks(Estimate& estimate
   return new_landmarks;
 }
 
-StackedFrame StereoFilter::stack(const StereoFrame& frame, const LinearizationPoint& at,
-                                 const NewLandmarks& new_landmarks, FrameReport& report) const {
-  StackedFrame stacked = stack_frame(estimate_, frame, at.rig, sigma_px(), new_landmarks, report.refused);
+StackedFrame StereoFilter::stack(const Estimate& estimate, const StereoFrame& frame,
+                                 const LinearizationPoint& at, const NewLandmarks& new_landmarks,
+                                 FrameReport& report) const {
+  StackedFrame stacked = stack_frame(estimate, frame, at.rig, sigma_px(), new_landmarks, report.refused);
   if (!at.shift.isZero(0.0)) {
     // r = H dx + D (theta - assumed) + noise, wherever it is linearised. What is constrained does not notice;
     // what is trusted, or expected to be small (soft), is the assumed rig and not the linearisation point.
@@ -241,12 +242,17 @@ StackedFrame StereoFilter::stack(const StereoFrame& frame, const LinearizationPo
 StereoFilter::Attempt StereoFilter::attempt(const StereoFrame& frame, const LinearizationPoint& at,
                                             const ParameterErrorModel& model, bool iterated,
                                             FrameReport& report) {
-  Attempt out{at, {}, {}, {}, {}, {}};
+  Attempt out{.at = at};
   if (initializes_before_update()) {
     out.new_landmarks = initialize_landmarks(estimate_, frame, at.rig);  // Eqs. (29)-(32)
   }
-  out.stacked = iterated ? stack_where_seen(frame, at, out.new_landmarks, model, report)
-                         : stack(frame, at, out.new_landmarks, report);  // Eqs. (23)-(28)
+  if (iterated) {
+    auto [stacked, found] = stack_where_seen(frame, at, out.new_landmarks, model, report);
+    out.stacked = std::move(stacked);
+    out.lost = !found;
+  } else {
+    out.stacked = stack(estimate_, frame, at, out.new_landmarks, report);  // Eqs. (23)-(28)
+  }
   out.seen = form_frame_innovation(estimate_.P(), out.stacked.measurement);
   out.accepted = gate_points(out.stacked, out.seen, model, report);
   return out;
@@ -356,12 +362,13 @@ void StereoFilter::take_in(const StereoFrame& frame, FrameReport& report) {
   // given up meanwhile.
   const bool enough = report.observed >= kEnoughAlone;
   const bool images_alone = report.inputs.status == InputStatus::kGap && dt <= kLongFrame && enough;
-  const bool iterated = images_alone || (is_after_darkness(frame.t_ns) && enough);
+  const bool dark = is_after_darkness(frame.t_ns) && enough;
+  const bool iterated = images_alone || dark;
   const bool was_blind = blind_turn_ > 0.0 || dt > kLongFrame;
   predict_to(frame.t_ns);  // Eqs. (4), (7)
   update_active_set(estimate_, frame, last_frame_ns_, options_.map,
                     !std::exchange(postpones_epoch_, false));  // compressed filter
-  report.removed = was_blind && !images_alone ? forget_after_blindness(frame) : 0;
+  report.removed = was_blind && !iterated ? forget_after_blindness(frame) : 0;
   if (pixel_noise_ && options_.doubt_odometry_mount) {  // or what lasts would seem to tell the mount
     walk_bearings(estimate_, frame, mounted(calibration_)[0], bearing_walk());
   }
@@ -370,7 +377,8 @@ void StereoFilter::take_in(const StereoFrame& frame, FrameReport& report) {
     report.removed += forget_misplaced(estimate_, frame, last_frame_ns_, at.rig[0], options_.map);
   }
   const ParameterErrorModel model = error_model();
-  Attempt to_see = attempt(frame, at, model, iterated, report);
+  Attempt to_see =
+      dark ? attempt_after_darkness(frame, at, model, report) : attempt(frame, at, model, iterated, report);
   if (leads_astray(frame, model, to_see)) {
     report.led_astray = true;
     report.removed += forget(frame);

@@ -2,6 +2,7 @@
 // What a correction moves Estimate's mean by, and how its covariance is carried along: see Estimate::retract.
 #include <array>
 #include <span>
+#include <vector>
 
 #include "limber/core/dense.hpp"
 #include "limber/core/so3.hpp"
@@ -88,6 +89,29 @@ void Estimate::transport(const Eigen::VectorXd& dx) {
   }
   U.block<kTriplet, kTriplet>(attitude, 0) = turned_back - Matrix3d::Identity();
   add_couplings(U);
+}
+
+void Estimate::refer_back(const VectorXd& dx, SparseJacobian& H) const {
+  const VectorXd moved = displacements(dx, world_change(dx, {}));
+  std::vector<SparseJacobian::Block> further;
+  for (SparseJacobian::Block& block : H.blocks) {
+    const Index at = block.col;
+    const bool is_velocity = at == L::kVelocity && layout_.motion != MotionModel::kOdometry;
+    const bool is_mapped = at >= layout_.map_begin(), is_carried = is_mapped && at >= frozen_end_;
+    const StateBlock own = is_mapped ? active_blocks_[slot(at)] : StateBlock{Owner::kBodyClone, 0};
+    if (at == L::kPosition || is_velocity || (is_carried && is_world_vector(own))) {
+      further.push_back({block.row, L::kAttitude,
+                         block.value * (-skew(moved.segment<kTriplet>(at)) * nav_.T_world_body.R)});
+    }
+    if (layout_.has_map_scale && (at == L::kPosition || is_velocity || is_carried)) {
+      const Vector3d by = is_mapped ? grown(own, moved.segment<3>(at)) : moved.segment<3>(at);
+      further.push_back({block.row, layout_.map_scale(), block.value * by * Eigen::RowVector3d::UnitX()});
+    }
+    if (at == L::kAttitude || (is_carried && own.owner == Owner::kAnchorAttitude)) {
+      block.value = (block.value * so3_exp(-dx.segment<kTriplet>(at))).eval();
+    }
+  }
+  H.blocks.insert(H.blocks.end(), further.begin(), further.end());
 }
 
 /// E: the columns of the body's attitude and, if there is one, of the map's scale. U: size() ×

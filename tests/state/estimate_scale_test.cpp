@@ -72,6 +72,52 @@ TEST(Estimate, RetractionTurnsTheWorldAsAWhole) {
   }
 }
 
+/// Derivatives by the errors after a retraction say of the covariance after it what their counterparts say of
+/// the one before.
+TEST(Estimate, RefersDerivativesBackAsItCarriesTheCovariance) {
+  Generator generator(27);
+  for (const MotionModel motion :
+       {MotionModel::kImu, MotionModel::kConstantVelocity, MotionModel::kOdometry}) {
+    for (const bool has_scale : {false, true}) {
+      StateLayout layout{motion};
+      layout.has_map_scale = has_scale && motion != MotionModel::kOdometry;
+      const Estimate before = random_map(generator, 8, layout);
+      const Index n = before.size();
+      const VectorXd dx = 0.2 * testing::random_normal(generator, n);
+      SparseJacobian H;
+      for (Index at = 0; at + kTriplet <= n; at += kTriplet) {
+        H.blocks.push_back({at % 6, at, testing::random_normal(generator, 9).reshaped(3, 3)});
+      }
+      SparseJacobian back = H;
+      before.refer_back(dx, back);
+      Estimate after = before;
+      after.retract(dx);
+      const MatrixXd now = H.dense(9, n), then = back.dense(9, n);
+      const MatrixXd expected = now * after.P().dense() * now.transpose();
+      EXPECT_LE((then * before.P().dense() * then.transpose() - expected).norm(), 1e-10 * expected.norm());
+      EXPECT_GT((then - now).norm(), 0.1);
+    }
+  }
+}
+
+TEST(Estimate, ABodyThatIsPlacedKnowsNothingOfItsMapAndTheMapStaysAsItIs) {
+  Generator generator(28);
+  for (const MotionModel motion : {MotionModel::kImu, MotionModel::kOdometry}) {
+    const Estimate before = random_map(generator, 5, {motion});
+    Estimate after = before;
+    const Pose there = {so3_exp(Vector3d(0.3, -2.0, 0.1)), Vector3d(5.0, 6.0, 7.0)};
+    after.place_body(there, 2.0, 0.5, 3.0);
+    const Index placed = motion == MotionModel::kOdometry ? 6 : 9, rest = before.size() - placed;
+    EXPECT_EQ(after.nav().T_world_body.p, there.p);
+    const MatrixXd P = after.P().dense();
+    EXPECT_TRUE(P.topRightCorner(placed, rest).isZero(0.0));
+    EXPECT_EQ(P.bottomRightCorner(rest, rest), before.P().dense().bottomRightCorner(rest, rest));
+    VectorXd sigma(9);
+    sigma << 2.0, 2.0, 2.0, 0.5, 0.5, 0.5, 3.0, 3.0, 3.0;
+    EXPECT_EQ(P.topLeftCorner(placed, placed), MatrixXd(sigma.head(placed).cwiseAbs2().asDiagonal()));
+  }
+}
+
 /// How the error state sees all lengths grow by a common factor, per unit of its logarithm.
 VectorXd growth_of_all_lengths(const Estimate& estimate) {
   VectorXd g = VectorXd::Zero(estimate.size());

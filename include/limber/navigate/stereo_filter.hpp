@@ -174,6 +174,7 @@ class StereoFilter {
     StackedFrame stacked;
     FrameInnovation seen;
     std::vector<bool> accepted;
+    bool lost = false;                       ///< iterated, and the images do not say where the body is
     std::optional<Correction> correction{};  ///< where it had to be known
   };
 
@@ -199,16 +200,22 @@ class StereoFilter {
   void begin_anew();
   void restart_monitor();
   std::size_t forget(const StereoFrame& frame);
+  std::size_t forget_all();
   [[nodiscard]] std::size_t forget_after_blindness(const StereoFrame& frame);
   [[nodiscard]] bool initializes_before_update() const;
   [[nodiscard]] LinearizationPoint choose_linearization_point(const StereoFrame& frame) const;
   [[nodiscard]] NewLandmarks initialize_landmarks(Estimate& estimate, const StereoFrame& frame,
                                                   const MountedRig& rig) const;
-  [[nodiscard]] StackedFrame stack(const StereoFrame& frame, const LinearizationPoint& at,
-                                   const NewLandmarks& new_landmarks, FrameReport& report) const;
-  [[nodiscard]] StackedFrame stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
-                                              NewLandmarks new_landmarks, const ParameterErrorModel& model,
-                                              FrameReport& report);
+  [[nodiscard]] StackedFrame stack(const Estimate& estimate, const StereoFrame& frame,
+                                   const LinearizationPoint& at, const NewLandmarks& new_landmarks,
+                                   FrameReport& report) const;
+  struct Relocated {
+    StackedFrame stacked;
+    bool found = false;  ///< the rounds settled where most points agree
+  };
+  [[nodiscard]] Relocated stack_where_seen(const StereoFrame& frame, const LinearizationPoint& at,
+                                           NewLandmarks new_landmarks, const ParameterErrorModel& model,
+                                           FrameReport& report) const;
   [[nodiscard]] bool is_after_darkness(std::int64_t t_ns) const;
   [[nodiscard]] ParameterErrorModel gate_model(const ParameterErrorModel& model) const;
   /// @return one flag per stacked point
@@ -216,6 +223,9 @@ class StereoFilter {
                                               const ParameterErrorModel& model, FrameReport& report) const;
   [[nodiscard]] Attempt attempt(const StereoFrame& frame, const LinearizationPoint& at,
                                 const ParameterErrorModel& model, bool iterated, FrameReport& report);
+  [[nodiscard]] bool relocate(const StereoFrame& frame, const MountedRig& rig);
+  [[nodiscard]] Attempt attempt_after_darkness(const StereoFrame& frame, const LinearizationPoint& at,
+                                               const ParameterErrorModel& model, FrameReport& report);
   [[nodiscard]] bool leads_astray(const StereoFrame& frame, const ParameterErrorModel& model,
                                   Attempt& attempt) const;
   [[nodiscard]] UpdateReport correct_covariance(Attempt& attempt, const ParameterErrorModel& model);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "limber/core/covariance.hpp"
+#include "limber/core/linear_measurement.hpp"
 #include "limber/measure/camera_pose.hpp"
 #include "limber/measure/stereo_model.hpp"
 #include "limber/sensors/calibration.hpp"
@@ -49,6 +50,10 @@ class Estimate {
   void shrink_mount_rotation(double kept);
   /// Another mean of the body, with the same covariance.
   void set_nav(const NavigationState& nav) { nav_ = nav; }
+  /// @brief The body stands there, as something says that has nothing to do with all else that is known: pose
+  /// and velocity are no more correlated with it. The velocity's mean stays.
+  /// @param position, attitude, velocity  standard deviations of each axis [m], [rad], [m/s]
+  void place_body(const Pose& there, double position, double attitude, double velocity);
   /// Another time of the body; nothing else changes.
   void set_time(std::int64_t t_ns) { nav_.t_ns = t_ns; }
   /// Another rig is taken for true. For layouts that do not have theta in the state.
@@ -93,6 +98,9 @@ class Estimate {
   void retract(const Eigen::VectorXd& dx, const ScaleShares& grows);
   /// The same where all lengths have the map's scale.
   void retract(const Eigen::VectorXd& dx) { retract(dx, {}); }
+  /// @brief Derivatives by the errors that retract(dx) would leave, turned into derivatives by the errors as
+  /// they are: the inverse of what it does to P. Called before it.
+  void refer_back(const Eigen::VectorXd& dx, SparseJacobian& H) const;
 
   /// Where lengths grow about, a position in the world [m]: its origin until this is called.
   void set_centre_of_growth(const Eigen::Vector3d& centre) { centre_of_growth_ = centre; }
