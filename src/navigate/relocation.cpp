@@ -13,8 +13,8 @@ using L = StateLayout;
 namespace {
 
 /// At least: the stereo points that say it are used once more, and must not count twice.
-constexpr double kAnywhere = 1.0;  // [m]
-constexpr double kAnyTurn = 0.3;   // [rad]
+constexpr double kLeastUnsure = 1.0;  // [m]
+constexpr double kLeastTurn = 0.3;    // [rad]
 
 double sigma_of(const Estimate& estimate, Eigen::Index at) {
   return std::sqrt(estimate.P().diagonal_block<kTriplet>(at).trace());
@@ -32,12 +32,12 @@ bool StereoFilter::relocate(const StereoFrame& frame, const MountedRig& rig) {
   if (!there) {
     return false;
   }
-  const double turn = std::max(kAnyTurn, sigma_of(estimate_, L::kAttitude));
+  const double turn = std::max(kLeastTurn, sigma_of(estimate_, L::kAttitude));
   const bool has_velocity = options_.motion != MotionModel::kOdometry;
   const double velocity = has_velocity ? sigma_of(estimate_, L::kVelocity) +
                                              std::min(turn, 1.0) * estimate_.nav().v_world_body.norm()
                                        : 0.0;
-  estimate_.place_body(*there, std::max(kAnywhere, sigma_of(estimate_, L::kPosition)), turn, velocity);
+  estimate_.place_body(*there, std::max(kLeastUnsure, sigma_of(estimate_, L::kPosition)), turn, velocity);
   return true;
 }
 
