@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "limber/core/rotation_fit.hpp"
+
 namespace limber {
 namespace {
 
@@ -55,18 +57,13 @@ Alignment align_umeyama(std::span<const MatchedPose> poses, bool with_scale) {
     Sigma_yx +=
         (pose.truth.p - y.mean) * (pose.estimate.p - x.mean).transpose() / static_cast<double>(poses.size());
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(Sigma_yx, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d d = svd.singularValues();
-  if (d(1) <= kStraightLineShare * std::sqrt(x.variance * y.variance)) {
+  const RotationFit fit = fit_rotation(Sigma_yx);
+  if (fit.singular_values(1) <= kStraightLineShare * std::sqrt(x.variance * y.variance)) {
     return undetermined(AlignmentStatus::kStraightLine);
   }
-  Eigen::Vector3d s = Eigen::Vector3d::Ones();  // Eqs. (39), (43)
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) {
-    s.z() = -1.0;
-  }
   Alignment alignment;
-  alignment.T_true_est.R = svd.matrixU() * s.asDiagonal() * svd.matrixV().transpose();    // Eq. (40)
-  alignment.scale = with_scale ? d.dot(s) / x.variance : 1.0;                             // Eq. (42)
+  alignment.T_true_est.R = fit.R;                                                         // Eq. (40)
+  alignment.scale = with_scale ? fit.agreement / x.variance : 1.0;                        // Eq. (42)
   alignment.T_true_est.p = y.mean - alignment.scale * (alignment.T_true_est.R * x.mean);  // Eq. (41)
   return alignment;
 }

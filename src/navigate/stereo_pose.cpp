@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "stereo_pose.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cstddef>
 #include <vector>
 
 #include "limber/core/median.hpp"
+#include "limber/core/rotation_fit.hpp"
 #include "limber/measure/triangulate.hpp"
 
 namespace limber::detail {
@@ -72,12 +72,10 @@ Similarity fit(const std::vector<Seen>& points) {
     covariance += weight * (s.world - world) * (s.body - body).transpose();
     spread += weight * (s.body - body).squaredNorm();
   }
-  const Eigen::JacobiSVD<Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vector3d sign = Vector3d::Ones();
-  sign.z() = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  const RotationFit turn = fit_rotation(covariance);
   Similarity out;
-  out.pose.R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  out.scale = svd.singularValues().dot(sign) / spread;
+  out.pose.R = turn.R;
+  out.scale = turn.agreement / spread;
   out.pose.p = world - out.scale * (out.pose.R * body);
   return out;
 }

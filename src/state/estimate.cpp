@@ -137,21 +137,6 @@ void Estimate::retract_triplet(StateBlock block, const Vector3d& dx) {
   }
 }
 
-void Estimate::place_body(const Pose& there, double position, double attitude, double velocity) {
-  nav_.T_world_body = there;
-  const bool has_velocity = layout_.motion != MotionModel::kOdometry;
-  const std::array<Index, 3> blocks = {L::kPosition, L::kAttitude, L::kVelocity};
-  const auto own = std::span(blocks).first(has_velocity ? 3 : 2);
-  MatrixXd columns = MatrixXd::Zero(size(), kTriplet * static_cast<Index>(own.size()));
-  const std::array<double, 3> sigma = {position, attitude, velocity};
-  for (std::size_t k = 0; k < own.size(); ++k) {
-    columns.block<kTriplet, kTriplet>(own[k], kTriplet * static_cast<Index>(k))
-        .diagonal()
-        .setConstant(sigma[k] * sigma[k]);
-  }
-  P_.scatter(own, columns);
-}
-
 void Estimate::shrink_mount_rotation(double kept) {
   more_.segment<3>(kMoreParameters - 6) *= kept;
   P_.transform_triplet(mount_in(layout_), kept * Matrix3d::Identity());

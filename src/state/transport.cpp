@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a correction moves Estimate's mean by, and how its covariance is carried along: see Estimate::retract.
+// What a correction moves Estimate's mean by, and how its covariance is carried along (see
+// Estimate::retract), or cut off where the body is placed anew.
 #include <array>
 #include <span>
 #include <vector>
@@ -112,6 +113,21 @@ void Estimate::refer_back(const VectorXd& dx, SparseJacobian& H) const {
     }
   }
   H.blocks.insert(H.blocks.end(), further.begin(), further.end());
+}
+
+void Estimate::place_body(const Pose& there, double position, double attitude, double velocity) {
+  nav_.T_world_body = there;
+  const bool has_velocity = layout_.motion != MotionModel::kOdometry;
+  const std::array<Index, 3> blocks = {L::kPosition, L::kAttitude, L::kVelocity};
+  const auto own = std::span(blocks).first(has_velocity ? 3 : 2);
+  MatrixXd columns = MatrixXd::Zero(size(), kTriplet * static_cast<Index>(own.size()));
+  const std::array<double, 3> sigma = {position, attitude, velocity};
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    columns.block<kTriplet, kTriplet>(own[k], kTriplet * static_cast<Index>(k))
+        .diagonal()
+        .setConstant(sigma[k] * sigma[k]);
+  }
+  P_.scatter(own, columns);
 }
 
 /// E: the columns of the body's attitude and, if there is one, of the map's scale. U: size() ×
