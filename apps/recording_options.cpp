@@ -107,6 +107,12 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       ->transform(one_of({"learned", "stated"}))
       ->capture_default_str();
   command
+      .add_option("--imu-clock", arguments.imu_clock,
+                  "stated: samples were taken when they are stamped; learned: as much earlier or later as "
+                  "images say")
+      ->transform(one_of({"learned", "stated"}))
+      ->capture_default_str();
+  command
       .add_option(
           "--odometry-scale", arguments.odometry_scale,
           "By what share odometry's speeds may be long or short all the time, 1σ: 0.02 is 2 %; default: "
@@ -163,6 +169,7 @@ RunOptions to_run_options(const RecordingArguments& arguments, const Recording& 
   }
   options.sigma_px = arguments.sigma_px;
   options.learn_imu_noise = arguments.imu_noise == "learned";
+  options.learn_imu_clock = arguments.imu_clock == "learned";
   options.odometry_scale = arguments.odometry_scale;
   options.cleaning.clean = options.cleaning.still_points = arguments.clean == "on";
   options.threads = arguments.frontend.threads;

@@ -54,9 +54,9 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
                               const OdometryNoise& odometry_noise, double gravity,
                               const RigParameters& theta_sigma, bool gate, std::size_t max_landmarks,
                               std::optional<std::size_t> points_per_update, bool learn_pixel_noise,
-                              bool learn_odometry_noise, bool learn_imu_noise, bool learn_motion_noise,
-                              bool doubt_odometry_mount, double odometry_scale, bool carries_scale,
-                              std::optional<double> false_alarms_per_hour) {
+                              bool learn_odometry_noise, bool learn_imu_noise, bool learn_imu_clock,
+                              bool learn_motion_noise, bool doubt_odometry_mount, double odometry_scale,
+                              bool carries_scale, std::optional<double> false_alarms_per_hour) {
   NavigatorOptions options;
   options.method = method_from_string(method);
   options.constraints = constraint_set_from_string(constraints);
@@ -71,6 +71,7 @@ NavigatorOptions make_options(const std::string& method, const std::string& cons
   options.learn_pixel_noise = learn_pixel_noise;
   options.learn_odometry_noise = learn_odometry_noise;
   options.learn_imu_noise = learn_imu_noise;
+  options.learn_imu_clock = learn_imu_clock;
   options.learn_motion_noise = learn_motion_noise;
   options.doubt_odometry_mount = doubt_odometry_mount;
   options.odometry_scale = odometry_scale;
@@ -105,6 +106,7 @@ void bind_options(py::module_& module) {
           py::arg("learn_pixel_noise") = defaults.learn_pixel_noise,
           py::arg("learn_odometry_noise") = defaults.learn_odometry_noise,
           py::arg("learn_imu_noise") = defaults.learn_imu_noise,
+          py::arg("learn_imu_clock") = defaults.learn_imu_clock,
           py::arg("learn_motion_noise") = defaults.learn_motion_noise,
           py::arg("doubt_odometry_mount") = defaults.doubt_odometry_mount,
           py::arg("odometry_scale") = defaults.odometry_scale,
@@ -120,6 +122,8 @@ void bind_options(py::module_& module) {
           "learn_odometry_noise: the same of odometry_noise\n"
           "learn_imu_noise: imu_noise is the least, as in limber.run: as much more as images ask for is "
           "learned\n"
+          "learn_imu_clock: a start from the sensors finds how much later than taken samples are stamped, as "
+          "in limber.run\n"
           "learn_motion_noise: the same of accelerations where the motion is constant-velocity\n"
           "doubt_odometry_mount: the odometer may be turned against the camera by 0.5 deg, otherwise a third "
           "of a second later; as in limber.run where a recording states no noise of odometry\n"

@@ -50,10 +50,11 @@ LandmarkKind landmarks_from_string(const std::string& name) {
 RunOptions make_options(const Recording& recording, const std::string& method,
                         const std::optional<std::string>& constraints, const std::string& assume_error,
                         const std::string& estimate, const std::string& soften,
-                        std::optional<double> sigma_px, bool learn_imu_noise, const std::string& init,
-                        const std::string& landmarks, bool gate, std::size_t max_landmarks,
-                        std::optional<std::size_t> points_per_update, bool clean, std::size_t max_points,
-                        double gravity, double false_alarms, std::uint64_t seed, std::uint64_t run) {
+                        std::optional<double> sigma_px, bool learn_imu_noise, bool learn_imu_clock,
+                        const std::string& init, const std::string& landmarks, bool gate,
+                        std::size_t max_landmarks, std::optional<std::size_t> points_per_update, bool clean,
+                        std::size_t max_points, double gravity, double false_alarms, std::uint64_t seed,
+                        std::uint64_t run) {
   RunOptions options;
   options.method = method_from_string(method);
   if (constraints) {
@@ -73,6 +74,7 @@ RunOptions make_options(const Recording& recording, const std::string& method,
   }
   options.sigma_px = sigma_px;
   options.learn_imu_noise = learn_imu_noise;
+  options.learn_imu_clock = learn_imu_clock;
   options.start = start_mode_from_string(init);
   options.landmarks = landmarks_from_string(landmarks);
   options.gate = gate;
@@ -92,7 +94,8 @@ void bind_run_options(py::module_& module) {
       .def(py::init(&make_options), py::arg("recording"), py::arg("method") = "lcekf", py::kw_only(),
            py::arg("constraints") = py::none(), py::arg("assume_error") = "", py::arg("estimate") = "",
            py::arg("soften") = "", py::arg("sigma_px") = py::none(),
-           py::arg("learn_imu_noise") = defaults.learn_imu_noise, py::arg("init") = "auto",
+           py::arg("learn_imu_noise") = defaults.learn_imu_noise,
+           py::arg("learn_imu_clock") = defaults.learn_imu_clock, py::arg("init") = "auto",
            py::arg("landmarks") = "inverse-depth", py::arg("gate") = defaults.gate,
            py::arg("max_landmarks") = defaults.max_landmarks, py::arg("points_per_update") = py::none(),
            py::arg("clean") = defaults.cleaning.clean, py::arg("max_points") = defaults.cleaning.max_points,

@@ -192,7 +192,10 @@ const Navigator& OnlineNavigator::navigator() const {
 }
 
 std::int64_t OnlineNavigator::clock_offset_ns() const {
-  return navigator_ ? navigator_->clock_offset_ns() + (clock_step_ ? clock_step_->offset_ns : 0) : 0;
+  if (!navigator_) {
+    return start_ ? start_->clock_offset_ns() : 0;
+  }
+  return navigator_->clock_offset_ns() + (clock_step_ ? clock_step_->offset_ns : 0);
 }
 
 std::optional<HealthReport> OnlineNavigator::health() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "limber/initialize/sensor_start.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <stdexcept>
 
@@ -39,9 +40,13 @@ std::vector<SmoothedState> StartWindow::trajectory() const {
       const Index at = static_cast<Index>(next) * model.frame_size();
       nav = solution->frames[next++].nav;
       P = covariance.block(at, at, n, n);
-      for (const ShiftedSolution& one : shifted) {
+      const auto add_error = [&](const ShiftedSolution& one) {
         const VectorXd error = body_error(model.options.motion, nav, one.state.frames[next - 1].nav);
         P += error * error.transpose();
+      };
+      std::ranges::for_each(shifted, add_error);
+      if (shifted_by_clock) {
+        add_error(*shifted_by_clock);
       }
     } else {
       const Transition step = predict_over(model.options, frame, nav);
@@ -85,7 +90,7 @@ bool same_start(const NavigatorOptions& a, const StereoCalibration& rig_of_a, co
          of_a.directions.cols() == of_b.directions.cols() && of_a.directions == of_b.directions &&
          a.estimated.tail<kMoreParameters>() == b.estimated.tail<kMoreParameters>() && a.motion == b.motion &&
          a.imu_noise == b.imu_noise && a.learn_imu_noise == b.learn_imu_noise &&
-         a.constant_velocity_noise == b.constant_velocity_noise &&
+         a.learn_imu_clock == b.learn_imu_clock && a.constant_velocity_noise == b.constant_velocity_noise &&
          a.learn_motion_noise == b.learn_motion_noise && a.sigma_px == b.sigma_px && a.gravity == b.gravity;
 }
 
@@ -135,6 +140,10 @@ StartReport SensorStart::add_frame(const StereoFrame& frame) {
   StartReport out = w.report;
   out.inputs = inputs;
   return out;
+}
+
+std::int64_t SensorStart::clock_offset_ns() const {
+  return window_->clock_step ? window_->clock_step->offset_ns : 0;
 }
 
 SensorStartResult SensorStart::result() { return result_for(window_->model.options.method); }

@@ -24,8 +24,9 @@ constexpr double kDisagrees = 3.0;
 constexpr double kLeastAtRest = 0.1;   // of the misfits that later ones are compared to
 constexpr double kFitsAsWell = 1.1;    // of a rig that is trusted, which has fewer unknowns
 constexpr double kFitsTheSame = 1.05;  // where it gives the scale; 0.1 deg of vergence pass, 0.3 do not
-constexpr double kRefines = 0.9;       // of the scale's sigma, from one solution to the next
-constexpr double kTrend = 1.2;         // of the window's length
+constexpr double kFitsMuchBetter = 0.9;
+constexpr double kRefines = 0.9;  // of the scale's sigma, from one solution to the next
+constexpr double kTrend = 1.2;    // of the window's length
 
 /// Directions of theta that leave disparities as they are: neither vergence nor the length of the baseline.
 std::vector<Index> across_disparities(const WindowModel& model) {
@@ -107,6 +108,10 @@ StartReport StartWindow::solve_and_judge() {
   solve();
   StartReport out = judged();
   bool failed = disagrees();
+  if ((failed || out.status != StartStatus::kWaiting || !knows_clock()) && learn_clock_or_step()) {
+    out = judged();
+    failed = disagrees();
+  }
   if ((failed || out.status != StartStatus::kWaiting) && explain_by_step()) {
     out = judged();
     failed = disagrees();
@@ -209,6 +214,23 @@ std::optional<StartWindow> StartWindow::trusting(StartStatus status) const {
   return fits_as_well ? std::optional(std::move(out)) : std::nullopt;
 }
 
+/// A clock that steps looks like one that is off, by what it is for most of the window: where images and
+/// inputs agreed better before, a step may explain more.
+bool StartWindow::learn_clock_or_step() {
+  const bool agrees = !agreed || normal.cost <= kAgrees * least_misfit * expected_cost(model, *solution);
+  if (agrees) {
+    return learn_clock();
+  }
+  StartWindow stepped = *this;
+  const bool learned = learn_clock();
+  const bool explained = learned && normal.cost > kAgrees * least_misfit * expected_cost(model, *solution) &&
+                         stepped.explain_by_clock() && stepped.normal.cost < kFitsMuchBetter * normal.cost;
+  if (explained) {
+    *this = std::move(stepped);
+  }
+  return learned;
+}
+
 /// Once in a window the biases may step.
 bool StartWindow::explain_by_step() {
   if (!solution || stepped_before_ns) {
@@ -268,6 +290,10 @@ InitialState StartWindow::handed_over() const {
     take_noise_from_scale(out);
   }
   out.by_parameters = by_parameters(shifted, model, out);
+  if (shifted_by_clock) {
+    out.clock_sigma = shifted_by_clock->sigma;
+    out.by_clock = by_one(*shifted_by_clock, model, out);
+  }
   return out;
 }
 

@@ -54,10 +54,11 @@ struct StartWindow {
   StartOptions options;
   InputBuffer inputs;
   InputChecks checks;
-  std::vector<InputSample> samples;  // all of them, as they came
-  std::optional<StampJump> clock_step;
-  std::vector<SmoothedState> rested;  // at frames that the window has dropped
-  std::vector<SmoothedState> stayed;  // what was said then of those that stayed
+  std::vector<InputSample> samples;     // all of them, as they came
+  std::optional<StampJump> clock_step;  // corrected in `inputs`
+  double clock_sigma = 0.0;             // [s], of that; 0: taken for known
+  std::vector<SmoothedState> rested;    // at frames that the window has dropped
+  std::vector<SmoothedState> stayed;    // what was said then of those that stayed
   /// Covariance of the window's origin, seen from the first frame of all: position and yaw.
   Eigen::Matrix4d origin = Eigen::Matrix4d::Zero();
   bool rests = false;  // the last solution awaits a motion
@@ -68,6 +69,7 @@ struct StartWindow {
   WindowNormal normal;
   Eigen::MatrixXd covariance;
   std::vector<ShiftedSolution> shifted;  // of `solution`, once the start is over
+  std::optional<ShiftedSolution> shifted_by_clock;
   double solved_s = 0.0;
   StartReport report{StartStatus::kWaiting, 0.0, kUnknown, kUnknown, "more frames", {}};
   double least_misfit = kUnknown;  // of all solutions, squared residuals over rows
@@ -120,7 +122,7 @@ struct StartWindow {
   [[nodiscard]] Tried try_guess(WindowState guess);
   void try_guesses(const Frames& now);
   void settle_solution();
-  void shift_parameters() { shifted = shifted_solutions(model, *solution); }
+  void shift_parameters();
   void clean(std::size_t end);
   void clean_and_cover();
   /// @return whether the solution is another one, because the accelerometer's biases may be larger, or not as
@@ -155,6 +157,12 @@ struct StartWindow {
   [[nodiscard]] std::optional<StartWindow> trusting(StartStatus status) const;
   bool explain_by_step();
   bool explain_by_clock();
+  /// Well enough as long as the start waits.
+  [[nodiscard]] bool knows_clock() const { return clock_sigma > 0.0 && clock_sigma < 1e-3; }
+  /// @return whether the solution is another one, because the clock is off
+  bool learn_clock();
+  bool learn_clock_or_step();
+  [[nodiscard]] StartWindow with_clock(double later_s) const;
   WindowState solved_with(const StampJump& step, WindowState state, WindowNormal& there);
   void read_inputs_anew();
   void add_by_clock(InputSample sample);

@@ -119,9 +119,12 @@ WindowState StartWindow::solved_with(const StampJump& step, WindowState state, W
 
 /// Once in a window the clock of the inputs may step.
 bool StartWindow::explain_by_clock() {
-  if (model.options.motion != MotionModel::kImu || clock_step || !agreed || !solution) {
+  const bool jumped = clock_step && clock_step->jumps();
+  if (model.options.motion != MotionModel::kImu || jumped || !agreed || !solution) {
     return false;
   }
+  const std::optional<StampJump> as_it_was = clock_step;
+  const std::int64_t offset_ns = clock_step ? clock_step->offset_ns : 0;
   // For a moment a step of the biases explains one of the clock, too.
   const std::optional<std::int64_t> bias_step_ns = std::exchange(stepped_before_ns, std::nullopt);
   const std::int64_t agreed_ns = agreed->solution.frames.back().nav.t_ns;
@@ -142,8 +145,9 @@ bool StartWindow::explain_by_clock() {
   WindowState state;
   WindowNormal there;
   double cost = kUnknown;
-  const auto attempt = [&](std::size_t frame, std::int64_t offset_ns) {
-    const StampJump step{open.frames[frame - 1].nav.t_ns, open.frames[frame].nav.t_ns, offset_ns};
+  const auto attempt = [&](std::size_t frame, std::int64_t by_ns) {
+    const StampJump step{open.frames[frame - 1].nav.t_ns, open.frames[frame].nav.t_ns, offset_ns + by_ns,
+                         offset_ns};
     WindowNormal now;
     WindowState solved = solved_with(step, open, now);
     const double cost_now = now.cost;
@@ -169,12 +173,13 @@ bool StartWindow::explain_by_clock() {
   }
   const Eigen::MatrixXd of_step = frame_covariance(there);
   if (of_step.size() == 0 || cost / expected_cost(model, state) > kExplains * least_misfit) {
-    clock_step.reset();
+    clock_step = as_it_was;
     read_inputs_anew();
     stepped_before_ns = bias_step_ns;
     return false;
   }
   clock_step = found;
+  clock_sigma = 0.0;
   read_inputs_anew();
   solution = std::move(state);
   normal = std::move(there);

@@ -34,8 +34,9 @@ std::optional<Vector3d> in_chart(const WindowModel& model, const ShiftedSolution
                      : std::nullopt;
 }
 
-/// Errors of the body and of the points, in the order of InitialState's covariances.
-VectorXd error_of(const ShiftedSolution& shifted, const WindowModel& model, const InitialState& initial) {
+}  // namespace
+
+VectorXd by_one(const ShiftedSolution& shifted, const WindowModel& model, const InitialState& initial) {
   std::unordered_map<std::int64_t, const WindowPoint*> points;
   for (const WindowPoint& point : shifted.state.points) {
     points[point.landmark.track_id] = &point;
@@ -49,10 +50,8 @@ VectorXd error_of(const ShiftedSolution& shifted, const WindowModel& model, cons
       out.segment<3>(body + 3 * static_cast<Index>(j)) = *value - handed.value;
     }
   }
-  return out;
+  return out / shifted.sigma;
 }
-
-}  // namespace
 
 std::vector<ShiftedSolution> shifted_solutions(const WindowModel& model, const WindowState& state) {
   std::vector<ShiftedSolution> out;
@@ -95,7 +94,7 @@ MatrixXd by_parameters(const std::vector<ShiftedSolution>& shifted, const Window
   MatrixXd out = MatrixXd::Zero(
       initial.body_covariance.rows() + 3 * static_cast<Index>(initial.landmarks.size()), kMoreParameters);
   for (const ShiftedSolution& one : shifted) {
-    out.col(one.parameter - kBlockSize) = error_of(one, model, initial) / one.sigma;
+    out.col(one.parameter - kBlockSize) = by_one(one, model, initial);
   }
   return out;
 }

@@ -118,6 +118,15 @@ void check_initial(const InitialState& initial) {
     throw std::invalid_argument("navigator: expected by_parameters of " + std::to_string(errors) + " x " +
                                 std::to_string(kMoreParameters) + " in the initial state");
   }
+  require_finite(initial.by_clock, "what body and landmarks owe to the clock");
+  if (!(initial.clock_sigma >= 0.0) || !std::isfinite(initial.clock_sigma)) {
+    throw std::invalid_argument(
+        "navigator: clock_sigma of the initial state must be finite and not negative");
+  }
+  if (initial.clock_sigma > 0.0 && initial.by_clock.size() != errors) {
+    throw std::invalid_argument("navigator: expected by_clock of " + std::to_string(errors) +
+                                " in the initial state");
+  }
 }
 
 void check_frame(const StereoFrame& frame, std::int64_t state_ns, std::int64_t previous_ns) {

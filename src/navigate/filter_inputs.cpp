@@ -316,7 +316,7 @@ void StereoFilter::begin_anew() {
   sound_ = anew;
   estimate_ = make_estimate(options_, given_, anew);
   steps_ns_ = t_ns;
-  doubts_clock_ = false;
+  doubts_clock_ = clock_of_start_ = false;
   clock_opened_ns_.reset();
   calibration_ = given_;
   if (excitation_) {

@@ -156,6 +156,7 @@ void StereoFilter::copy_state(const StereoFilter& constrained) {
   steps_ns_ = constrained.steps_ns_;
   doubts_clock_ = constrained.doubts_clock_;
   clock_opened_ns_ = constrained.clock_opened_ns_;
+  clock_of_start_ = constrained.clock_of_start_;
   clock_offset_ns_ = constrained.clock_offset_ns_;
   distrust_ = constrained.distrust_;
   trusted_again_ns_ = constrained.trusted_again_ns_;

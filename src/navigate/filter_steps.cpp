@@ -26,6 +26,7 @@ constexpr double kCertainClock = 5.0;     // sigmas
 constexpr double kOpen = 6.0;             // [s], for which it is estimated
 constexpr double kLeastOpen = 0.5;        // [s]
 constexpr double kExplained = 2.0;        // NIS per degree of freedom
+constexpr double kKnownClock = 0.0002;    // [s]: of a clock that was open from the start
 
 Steps of_each(double gyro, double accel, double clock) {
   Steps out;
@@ -103,10 +104,39 @@ void StereoFilter::open_clock() {
   estimate_.open_clock_step(kLargestStep.clock);
 }
 
+/// A clock that a start left open is estimated until it is known.
+void StereoFilter::open_clock_of_start(const InitialState& initial) {
+  if (initial.clock_sigma > 0.0 && estimate_.layout().has_supposed_steps &&
+      !estimates_time_offset(options_)) {
+    correlate_with_clock(estimate_, initial);
+    clock_opened_ns_ = initial.nav.t_ns;
+    clock_of_start_ = true;
+  }
+}
+
+/// @return whether it is off by so much that one has to know
+bool StereoFilter::follow_clock_of_start() {
+  const Estimate::ClockStep step = estimate_.clock_step();
+  const bool known = step.sigma < kKnownClock;
+  const bool shows = std::abs(step.mean) > std::max(kSmallestClock, kCertainClock * step.sigma);
+  if (shows || known) {
+    set_clock_offset(clock_offset_ns_ + std::llround(1e9 * step.mean));
+  }
+  if (known) {
+    clock_of_start_ = false;
+    clock_opened_ns_.reset();
+    restart_steps();
+  }
+  return shows;
+}
+
 /// Opens a clock that is in doubt once the frame behind the one that contradicted fits, and follows it for a
 /// while. Things that move contradict the inputs as well, but then nothing that is open explains the points.
 /// @return whether it shows that it stepped
 bool StereoFilter::follow_clock(const FrameReport& report) {
+  if (clock_of_start_) {
+    return follow_clock_of_start();
+  }
   const bool explains = report.nis < kExplained * static_cast<double>(report.dof) && !points_quarrel(report);
   if (std::exchange(doubts_clock_, false) && explains && !clock_opened_ns_ &&
       !estimates_time_offset(options_)) {

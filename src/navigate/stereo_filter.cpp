@@ -107,10 +107,11 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
   if (!has_more(options_) || (initial.by_parameters.size() > 0 && doubts_by_estimating(options_))) {
     place_first_map(estimate_, initial, mount(calibration)[0].T_cam_body.inverse());
     correlate_with_parameters(estimate_, initial);
-    if (!initial.landmarks.empty()) {
-      last_frame_ns_ = initial.nav.t_ns;
-      rest_unseen(estimate_, initial.nav.t_ns, options_.map);
-    }
+  }
+  open_clock_of_start(initial);
+  if (!estimate_.landmarks().empty()) {
+    last_frame_ns_ = initial.nav.t_ns;
+    rest_unseen(estimate_, initial.nav.t_ns, options_.map);
   }
   if (estimate_.layout().has_map_scale && told_by_imu_alone(options_)) {
     excitation_.emplace(options_.imu_noise.accel_density);

@@ -90,7 +90,8 @@ std::string in_words(const RunEvent& e) {
           when);
     case RunEventKind::kClockStepped:
       return fmt::format(
-          "{} the images showed that the IMU's clock had stepped: its samples were taken {:.4f} s {} than "
+          "{} the images showed that the IMU's clock is off, or had stepped: its samples were taken {:.4f} s "
+          "{} than "
           "they are stamped, and are used so since then",
           when, std::abs(e.clock_offset_s), e.clock_offset_s > 0.0 ? "earlier" : "later");
     case RunEventKind::kNoInputs:

@@ -87,6 +87,7 @@ void choose_noise(const SensorData& sensors, const RunOptions& options, RunSetup
   // paper's.
   navigator.carries_scale = options.start != StartMode::kGroundTruth || !sensors.pixel_noise;
   navigator.learn_imu_noise = options.learn_imu_noise && navigator.carries_scale;
+  navigator.learn_imu_clock = options.learn_imu_clock && options.start == StartMode::kAuto;
   if (options.sigma_px) {
     navigator.sigma_px.setConstant(*options.sigma_px);
   } else {

@@ -83,7 +83,7 @@ SensorWindow start_from_sensors(const SensorData& sensors, const RunSetup& setup
     seen.push_back(read_frame(source, n++));
     const StereoFrame& frame = seen.back().frame;
     const auto begin = Clock::now();
-    feed.feed(start, motion, frame.t_ns);
+    feed.feed(start, motion, frame.t_ns + start.clock_offset_ns());
     out.report = start.add_frame(frame);
     FrameReport report;
     report.t_ns = frame.t_ns;

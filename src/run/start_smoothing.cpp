@@ -21,7 +21,7 @@ void StartSmoothing::add(const StereoFrame& frame) {
     complete_ = true;
     return;
   }
-  feed_.feed(start_, motion_, frame.t_ns);
+  feed_.feed(start_, motion_, frame.t_ns + start_.clock_offset_ns());
   (void)start_.add_frame(frame);
   last_ns_ = frame.t_ns;
 }

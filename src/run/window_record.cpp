@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "limber/core/angle.hpp"
@@ -12,6 +13,30 @@
 
 namespace limber::detail {
 namespace {
+
+constexpr double kClockMatters = 1e-3;  // [s]
+constexpr double kClockSurely = 5.0;    // of its sigma
+
+/// How an IMU's samples are used where they were not taken when they are stamped.
+void say_clock(const SensorStartResult& start, RunRecord& record) {
+  if (!start.clock_step) {
+    return;
+  }
+  const StampJump& clock = *start.clock_step;
+  const double offset_s = to_seconds(clock.offset_ns);
+  const char* const when = offset_s > 0.0 ? "earlier" : "later";
+  if (clock.jumps()) {
+    record.notes.push_back(fmt::format(
+        "the IMU's clock stepped between {:.3f} s and {:.3f} s: its samples since then were taken {:.4f} s "
+        "{} than they are stamped, and are used so",
+        to_seconds(clock.after_ns), to_seconds(clock.before_ns), std::abs(offset_s), when));
+  } else if (std::abs(offset_s) > std::max(kClockMatters, kClockSurely * start.initial.clock_sigma)) {
+    record.notes.push_back(fmt::format(
+        "the IMU's samples were taken {:.4f} s {} than they are stamped, by the images (±{:.4f} s), and are "
+        "used so (--imu-clock)",
+        std::abs(offset_s), when, start.initial.clock_sigma));
+  }
+}
 
 /// How long it took, what is known, and what is not.
 void say_start(const SensorWindow& window, RunRecord& record) {
@@ -31,13 +56,7 @@ void say_start(const SensorWindow& window, RunRecord& record) {
       report.scale_sigma < 1.0 ? fmt::format("scale to {:.2g} %", 100.0 * report.scale_sigma)
                                : "scale not at all",
       report.missing.empty() ? "" : "; not known: " + report.missing));
-  if (const auto& clock = window.result.clock_step) {
-    record.notes.push_back(fmt::format(
-        "the IMU's clock stepped between {:.3f} s and {:.3f} s: its samples since then were taken {:.4f} s "
-        "{} than they are stamped, and are used so",
-        to_seconds(clock->after_ns), to_seconds(clock->before_ns), to_seconds(std::abs(clock->offset_ns)),
-        clock->offset_ns > 0 ? "earlier" : "later"));
-  }
+  say_clock(window.result, record);
 }
 
 }  // namespace

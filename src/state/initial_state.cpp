@@ -48,6 +48,23 @@ void place_first_map(Estimate& estimate, const InitialState& initial, const Pose
   estimate.refresh_map_scale();
 }
 
+namespace {
+
+/// What is said of body and points (if they were placed), where they stand in the state.
+Eigen::MatrixXd in_state(const Estimate& estimate, const Eigen::MatrixXd& of_body_and_points) {
+  using Eigen::Index;
+  const Index body = estimate.layout().body_size(), points = of_body_and_points.rows() - body;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(estimate.size(), of_body_and_points.cols());
+  out.topRows(body) = of_body_and_points.topRows(body);
+  if (points > 0 && !estimate.landmarks().empty()) {
+    out.middleRows<L::kPoseSize>(estimate.size() - points - L::kPoseSize) = out.topRows<L::kPoseSize>();
+    out.bottomRows(points) = of_body_and_points.bottomRows(points);
+  }
+  return out;
+}
+
+}  // namespace
+
 /// [s; 1] times the parameter's error, added to what is known without it, is the joint covariance but for the
 /// parameter's own, which is there already.
 void correlate_with_parameters(Estimate& estimate, const InitialState& initial) {
@@ -57,26 +74,28 @@ void correlate_with_parameters(Estimate& estimate, const InitialState& initial) 
     return;
   }
   const StateLayout& layout = estimate.layout();
-  const Index body = layout.body_size(), points = initial.by_parameters.rows() - body;
-  const Index clone = estimate.size() - points - L::kPoseSize;
   for (std::size_t block = 0; block < layout.has_more.size(); ++block) {
     if (!layout.has_more[block]) {
       continue;
     }
     const Index at = layout.more(block);
     const MatrixXd prior = estimate.P().diagonal_block<kBlockSize>(at);
-    MatrixXd W = MatrixXd::Zero(estimate.size(), kBlockSize);
-    const auto of_block =
-        initial.by_parameters.middleCols(static_cast<Index>(block) * kBlockSize, kBlockSize);
-    W.topRows(body) = of_block.topRows(body);
-    if (points > 0) {
-      W.middleRows<L::kPoseSize>(clone) = W.topRows<L::kPoseSize>();
-      W.bottomRows(points) = of_block.bottomRows(points);
-    }
+    MatrixXd W = in_state(
+        estimate, initial.by_parameters.middleCols(static_cast<Index>(block) * kBlockSize, kBlockSize));
     W.middleRows(at, kBlockSize).setIdentity();
     estimate.mutable_P().add_outer(W * prior.diagonal().cwiseSqrt().asDiagonal());
     estimate.mutable_P().set_diagonal_block(at, prior);
   }
+  estimate.refresh_map_scale();
+}
+
+void correlate_with_clock(Estimate& estimate, const InitialState& initial) {
+  if (initial.clock_sigma == 0.0) {
+    return;
+  }
+  Eigen::MatrixXd W = initial.clock_sigma * in_state(estimate, initial.by_clock);
+  W(estimate.layout().clock_step(), 0) = initial.clock_sigma;
+  estimate.mutable_P().add_outer(W);
   estimate.refresh_map_scale();
 }
 

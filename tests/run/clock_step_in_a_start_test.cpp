@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -52,6 +53,51 @@ TEST(ClockStepInAStart, IsNotFoundWhereThereIsNone) {
   EXPECT_THAT(record.notes, Not(Contains(HasSubstr("clock stepped"))));
 }
 
+/// As of cameras that nobody has synchronised with their IMU.
+void expect_offset_to_be_found(double offset_s, Method method) {
+  Recording recording = testing::realistic("drone_none", 16.0, 46);
+  for (ImuSample& sample : recording.imu) {
+    sample.t_ns += std::llround(1e9 * offset_s);
+  }
+  RunOptions options;
+  options.method = method;
+  const RunRecord record = run_recording(recording, options, matched_frames(recording));
+  EXPECT_THAT(record.notes, Contains(HasSubstr("than they are stamped, by the images"))) << offset_s;
+  const RunSummary summary = summarize(recording, options, record);
+  EXPECT_LE(summary.anees.value(), 2.5) << offset_s;
+  EXPECT_LE(summary.ate_se3_m.value(), 0.05) << offset_s;
+}
+
+TEST(ClockThatIsOff, IsFoundAndSaidAndTheRunIsWhatItClaims) {
+  expect_offset_to_be_found(0.1, Method::kLcekf);
+  expect_offset_to_be_found(-0.012, Method::kEkf);
+}
+
+TEST(FullClockThatIsOff, IsFoundAndSaidAndTheRunIsWhatItClaims) {
+  for (const double offset_s : {-0.1, 0.012, 0.2}) {
+    for (const Method method : {Method::kEkf, Method::kLcekf, Method::kAdaptive}) {
+      expect_offset_to_be_found(offset_s, method);
+    }
+  }
+}
+
+TEST(ClockThatIsOff, IsNotSaidOfOneThatIsNot) {
+  const Recording recording = drone(0);
+  const RunRecord record = run_recording(recording, RunOptions{}, matched_frames(recording));
+  EXPECT_THAT(record.notes, Not(Contains(HasSubstr("than they are stamped"))));
+}
+
+TEST(ClockThatIsOff, IsLeftAloneWhereItIsStated) {
+  const Recording recording = drone(0);
+  RunOptions options;
+  options.learn_imu_clock = false;
+  EXPECT_FALSE(set_up_run(recording, options).navigator.learn_imu_clock);
+  options = {};
+  EXPECT_TRUE(set_up_run(recording, options).navigator.learn_imu_clock);
+  options.start = StartMode::kGroundTruth;
+  EXPECT_FALSE(set_up_run(recording, options).navigator.learn_imu_clock);
+}
+
 /// The samples that come later are corrected, too.
 TEST(ClockStepInAStart, IsKnownToTheOnlineNavigator) {
   const Recording recording = drone(-100'000'000);
@@ -86,6 +132,15 @@ TEST(StampJump, TellsWhenASampleWasTaken) {
   const StampJump early{1000, 1100, -50};
   EXPECT_FALSE(early.corrected(1100));
   EXPECT_EQ(early.corrected(1101), 1151);
+  const StampJump all_along{.offset_ns = 50, .offset_before_ns = 50};
+  EXPECT_FALSE(all_along.jumps());
+  EXPECT_EQ(all_along.corrected(-1000), -1050);
+  EXPECT_EQ(all_along.corrected(1000), 950);
+  const StampJump both{1000, 1100, 50, 20};
+  EXPECT_TRUE(both.jumps());
+  EXPECT_EQ(both.corrected(1020), 1000);
+  EXPECT_FALSE(both.corrected(1110));
+  EXPECT_EQ(both.corrected(1160), 1110);
 }
 
 }  // namespace

@@ -74,8 +74,8 @@ class OnlineNavigator {
   /// @throws std::logic_error before the start, and for any other method
   void show_true_rig(const TrueRig& truth);
 
-  /// How much later than taken an IMU's samples are stamped by now, as far as the images showed it [ns]; 0
-  /// before the start. As Navigator::clock_offset_ns.
+  /// How much later than taken an IMU's samples are stamped by now, as far as the images showed it [ns]. As
+  /// Navigator::clock_offset_ns; while a start goes on that of SensorStart.
   [[nodiscard]] std::int64_t clock_offset_ns() const;
 
   /// What the alarm made of the last frame; nothing before the start, or if the calibration is not watched.

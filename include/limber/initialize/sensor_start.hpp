@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -73,19 +74,26 @@ struct SmoothedState {
   Eigen::MatrixXd motion_covariance;  ///< velocity and biases [m/s, rad/s, m/s^2]; may be empty
 };
 
-/// The stamps of an IMU that jumped while a start waited.
+/// The stamps of an IMU that are off, or jumped while a start waited.
 struct StampJump {
-  /// the frames between which they jumped [ns]
-  std::int64_t after_ns = 0, before_ns = 0;
-  std::int64_t offset_ns = 0;  ///< how much later than taken the samples since then are stamped [ns]
+  /// Of stamps that are off by the same all the time: before any frame.
+  static constexpr std::int64_t kAllAlong = std::numeric_limits<std::int64_t>::min();
+
+  /// the frames between which they jumped, by the cameras' clock [ns]
+  std::int64_t after_ns = kAllAlong, before_ns = kAllAlong;
+  std::int64_t offset_ns = 0;         ///< how much later than taken the samples since then are stamped [ns]
+  std::int64_t offset_before_ns = 0;  ///< and those until then [ns]
+
+  [[nodiscard]] bool jumps() const { return before_ns != kAllAlong; }
 
   /// When a sample with that stamp was taken [ns]; nothing for those around the jump, of which nobody knows.
   [[nodiscard]] std::optional<std::int64_t> corrected(std::int64_t stamp_ns) const {
-    if (stamp_ns <= after_ns) {
-      return stamp_ns;
+    const std::int64_t before_jump_ns = stamp_ns - offset_before_ns;
+    if (before_jump_ns <= after_ns) {
+      return before_jump_ns;
     }
     const std::int64_t taken_ns = stamp_ns - offset_ns;
-    return stamp_ns > before_ns && taken_ns > before_ns ? std::optional(taken_ns) : std::nullopt;
+    return before_jump_ns > before_ns && taken_ns > before_ns ? std::optional(taken_ns) : std::nullopt;
   }
 };
 
@@ -108,7 +116,7 @@ struct SensorStartResult {
   /// before that. These came after it: the navigator's next frames.
   std::vector<StereoFrame> unused;
   std::optional<std::int64_t> bias_step_ns;  ///< the IMU's biases stepped just before that frame
-  /// The IMU's clock stepped: later samples, too, have to be given to the navigator by corrected().
+  /// The IMU's clock is off or stepped: later samples, too, have to be given to the navigator by corrected().
   std::optional<StampJump> clock_step;
   bool solved = true;  ///< false: images and inputs agree upon no motion, and nothing of them was used
 };
@@ -162,6 +170,10 @@ class SensorStart {
   /// Once the start is ready, more frames change nothing but what result() says of the frames so far.
   /// @throws std::invalid_argument if time does not increase, a pixel is not finite or a million pixels away
   StartReport add_frame(const StereoFrame& frame);
+
+  /// How much later than taken an IMU's samples are stamped, as far as the start knows [ns]. Feed them as far
+  /// beyond a frame.
+  [[nodiscard]] std::int64_t clock_offset_ns() const;
 
   /// What is known by now, whatever the status.
   /// @throws std::invalid_argument if there was no frame yet

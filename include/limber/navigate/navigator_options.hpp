@@ -38,6 +38,9 @@ struct NavigatorOptions {
   ImuNoise imu_noise;
   /// imu_noise is the least: how much more there is is learned from what images say (LearnedImuNoise).
   bool learn_imu_noise = false;
+  /// A start from the sensors finds how much later than taken an IMU's samples are stamped (to 0.25 s), and
+  /// the filter corrects that until it is known (to 0.2 ms). Not where `dt0` is estimated.
+  bool learn_imu_clock = false;
   OdometryNoise odometry_noise;  ///< per sample
   /// odometry_noise is but where to begin: it is learned from the samples (LearnedOdometryNoise).
   bool learn_odometry_noise = false;

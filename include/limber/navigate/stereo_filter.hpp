@@ -193,6 +193,8 @@ class StereoFilter {
   [[nodiscard]] StepFit fit_steps() const;
   void open_steps(const StepSize& size);
   void open_clock();
+  void open_clock_of_start(const InitialState& initial);
+  bool follow_clock_of_start();
   bool follow_clock(const FrameReport& report);
   void set_clock_offset(std::int64_t offset_ns);
   void restart_steps();
@@ -278,6 +280,7 @@ class StereoFilter {
   std::int64_t steps_ns_ = 0;                    // steps of biases and clock are supposed to have begun then
   bool doubts_clock_ = false;                    // a frame contradicted the inputs, and no step explains it
   std::optional<std::int64_t> clock_opened_ns_;  // it may have stepped: its step is estimated
+  bool clock_of_start_ = false;                  // it is open since the start, until it is known
   std::int64_t clock_offset_ns_ = 0;             // of an IMU's stamps, beside when its samples were taken
   MoreNoise distrust_;                           // what the images said against the inputs, for a while
   std::int64_t trusted_again_ns_ = std::numeric_limits<std::int64_t>::min();

@@ -25,6 +25,12 @@ struct InitialState {
   /// (body_size + 3n) x kMoreParameters; empty where none is estimated. What the covariances above say is
   /// beside that.
   Eigen::MatrixXd by_parameters = {};
+  /// How well the clock of an IMU is known (standard deviation) [s], and by how much body and points are off
+  /// for each second that its samples are stamped later than they are taken for, body_size + 3n. Known
+  /// exactly where empty. What the covariances above say is beside that.
+  double clock_sigma = 0.0;
+  /// see clock_sigma
+  Eigen::VectorXd by_clock = {};
   /// False where nothing had told the scale, with an IMU: the map has the rig's, and what is known of it is
   /// what was known without the rig.
   bool scale_told = true;
@@ -47,5 +53,9 @@ void place_first_map(Estimate& estimate, const InitialState& initial, const Pose
 /// @brief Makes body and first map as unsure as the parameters beyond theta that they rest on, and correlates
 /// them: after place_first_map, before anything else. Nothing where `by_parameters` is empty.
 void correlate_with_parameters(Estimate& estimate, const InitialState& initial);
+
+/// @brief The same with the clock of an IMU, which is as open as `clock_sigma` from then on. Whether or not
+/// the first map was placed. For layouts that have its step.
+void correlate_with_clock(Estimate& estimate, const InitialState& initial);
 
 }  // namespace limber
