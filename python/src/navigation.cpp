@@ -252,6 +252,10 @@ void bind_start(py::module_& module) {
             return self.with([&](SensorStart& it) { return it.add_frame(frame); });
           },
           py::arg("frame"), DOC(SensorStart_add_frame))
+      .def_property_readonly(
+          "clock_offset_ns",
+          [](BoundStart& self) { return self.with([](SensorStart& it) { return it.clock_offset_ns(); }); },
+          DOC(SensorStart_clock_offset_ns))
       .def(
           "result",
           [](BoundStart& self) { return self.with([](SensorStart& it) { return it.result().initial; }); },

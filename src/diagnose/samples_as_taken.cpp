@@ -33,7 +33,7 @@ std::vector<ImuSample> samples_as_taken(const Recording& recording, const RunRec
     const auto taken_ns = taken_at(stamp_ns, record.clock_step_of_start);
     sample.t_ns = taken_ns.value_or(from_ns - 1);
     const auto next = std::ranges::lower_bound(offsets, stamp_ns, {}, &ClockOffset::t_ns);
-    sample.t_ns -= next != offsets.begin() ? std::prev(next)->offset_ns : 0;
+    sample.t_ns -= next != offsets.begin() ? std::prev(next)->offset_ns : record.start.clock_offset_ns;
     if (sample.t_ns >= from_ns && (out.empty() || sample.t_ns > out.back().t_ns)) {
       out.push_back(sample);
     }

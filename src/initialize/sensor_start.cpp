@@ -195,7 +195,9 @@ SensorStartResult SensorStart::result_for(Method method) {
     w.report = out.report;  // the start is over
   }
   out.bias_step_ns = w.stepped_before_ns;
-  out.clock_step = w.clock_step;
+  if (w.clock_step && w.clock_step->jumps()) {
+    out.clock_step = w.clock_step;
+  }
   out.unused = w.unused;
   if (out.solved) {
     out.used = w.raw;

@@ -290,6 +290,9 @@ InitialState StartWindow::handed_over() const {
     take_noise_from_scale(out);
   }
   out.by_parameters = by_parameters(shifted, model, out);
+  if (clock_step && !clock_step->jumps()) {
+    out.clock_offset_ns = clock_step->offset_ns;
+  }
   if (shifted_by_clock) {
     out.clock_sigma = shifted_by_clock->sigma;
     out.by_clock = by_one(*shifted_by_clock, model, out);

@@ -22,8 +22,8 @@ namespace {
 constexpr double kPlausibleClock = 0.05, kLargestClock = 0.25;  // [s]
 constexpr int kClockRounds = 6;
 constexpr int kNearSteps = 6, kShiftSteps = 10;  // of a solution, from one that is near
-constexpr double kSmallClock = 2e-4;   // [s]: less changes nothing
-constexpr double kWithin = 0.25;  // of its sigma, the same
+constexpr double kSmallClock = 2e-4;             // [s]: less changes nothing
+constexpr double kWithin = 0.25;                 // of its sigma, the same
 /// Of the cost: pixels are worth less in it than they show themselves to be.
 constexpr double kNoWorse = 1.02;
 
@@ -55,7 +55,8 @@ std::optional<LaterBy> later_by(const WindowModel& model, WindowState state) {
   information.diagonal() += usual_offsets().cwiseAbs2().cwiseInverse();
   const Cholesky factor(information);
   const Index clock = place_of(InertialFactor::kClock).first;
-  return LaterBy{factor.solve(VectorXd(evidence.score / noise))(clock), std::sqrt(factor.inverse()(clock, clock))};
+  return LaterBy{factor.solve(VectorXd(evidence.score / noise))(clock),
+                 std::sqrt(factor.inverse()(clock, clock))};
 }
 
 }  // namespace

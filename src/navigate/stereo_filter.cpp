@@ -100,6 +100,7 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
       budget_(calibration, options_.map.points_per_update),
       inputs_(options.motion == MotionModel::kOdometry ? kOdometryPrior : kImuPrior),
       checks_(limits_of(options.motion)),
+      clock_offset_ns_(initial.clock_offset_ns),
       sound_(initial),
       scale_told_(initial.scale_told || !has_scale(options.motion)) {
   check_parameters(options_, calibration);

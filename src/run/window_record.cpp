@@ -19,17 +19,14 @@ constexpr double kClockSurely = 5.0;    // of its sigma
 
 /// How an IMU's samples are used where they were not taken when they are stamped.
 void say_clock(const SensorStartResult& start, RunRecord& record) {
-  if (!start.clock_step) {
-    return;
-  }
-  const StampJump& clock = *start.clock_step;
-  const double offset_s = to_seconds(clock.offset_ns);
+  const auto& jump = start.clock_step;
+  const double offset_s = to_seconds(jump ? jump->offset_ns : start.initial.clock_offset_ns);
   const char* const when = offset_s > 0.0 ? "earlier" : "later";
-  if (clock.jumps()) {
+  if (jump) {
     record.notes.push_back(fmt::format(
         "the IMU's clock stepped between {:.3f} s and {:.3f} s: its samples since then were taken {:.4f} s "
         "{} than they are stamped, and are used so",
-        to_seconds(clock.after_ns), to_seconds(clock.before_ns), std::abs(offset_s), when));
+        to_seconds(jump->after_ns), to_seconds(jump->before_ns), std::abs(offset_s), when));
   } else if (std::abs(offset_s) > std::max(kClockMatters, kClockSurely * start.initial.clock_sigma)) {
     record.notes.push_back(fmt::format(
         "the IMU's samples were taken {:.4f} s {} than they are stamped, by the images (±{:.4f} s), and are "

@@ -9,6 +9,7 @@
 
 #include "initialize/started.hpp"
 #include "limber/core/so3.hpp"
+#include "limber/core/time.hpp"
 #include "limber/navigate/navigator.hpp"
 
 namespace limber {
@@ -39,9 +40,7 @@ SensorStartResult started(const Scene& scene, Method method, bool learns = true)
   return testing::start(scene, options, at_once()).result;
 }
 
-double offset_of(const SensorStartResult& result) {
-  return result.clock_step ? 1e-9 * static_cast<double>(result.clock_step->offset_ns) : 0.0;
-}
+double offset_of(const SensorStartResult& result) { return to_seconds(result.initial.clock_offset_ns); }
 
 /// The noise that is stated of the scene's gyroscope, and is not there, is as large as what its rate changes
 /// by within a frame: a second or two tell the clock to a hundredth of a second.
@@ -52,7 +51,8 @@ TEST(ClockOfStart, IsFoundToItsSigma) {
       const double sigma = result.initial.clock_sigma;
       EXPECT_GT(sigma, 0.0);
       EXPECT_LE(sigma, 15e-3) << offset_ns;
-      EXPECT_LE(std::abs(offset_of(result) - 1e-9 * static_cast<double>(offset_ns)), 4.0 * sigma) << offset_ns;
+      EXPECT_LE(std::abs(offset_of(result) - 1e-9 * static_cast<double>(offset_ns)), 4.0 * sigma)
+          << offset_ns;
     }
   }
 }
@@ -64,7 +64,7 @@ TEST(ClockOfStart, IsNotMovedWithoutReason) {
 
 TEST(ClockOfStart, IsTakenForKnownUnlessAsked) {
   const SensorStartResult result = started(stamped_late(41, 20 * kMs), Method::kLcekf, false);
-  EXPECT_FALSE(result.clock_step);
+  EXPECT_EQ(result.initial.clock_offset_ns, 0);
   EXPECT_EQ(result.initial.clock_sigma, 0.0);
   EXPECT_EQ(result.initial.by_clock.size(), 0);
 }

@@ -18,7 +18,7 @@ def step_through(recording, **options):
     t_imu = recording.imu["t_ns"]
 
     def feed(receiver, begin, t_ns):
-        end = int(np.searchsorted(t_imu, t_ns)) + 1
+        end = int(np.searchsorted(t_imu, t_ns + receiver.clock_offset_ns)) + 1
         receiver.add_imu(recording.imu[begin:end])
         return min(end, len(t_imu))
 

@@ -84,6 +84,7 @@ struct StampJump {
   std::int64_t offset_ns = 0;         ///< how much later than taken the samples since then are stamped [ns]
   std::int64_t offset_before_ns = 0;  ///< and those until then [ns]
 
+  /// Not off by the same all the time.
   [[nodiscard]] bool jumps() const { return before_ns != kAllAlong; }
 
   /// When a sample with that stamp was taken [ns]; nothing for those around the jump, of which nobody knows.
@@ -116,7 +117,8 @@ struct SensorStartResult {
   /// before that. These came after it: the navigator's next frames.
   std::vector<StereoFrame> unused;
   std::optional<std::int64_t> bias_step_ns;  ///< the IMU's biases stepped just before that frame
-  /// The IMU's clock is off or stepped: later samples, too, have to be given to the navigator by corrected().
+  /// The IMU's clock stepped: later samples, too, have to be given to the navigator by corrected(). Of one
+  /// that is off by the same all the time a navigator knows from `initial`.
   std::optional<StampJump> clock_step;
   bool solved = true;  ///< false: images and inputs agree upon no motion, and nothing of them was used
 };

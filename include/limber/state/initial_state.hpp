@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct InitialState {
   /// (body_size + 3n) x kMoreParameters; empty where none is estimated. What the covariances above say is
   /// beside that.
   Eigen::MatrixXd by_parameters = {};
+  /// How much later than taken an IMU's samples are stamped [ns]: those that are given are corrected by it.
+  std::int64_t clock_offset_ns = 0;
   /// How well the clock of an IMU is known (standard deviation) [s], and by how much body and points are off
   /// for each second that its samples are stamped later than they are taken for, body_size + 3n. Known
   /// exactly where empty. What the covariances above say is beside that.
