@@ -111,7 +111,7 @@ inline constexpr const char* kMistakeAdvice = "mend the mistake, and look again"
 /// What to do about a clock that is off.
 inline constexpr const char* kClockAdvice =
     "mend the clock (or give its offset: timeshift_cam_imu of a Kalibr file, --calib), and look again; until "
-    "then the IMU's is learned (--imu-clock), and cam1's by --estimate dt0,dt1";
+    "then --imu-clock learned for the IMU's, --estimate dt0,dt1 for cam1's";
 
 /// What to do about turns that a focal length explains best.
 inline constexpr const char* kFocalAdvice =
