@@ -101,17 +101,14 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
       .add_option("--sigma-px", arguments.sigma_px,
                   "Pixel noise [px], white; default: the recording's, else learned")
       ->check(positive());
-  command
-      .add_option("--imu-noise", arguments.imu_noise,
-                  "stated: the recording's alone; learned: as much more as images ask for")
-      ->transform(one_of({"learned", "stated"}))
-      ->capture_default_str();
-  command
-      .add_option("--imu-clock", arguments.imu_clock,
-                  "stated: samples were taken when they are stamped; learned: as much earlier or later as "
-                  "images say")
-      ->transform(one_of({"learned", "stated"}))
-      ->capture_default_str();
+  const auto learned_or_stated = [&command](const char* name, std::string& chosen, const char* words) {
+    command.add_option(name, chosen, words)->transform(one_of({"learned", "stated"}))->capture_default_str();
+  };
+  learned_or_stated("--imu-noise", arguments.imu_noise,
+                    "stated: the recording's alone; learned: as much more as images ask for");
+  learned_or_stated("--imu-clock", arguments.imu_clock,
+                    "stated: samples were taken when they are stamped; learned: as much earlier or later as "
+                    "images say");
   command
       .add_option(
           "--odometry-scale", arguments.odometry_scale,

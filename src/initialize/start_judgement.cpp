@@ -217,14 +217,16 @@ std::optional<StartWindow> StartWindow::trusting(StartStatus status) const {
 /// A clock that steps looks like one that is off, by what it is for most of the window: where images and
 /// inputs agreed better before, a step may explain more.
 bool StartWindow::learn_clock_or_step() {
-  const bool agrees = !agreed || normal.cost <= kAgrees * least_misfit * expected_cost(model, *solution);
-  if (agrees) {
+  if (!may_learn_clock()) {
+    return false;
+  }
+  if (!agreed || misfit() <= kAgrees * least_misfit) {
     return learn_clock();
   }
   StartWindow stepped = *this;
   const bool learned = learn_clock();
-  const bool explained = learned && normal.cost > kAgrees * least_misfit * expected_cost(model, *solution) &&
-                         stepped.explain_by_clock() && stepped.normal.cost < kFitsMuchBetter * normal.cost;
+  const bool explained = learned && misfit() > kAgrees * least_misfit && stepped.explain_by_clock() &&
+                         stepped.normal.cost < kFitsMuchBetter * normal.cost;
   if (explained) {
     *this = std::move(stepped);
   }
@@ -251,6 +253,9 @@ bool StartWindow::explain_by_step() {
   return true;
 }
 
+/// Squared residuals of the solution, over those of pixels as good as assumed.
+double StartWindow::misfit() const { return normal.cost / expected_cost(model, *solution); }
+
 /// Whatever pixels are worth, they are worth the same later on: a fault of the inputs makes the misfit grow.
 /// At rest points take on what lasts of a pixel's error, of which a motion shows more; tracks of a second are
 /// finer than older ones. No solution at all is none that agrees.
@@ -258,14 +263,14 @@ bool StartWindow::disagrees() {
   if (!solution) {
     return agreed.has_value();
   }
-  const double misfit = normal.cost / expected_cost(model, *solution);
+  const double now = misfit();
   const double fine = fine_pixels(model) * fine_pixels(model);
   const double least = moves() ? fine : std::max(fine, kLeastAtRest);
-  least_misfit = std::min(least_misfit, std::max(misfit, least));
-  if (misfit <= kAgrees * least_misfit) {
+  least_misfit = std::min(least_misfit, std::max(now, least));
+  if (now <= kAgrees * least_misfit) {
     agreed = Agreed{frames.size(), *solution, normal, covariance};
   }
-  return agreed && misfit > kDisagrees * least_misfit;
+  return agreed && now > kDisagrees * least_misfit;
 }
 
 /// To where images and inputs agreed last.

@@ -161,11 +161,14 @@ struct StartWindow {
   [[nodiscard]] bool knows_clock() const { return clock_sigma > 0.0 && clock_sigma < 1e-3; }
   /// @return whether the solution is another one, because the clock is off
   bool learn_clock();
+  [[nodiscard]] bool may_learn_clock() const;
   bool learn_clock_or_step();
   [[nodiscard]] StartWindow with_clock(double later_s) const;
   WindowState solved_with(const StampJump& step, WindowState state, WindowNormal& there);
   void read_inputs_anew();
+  void take_inputs(WindowState& state) const;
   void add_by_clock(InputSample sample);
+  [[nodiscard]] double misfit() const;
   [[nodiscard]] bool disagrees();
   void go_back();
   [[nodiscard]] InputReport report_inputs(std::int64_t t_ns);

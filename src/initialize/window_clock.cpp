@@ -93,6 +93,16 @@ void StartWindow::read_inputs_anew() {
   }
 }
 
+/// The inputs of the window's frames, for states that were solved with others.
+void StartWindow::take_inputs(WindowState& state) const {
+  Frames now = kept();
+  for (std::size_t k = 0; k < state.frames.size(); ++k) {
+    now.frames[k].theta = state.frames[k].theta;
+    now.frames[k].nav = state.frames[k].nav;
+    state.frames[k] = std::move(now.frames[k]);
+  }
+}
+
 void StartWindow::add_by_clock(InputSample sample) {
   if (const auto t_ns = taken_at(sample.t_ns, clock_step)) {
     sample.t_ns = *t_ns;
@@ -104,14 +114,10 @@ void StartWindow::add_by_clock(InputSample sample) {
 WindowState StartWindow::solved_with(const StampJump& step, WindowState state, WindowNormal& there) {
   clock_step = step;
   read_inputs_anew();
-  const Frames now = kept();
-  for (std::size_t k = 0; k < state.frames.size(); ++k) {
-    WindowFrame frame = now.frames[k];
-    frame.theta = state.frames[k].theta;
-    frame.nav = state.frames[k].nav;
+  take_inputs(state);
+  for (WindowFrame& frame : state.frames) {
     frame.nav.bias_gyro = state.frames.front().nav.bias_gyro;
     frame.nav.bias_accel = state.frames.front().nav.bias_accel;
-    state.frames[k] = frame;
   }
   there = solve_window(model, state, kClockIterations);
   return state;

@@ -70,21 +70,16 @@ StartWindow StartWindow::with_clock(double later_s) const {
   clock.offset_before_ns += by_ns;
   out.clock_step = clock;
   out.read_inputs_anew();
-  const Frames now = out.kept();
-  for (std::size_t k = 0; k < out.solution->frames.size(); ++k) {
-    WindowFrame frame = now.frames[k];
-    frame.theta = out.solution->frames[k].theta;
-    frame.nav = out.solution->frames[k].nav;
-    out.solution->frames[k] = std::move(frame);
-  }
+  out.take_inputs(*out.solution);
   return out;
 }
 
+bool StartWindow::may_learn_clock() const {
+  return model.options.learn_imu_clock && model.options.motion == MotionModel::kImu && solution &&
+         !(clock_step && clock_step->jumps()) && !estimates_time_offset(model.options);
+}
+
 bool StartWindow::learn_clock() {
-  if (!model.options.learn_imu_clock || model.options.motion != MotionModel::kImu || !solution ||
-      (clock_step && clock_step->jumps()) || estimates_time_offset(model.options)) {
-    return false;
-  }
   StartWindow best = *this;
   for (int round = 0; round < kClockRounds; ++round) {
     const std::optional<LaterBy> later = later_by(best.model, *best.solution);

@@ -168,6 +168,20 @@ void StereoFilter::copy_state(const StereoFilter& constrained) {
   last_points_ns_ = constrained.last_points_ns_;
 }
 
+/// The first map, and what body and points owe to what is not known exactly.
+void StereoFilter::take_start(const InitialState& initial) {
+  // Points would have to be correlated with what more is in doubt: with what is estimated the start does so.
+  if (!has_more(options_) || (initial.by_parameters.size() > 0 && doubts_by_estimating(options_))) {
+    place_first_map(estimate_, initial, mount(given_)[0].T_cam_body.inverse());
+    correlate_with_parameters(estimate_, initial);
+  }
+  open_clock_of_start(initial);
+  if (!estimate_.landmarks().empty()) {
+    last_frame_ns_ = initial.nav.t_ns;
+    rest_unseen(estimate_, initial.nav.t_ns, options_.map);
+  }
+}
+
 void StereoFilter::take_over(const StereoFilter& constrained, const CalibrationPrior& prior) {
   if (constrained.scale_told_) {
     copy_state(constrained);

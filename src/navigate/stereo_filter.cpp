@@ -104,16 +104,7 @@ StereoFilter::StereoFilter(const NavigatorOptions& options, const StereoCalibrat
       sound_(initial),
       scale_told_(initial.scale_told || !has_scale(options.motion)) {
   check_parameters(options_, calibration);
-  // Points would have to be correlated with what more is in doubt: with what is estimated the start does so.
-  if (!has_more(options_) || (initial.by_parameters.size() > 0 && doubts_by_estimating(options_))) {
-    place_first_map(estimate_, initial, mount(calibration)[0].T_cam_body.inverse());
-    correlate_with_parameters(estimate_, initial);
-  }
-  open_clock_of_start(initial);
-  if (!estimate_.landmarks().empty()) {
-    last_frame_ns_ = initial.nav.t_ns;
-    rest_unseen(estimate_, initial.nav.t_ns, options_.map);
-  }
+  take_start(initial);
   if (estimate_.layout().has_map_scale && told_by_imu_alone(options_)) {
     excitation_.emplace(options_.imu_noise.accel_density);
   }

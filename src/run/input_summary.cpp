@@ -91,8 +91,7 @@ std::string in_words(const RunEvent& e) {
     case RunEventKind::kClockStepped:
       return fmt::format(
           "{} the images showed that the IMU's clock is off, or had stepped: its samples were taken {:.4f} s "
-          "{} than "
-          "they are stamped, and are used so since then",
+          "{} than they are stamped, and are used so since then",
           when, std::abs(e.clock_offset_s), e.clock_offset_s > 0.0 ? "earlier" : "later");
     case RunEventKind::kNoInputs:
       return fmt::format("{} no input sample had come yet: the motion was guessed", when);

@@ -193,6 +193,7 @@ class StereoFilter {
   [[nodiscard]] StepFit fit_steps() const;
   void open_steps(const StepSize& size);
   void open_clock();
+  void take_start(const InitialState& initial);
   void open_clock_of_start(const InitialState& initial);
   bool follow_clock_of_start();
   bool follow_clock(const FrameReport& report);
