@@ -108,6 +108,7 @@ void add_mistakes(const Recording& recording, const StereoCalibration& assumed,
   }
   if (out.mistakes.empty() && out.readout_contradicted.empty()) {
     out.offsets = sensor_offsets(found, seen, recording.imu);
+    out.offsets.corrected_cameras = record != nullptr ? corrected_clock(*record) : 0.0;
     if (record != nullptr && !out.lost_since_s) {
       out.offsets.inertial = check_inertial(recording, options, *record);
     }

@@ -238,6 +238,9 @@ std::string to_text(const Diagnosis& diagnosis) {
   } else if (diagnosis.health) {
     fmt::format_to(out, "{}\n", in_words(*diagnosis.health, diagnosis.judged_by.tolerance));
   }
+  if (const auto corrected = corrected_clock_in_words(diagnosis.offsets)) {
+    fmt::format_to(out, "{}\n", *corrected);
+  }
   if (diagnosis.pose) {
     fmt::format_to(out,
                    "What the pose loses: ekf drifts {:.2f} m per 100 m from lcekf, scale {:.4f} ({:.0f} m)\n",

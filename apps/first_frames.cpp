@@ -13,6 +13,17 @@ namespace {
 
 constexpr std::size_t kFirstLook = 100;  // frames
 
+std::vector<std::string> all_but_clock_of_imu(const SensorOffsets& offsets) {
+  std::vector<std::string> out;
+  if (auto of_cam1 = cam1_clock_mistake(offsets)) {
+    out.push_back(*std::move(of_cam1));
+  }
+  for (OffsetMistake& mistake : camera_imu_mistakes(offsets)) {
+    out.push_back(std::move(mistake.words));
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<StereoFrame> at_stamps(std::vector<StereoFrame> frames, const StereoCalibration& assumed) {
@@ -43,7 +54,7 @@ StereoFrame FirstFrames::operator()(std::size_t n) {
   if (!over_) {
     seen_.push_back(frame);
     if (seen_.size() == kFirstLook) look(at_stamps(seen_, assumed_));
-    if (seen_.size() == kLastLook) finish();
+    if (seen_.size() == kLastLook) look_again();
   }
   return frame;
 }
@@ -65,15 +76,24 @@ void FirstFrames::look(const std::vector<StereoFrame>& frames) {
   say(found);
 }
 
-void FirstFrames::finish() {
+void FirstFrames::look_again() {
   if (over_) return;
   const std::vector<StereoFrame> frames = at_stamps(std::exchange(seen_, {}), assumed_);
   look(frames);
   if (!over_) {
     offsets_ = sensor_offsets(assumed_, frames, recording_.imu);
-    say(offset_mistakes(offsets_));
+    say(all_but_clock_of_imu(offsets_));
   }
   over_ = true;
+}
+
+void FirstFrames::finish(const RunRecord* record) {
+  look_again();
+  if (std::exchange(finished_, true)) return;
+  offsets_.corrected_cameras = record != nullptr ? corrected_clock(*record) : 0.0;
+  if (const auto mistake = imu_clock_mistake(offsets_)) {
+    say({*mistake});
+  }
 }
 
 }  // namespace limber::app

@@ -23,8 +23,8 @@ inline constexpr std::size_t kLastLook = 600;  ///< frames in which mistakes are
 /// disagree, and for a mount that is turned.
 ///
 /// Looked at are the first 100 as soon as they have come, and once more the first 600, or all at the run's
-/// end: a rig that stands at first does not show how it sits on the IMU. Clocks are asked then. No frame
-/// waits for that.
+/// end: a rig that stands at first does not show how it sits on the IMU. Clocks are asked then; of the IMU's
+/// it is said at the end, for the run may correct it. No frame waits for that.
 class FirstFrames {
  public:
   /// Told of each mistake once, as soon as it is seen.
@@ -39,8 +39,9 @@ class FirstFrames {
   [[nodiscard]] static std::string in_words(const std::string& mistake);
   /// As FrameSource.
   [[nodiscard]] StereoFrame operator()(std::size_t n);
-  /// After the last frame, or where the run ended early.
-  void finish();
+  /// After the last frame, or where the run ended early. @param record  of the run, if there is one: a clock
+  /// that it has corrected is no mistake
+  void finish(const RunRecord* record);
   /// As those frames show them; of none before the last look, and where there are other mistakes.
   [[nodiscard]] const SensorOffsets& offsets() const { return offsets_; }
   /// Those of the calibration and of units, as sentences.
@@ -50,6 +51,7 @@ class FirstFrames {
 
  private:
   void look(const std::vector<StereoFrame>& frames);
+  void look_again();
   void say(const std::vector<std::string>& found);
 
   const Recording& recording_;
@@ -59,6 +61,7 @@ class FirstFrames {
   Say say_;
   std::vector<StereoFrame> seen_;  ///< emptied by the last look
   bool over_ = false;
+  bool finished_ = false;
   SensorOffsets offsets_;
   std::vector<std::string> gross_, mistakes_;
 };

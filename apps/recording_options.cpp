@@ -106,9 +106,10 @@ void add_recording_options(CLI::App& command, RecordingArguments& arguments) {
   };
   learned_or_stated("--imu-noise", arguments.imu_noise,
                     "stated: the recording's alone; learned: as much more as images ask for");
-  learned_or_stated("--imu-clock", arguments.imu_clock,
-                    "stated: samples were taken when they are stamped; learned: as much earlier or later as "
-                    "images say");
+  learned_or_stated(
+      "--imu-clock", arguments.imu_clock,
+      "stated: samples were taken when they are stamped; learned: a start from the sensors asks "
+      "the images how much earlier or later");
   command
       .add_option(
           "--odometry-scale", arguments.odometry_scale,

@@ -19,7 +19,7 @@ struct RecordingArguments : RecordingFiles {
   std::size_t max_points = CleaningOptions{}.max_points;
   FrontendArguments frontend;
   std::optional<double> sigma_px;
-  std::string imu_noise = "learned", imu_clock = "stated";
+  std::string imu_noise = "learned", imu_clock = "learned";
   std::optional<double> odometry_scale;
   double false_alarms_per_hour = RunOptions{}.false_alarms_per_hour;
 };

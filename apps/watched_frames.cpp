@@ -25,7 +25,7 @@ FrameSource WatchedFrames::frames() {
 }
 
 void WatchedFrames::complete(RunRecord& record) {
-  first_.finish();
+  first_.finish(&record);
   record.notes.insert(record.notes.end(), first_.mistakes().begin(), first_.mistakes().end());
   if (source_.record) {
     add_frontend(*source_.record, record);

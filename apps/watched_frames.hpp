@@ -21,7 +21,7 @@ class WatchedFrames {
   /// For run_recording; must not outlive this.
   [[nodiscard]] FrameSource frames();
   /// Where the run failed: what was wrong with the first frames is said nevertheless.
-  void finish() { first_.finish(); }
+  void finish() { first_.finish(nullptr); }
   /// Adds to the record what these frames cost, which were damaged and what is wrong with the first.
   void complete(RunRecord& record);
   /// All that a run says of itself, once its record is complete: judge_run, and mistakes.

@@ -10,9 +10,9 @@
 #include <iterator>
 #include <numeric>
 
-#include "diagnose/samples_as_taken.hpp"
 #include "diagnose/surest_part.hpp"
 #include "limber/core/time.hpp"
+#include "run/samples_as_taken.hpp"
 
 namespace limber {
 namespace {
@@ -105,21 +105,35 @@ double sureness_of(const InertialEvidence& all, const MatrixXd& of) {
   return s.dot(I.ldlt().solve(s)) / (static_cast<double>(of.cols()) * shown_noise(all));
 }
 
+/// What is left of it where the clock may be off by as much as nobody mentions, stated or learned.
+InertialEvidence beside_clock(InertialEvidence all) {
+  const VectorXd at = directions_of(InertialFactor::kClock);
+  const VectorXd by_clock = all.information * at;
+  const double known = at.dot(by_clock) + shown_noise(all) / (kLeastClock * kLeastClock);
+  all.score -= by_clock * (at.dot(all.score) / known);
+  all.information -= by_clock * by_clock.transpose() / known;
+  return all;
+}
+
 InertialOffset offset_of(InertialFactor factor, const std::vector<InertialEvidence>& each,
                          const InertialEvidence& all) {
+  const auto asked = [=](const InertialEvidence& some) {
+    return factor == InertialFactor::kClock ? some : beside_clock(some);
+  };
   const MatrixXd at = directions_of(factor);
   InertialOffset out;
   out.of = factor;
-  const MatrixXd inverse = MatrixXd(at.transpose() * all.information * at).inverse();
+  const InertialEvidence whole = asked(all);
+  const MatrixXd inverse = MatrixXd(at.transpose() * whole.information * at).inverse();
   const detail::SurestPart surest =
-      detail::surest_part(inverse * at.transpose() * all.score, shown_noise(all) * inverse);
+      detail::surest_part(inverse * at.transpose() * whole.score, shown_noise(all) * inverse);
   out.value.head(at.cols()) = surest.value;
   out.sigma = surest.sigma;
-  out.sureness = sureness_of(all, at);
+  out.sureness = sureness_of(whole, at);
   for (const InertialEvidence& one : each) {
     if (each.size() > 1) {
       InertialEvidence others = all;
-      out.sureness = std::min(out.sureness, sureness_of(others -= one, at));
+      out.sureness = std::min(out.sureness, sureness_of(asked(others -= one), at));
     }
   }
   if (!std::isfinite(out.sureness)) {  // what no motion tells at all
@@ -157,7 +171,8 @@ std::optional<InertialCheck> check_inertial(const Recording& recording, const Ru
   }
   const RunSetup setup = set_up_run(recording, options);
   const StereoCalibration calibration = as_found(setup.calibration, record);
-  const std::vector<ImuSample> imu = detail::samples_as_taken(recording, record);
+  const std::vector<ImuSample> imu =
+      detail::samples_as_taken(recording, record, record.last_frames.front().t_ns);
   std::vector<Stretch> stretches = stretches_of(record);
   InertialCheck out;
   out.learned = record.imu_noise.value_or(ImuNoiseFactors{});

@@ -117,15 +117,19 @@ bool noise_holds(const Told& told, const ImuNoiseFactors& learned) {
          (all_of(told, {InertialFactor::kGyroScale}) && is_noise_of_gyro(learned));
 }
 
-/// Those that are sure and explain most, or nearly as much; none where a clock explains more, nor what is
-/// named already.
+/// Those that are sure and explain most, or nearly as much; none where a clock explains more that is farther
+/// off than the one beside which all are asked, nor what is named already.
 Told explanations(const SensorOffsets& offsets) {
   const std::vector<InertialOffset>& all = offsets.inertial->offsets;
   Told out;
   if (all.empty()) {
     return out;
   }
-  const InertialOffset& most = *std::ranges::max_element(all, {}, &InertialOffset::sureness);
+  const auto beside_a_clock = [](const InertialOffset& offset) {
+    const bool counts = offset.of != InertialFactor::kClock || offset.value.norm() > kLeastClock;
+    return counts ? offset.sureness : 0.0;
+  };
+  const InertialOffset& most = *std::ranges::max_element(all, {}, beside_a_clock);
   const bool named = (most.of == InertialFactor::kMountTurn && mount_mistake(offsets)) ||
                      (most.of == InertialFactor::kGyroScale && turn_scale_mistake(offsets));
   if (most.of == InertialFactor::kClock || named) {

@@ -10,17 +10,19 @@
 
 #include "diagnose/clustered_regression.hpp"
 #include "limber/core/angle.hpp"
+#include "limber/core/time.hpp"
 
 namespace limber {
 namespace {
 
-constexpr double kSurelyOff = 5.0;  // standard deviations of an offset ...
-constexpr double kChance = 1e-4;    // ... that chance exceeds as rarely, by Student's law ...
-constexpr double kLeastCam1 = 1e-3, kLeastCameras = 3e-3;  // ... and that is at least that large [s]
-constexpr double kLeastExcess = 5e-3;                      // of turns
-constexpr double kScaleOfLens = 2e-3;                      // times the confusion: what a lens model leaves
-constexpr double kAsSure = 0.8;                            // of the surest factor: explains it as well
-constexpr double kLeastTurn = 7e-3;  // [rad], of a lens no longer than its image is wide
+constexpr double kSurelyOff = 5.0;   // standard deviations of an offset ...
+constexpr double kChance = 1e-4;     // ... that chance exceeds as rarely, by Student's law ...
+constexpr double kLeastCam1 = 1e-3;  // ... and that is at least that large [s]
+constexpr const char* kBesideImu = "time offset: beside the IMU, the cameras are taken ";
+constexpr double kLeastExcess = 5e-3;  // of turns
+constexpr double kScaleOfLens = 2e-3;  // times the confusion: what a lens model leaves
+constexpr double kAsSure = 0.8;        // of the surest factor: explains it as well
+constexpr double kLeastTurn = 7e-3;    // [rad], of a lens no longer than its image is wide
 
 bool is_off(double size, double sigma, double dof, double least) {
   return size >= least && size > kSurelyOff * sigma && detail::is_rarer_than(kChance, size / sigma, dof);
@@ -40,7 +42,7 @@ bool cam1_is_off(const SensorOffsets& offsets) {
 }
 
 bool cameras_are_off(const SensorOffsets& offsets) {
-  return is_off(offsets.cameras, offsets.assumed_cameras, kLeastCameras);
+  return is_off(offsets.cameras, offsets.assumed_cameras + offsets.corrected_cameras, kLeastClock);
 }
 
 /// What epipolar lines say of a rig, whatever trajectory there is: but for vergence and the baseline's
@@ -58,11 +60,15 @@ HealthVerdict by_lines(const CalibrationState& state) {
 }
 
 /// "20.0 ± 0.3 ms later than stamped"
-std::string in_words(const TimeOffset& offset, double assumed) {
+std::string in_words(const TimeOffset& offset) {
+  return fmt::format("{:.1f} ± {:.1f} ms {} than stamped", 1e3 * std::abs(offset.seconds), 1e3 * offset.sigma,
+                     offset.seconds > 0.0 ? "later" : "earlier");
+}
+
+/// "20.0 ± 0.3 ms later than stamped, and 5.0 ms are assumed: ..."
+std::string mistake_in_words(const TimeOffset& offset, double assumed) {
   const std::string than = assumed == 0.0 ? "" : fmt::format(", and {:.1f} ms are assumed", 1e3 * assumed);
-  return fmt::format("{:.1f} ± {:.1f} ms {} than stamped{}: it looks like a rig that bends while it moves",
-                     1e3 * std::abs(offset.seconds), 1e3 * offset.sigma,
-                     offset.seconds > 0.0 ? "later" : "earlier", than);
+  return in_words(offset) + than + ": it looks like a rig that bends while it moves";
 }
 
 double sureness(const TurnScale& scale) { return std::abs(scale.excess) / scale.sigma; }
@@ -105,14 +111,51 @@ SensorOffsets sensor_offsets(const StereoCalibration& calibration, std::span<con
   return out;
 }
 
+double corrected_clock(const RunRecord& record) {
+  if (record.clock_step_of_start) {
+    return 0.0;
+  }
+  const double of_start = to_seconds(record.start.clock_offset_ns);
+  double out = of_start;
+  for (const FrameReport& frame : record.frames) {
+    if (frame.inputs.contradiction && frame.inputs.contradiction->clock_offset_ns) {
+      out = to_seconds(*frame.inputs.contradiction->clock_offset_ns);
+      if (std::abs(out - of_start) > kLeastClock) {
+        return 0.0;
+      }
+    }
+  }
+  return out;
+}
+
+std::optional<std::string> cam1_clock_mistake(const SensorOffsets& offsets) {
+  if (!cam1_is_off(offsets)) {
+    return std::nullopt;
+  }
+  return "time offset: beside cam0, cam1 is taken " + mistake_in_words(*offsets.cam1, offsets.assumed_cam1);
+}
+
+std::optional<std::string> imu_clock_mistake(const SensorOffsets& offsets) {
+  if (!cameras_are_off(offsets)) {
+    return std::nullopt;
+  }
+  return std::string(kBesideImu) +
+         mistake_in_words(*offsets.cameras, offsets.assumed_cameras + offsets.corrected_cameras);
+}
+
+std::optional<std::string> corrected_clock_in_words(const SensorOffsets& offsets) {
+  if (cameras_are_off(offsets) || !is_off(offsets.cameras, offsets.assumed_cameras, kLeastClock)) {
+    return std::nullopt;
+  }
+  return kBesideImu + in_words(*offsets.cameras) + ", which is corrected (--imu-clock learned)";
+}
+
 std::vector<std::string> clock_mistakes(const SensorOffsets& offsets) {
   std::vector<std::string> out;
-  if (cam1_is_off(offsets)) {
-    out.push_back("time offset: beside cam0, cam1 is taken " + in_words(*offsets.cam1, offsets.assumed_cam1));
-  }
-  if (cameras_are_off(offsets)) {
-    out.push_back("time offset: beside the IMU, the cameras are taken " +
-                  in_words(*offsets.cameras, offsets.assumed_cameras));
+  for (auto mistake : {cam1_clock_mistake(offsets), imu_clock_mistake(offsets)}) {
+    if (mistake) {
+      out.push_back(*std::move(mistake));
+    }
   }
   return out;
 }

@@ -168,6 +168,9 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
     out.sentences.push_back(in_words(*s.health, watch_options(options).tolerance));
     out.advice = advice_on(s.health->verdict, s.health->present.moves());
     out.sentences.insert(out.sentences.end(), s.clock_mistakes.begin(), s.clock_mistakes.end());
+    if (s.corrected_clock) {
+      out.sentences.push_back(*s.corrected_clock);
+    }
     if (s.health->verdict == HealthVerdict::kCannotTell && s.scale_check && is_off(s.scale_check->scale)) {
       out.light = AnswerLight::kYellow;
       out.headline = "calibration in doubt: its baseline has another length than the IMU shows";

@@ -223,6 +223,7 @@ void add_readout(const std::optional<ReadoutTime>& readout, const StereoCalibrat
 
 void add_offsets(const SensorOffsets& offsets, RunSummary& summary) {
   summary.clock_mistakes = clock_mistakes(offsets);
+  summary.corrected_clock = corrected_clock_in_words(offsets);
   summary.camera_imu_mistakes = camera_imu_mistakes(offsets);
   if (summary.health) {
     const HealthVerdict beside = verdict_beside(offsets, *summary.health);

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "diagnose/samples_as_taken.hpp"
 #include "limber/core/divergence_error.hpp"
 #include "limber/core/median.hpp"
 #include "limber/core/time.hpp"
 #include "limber/diagnose/run_summary.hpp"
 #include "limber/run/trusted_axes.hpp"
+#include "run/samples_as_taken.hpp"
 
 namespace limber {
 namespace {
@@ -28,7 +28,7 @@ Recording stretch_of(const Recording& recording, const RunRecord& record) {
   out.calibration = recording.calibration;
   out.imu_noise = recording.imu_noise;
   out.pixel_noise = recording.pixel_noise;
-  out.imu = detail::samples_as_taken(recording, record);
+  out.imu = detail::samples_as_taken(recording, record, record.last_frames.front().t_ns);
   for (const StereoFrame& frame : record.last_frames) {
     if (recording.images.empty()) {
       out.frames.push_back(frame);
@@ -47,6 +47,7 @@ RunOptions without_trust(RunOptions options) {
   options.cleaning.clean = options.cleaning.still_points = options.cleaning.refer_to_stamp = false;
   options.cleaning.max_points = std::min(options.cleaning.max_points, kMostPoints);
   options.watch = false;
+  options.learn_imu_clock = false;  // samples are as taken
   options.stop_when_lost = true;
   return options;
 }

@@ -150,6 +150,7 @@ void StereoFilter::copy_state(const StereoFilter& constrained) {
   sound_ = constrained.sound_;
   blind_turn_ = constrained.blind_turn_;
   moving_ = constrained.moving_;
+  usual_scatter_ = constrained.usual_scatter_;
   inputs_ = constrained.inputs_;
   checks_ = constrained.checks_;
   input_alarm_ = constrained.input_alarm_;

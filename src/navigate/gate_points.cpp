@@ -39,15 +39,17 @@ std::vector<bool> StereoFilter::gate_points(const StackedFrame& stacked, const F
   const bool darkness = is_after_darkness(report.t_ns);
   const bool known =
       report.inputs.status == InputStatus::kSound && blind_turn_ <= kKnownTurn * kKnownTurn && !darkness;
-  PredictedPose predicted{known, {}, {}, {}};
+  PredictedPose predicted{known, {}, {}, {}, {}};
   if (options_.motion == MotionModel::kImu) {
     predicted.by_pose = seen.by_pose;
+    predicted.usual_scatter = usual_scatter_.beside(report.sigma_px);
   }
   if (options_.motion == MotionModel::kConstantVelocity || darkness) {
     predicted.P = estimate_.P().diagonal_block<6>(0);
     predicted.rig = theta_alone(scale_, seen.innovation.D.cols());
   }
   const GateReport gated = gate(seen.innovation, seen.groups, gate_model(model), gate_thresholds_, predicted);
+  report.scatter = gated.scatter;
   report.gate_overruled = gated.overruled;
   report.most_mismatched = gated.most_mismatched;
   report.most_move = known && gated.most_refused() && !gated.most_mismatched;

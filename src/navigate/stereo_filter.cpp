@@ -386,6 +386,7 @@ void StereoFilter::take_in(const StereoFrame& frame, FrameReport& report) {
   }
   report.initialized = to_see.new_landmarks.size();
   moving_.note(report);
+  usual_scatter_.learn(report.scatter, report.sigma_px);
   report.removed += manage_map(estimate_, frame.t_ns, options_.map);
 }
 

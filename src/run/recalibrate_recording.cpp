@@ -20,6 +20,7 @@
 #include "limber/smooth/unsolvable_error.hpp"
 #include "run/rig_windows.hpp"
 #include "run/smooth_setup.hpp"
+#include "run/window_record.hpp"
 
 namespace limber {
 namespace {
@@ -109,24 +110,27 @@ std::vector<KeyframeWindow> moving_windows(const std::vector<Keyframe>& keyframe
 
 /// What the filter learned of inputs and pixels; of the latter, what the smoother leaves of them.
 void take_noise(const RunRecord& learned, const std::vector<KeyframeWindow>& windows,
-                const Recording& recording, SmootherOptions& how, Recalibration& out) {
+                const detail::WindowInputs& inputs, SmootherOptions& how, Recalibration& out) {
   detail::take_imu_noise(learned.imu_noise, how, out.notes);
+  if (auto clock = detail::clock_in_words(learned)) {
+    out.notes.push_back(*std::move(clock));
+  }
   if (learned.pixel_noise && !windows.empty()) {
     how.sigma_px.setConstant(learned.pixel_noise->sigma_px);
-    how.sigma_px *= detail::noise_in_residuals(windows, recording, out.given, how);
+    how.sigma_px *= detail::noise_in_residuals(windows, inputs, out.given, how);
     out.notes.push_back(fmt::format("pixel noise by what the smoother leaves: {:.2g} px", how.sigma_px(0)));
   }
 }
 
 /// What each window says of the rig. @param told  how many are done
-void solve_windows(const std::vector<KeyframeWindow>& windows, const Recording& recording,
+void solve_windows(const std::vector<KeyframeWindow>& windows, const detail::WindowInputs& inputs,
                    const SmootherOptions& how, std::int64_t begin_ns,
                    const std::function<void(std::size_t)>& told, Recalibration& out) {
   for (std::size_t k = 0; k < windows.size(); ++k) {
     told(k);
     try {
       out.windows.push_back(
-          detail::rig_part(detail::smooth_window(windows[k], recording, out.given, how), out.given, how));
+          detail::rig_part(detail::smooth_window(windows[k], inputs, out.given, how), out.given, how));
       out.keyframes += windows[k].size();
     } catch (const UnsolvableError& error) {
       out.notes.push_back(detail::left_out(windows[k], begin_ns, error));
@@ -220,12 +224,13 @@ Recalibration recalibrate_recording(const Recording& recording, const Recalibrat
                                        [&](std::size_t n) { told(kShareOfFilter * n / frames); });
   const std::vector<Keyframe> keyframes = detail::keyframes_of(guess, kept, options.keyframes_per_s);
   const std::vector<KeyframeWindow> windows = moving_windows(keyframes, options, out);
-  take_noise(guess.record, windows, recording, how, out);
+  const detail::WindowInputs inputs{guess.imu, recording.odometry};
+  take_noise(guess.record, windows, inputs, how, out);
   const std::int64_t begin_ns = keyframes.empty() ? 0 : keyframes.front().frame.t_ns;
   const auto told_windows = [&](std::size_t done) {
     told(kShareOfFilter + (100 - kShareOfFilter) * done / windows.size());
   };
-  solve_windows(windows, recording, how, begin_ns, told_windows, out);
+  solve_windows(windows, inputs, how, begin_ns, told_windows, out);
   fit_to_windows(options, setup.navigator.odometry_scale, out);
   compare_epipolar(keyframes, out);
   for (const double depth : kDepths) {

@@ -87,7 +87,7 @@ RigParameters vague_rig_sigma(double baseline) {
   return out;
 }
 
-SmootherResult smooth_window(const KeyframeWindow& window, const Recording& recording,
+SmootherResult smooth_window(const KeyframeWindow& window, const WindowInputs& inputs,
                              const StereoCalibration& given, const SmootherOptions& how) {
   std::vector<StereoFrame> frames;
   std::vector<NavigationState> states;
@@ -95,9 +95,9 @@ SmootherResult smooth_window(const KeyframeWindow& window, const Recording& reco
     frames.push_back(keyframe.frame);
     states.push_back(keyframe.state);
   }
-  SmootherResult result = smooth(
-      {frames, recording.imu, recording.odometry, states, detail::without_data(states.front(), how.motion)},
-      given, how);
+  SmootherResult result =
+      smooth({frames, inputs.imu, inputs.odometry, states, detail::without_data(states.front(), how.motion)},
+             given, how);
   if (!result.converged) {
     throw UnsolvableError(fmt::format("smoother: no solution after {} iterations", result.iterations));
   }
@@ -120,13 +120,13 @@ RigPart rig_part(SmootherResult result, const StereoCalibration& given, const Sm
   return out;
 }
 
-double noise_in_residuals(const std::vector<KeyframeWindow>& windows, const Recording& recording,
+double noise_in_residuals(const std::vector<KeyframeWindow>& windows, const WindowInputs& inputs,
                           const StereoCalibration& given, SmootherOptions how) {
   double factor = 1.0;
   for (const KeyframeWindow& window : windows) {
     try {
       for (int round = 0; round < kNoiseRounds; ++round) {  // what is refused depends on it
-        const double more = misfit_of_pixels(smooth_window(window, recording, given, how));
+        const double more = misfit_of_pixels(smooth_window(window, inputs, given, how));
         factor *= more;
         how.sigma_px *= more;
         if (std::abs(std::log(more)) < kSameNoise) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,8 +35,14 @@ using KeyframeWindow = std::vector<Keyframe>;  ///< consecutive
 /// Of a prior of theta so vague that it says nothing.
 [[nodiscard]] RigParameters vague_rig_sigma(double baseline);
 
+/// What moves the body from frame to frame: all samples of a recording.
+struct WindowInputs {
+  std::span<const ImuSample> imu;
+  std::span<const OdometrySample> odometry;
+};
+
 /// @throws UnsolvableError if the smoother finds no solution
-[[nodiscard]] SmootherResult smooth_window(const KeyframeWindow& window, const Recording& recording,
+[[nodiscard]] SmootherResult smooth_window(const KeyframeWindow& window, const WindowInputs& inputs,
                                            const StereoCalibration& given, const SmootherOptions& how);
 
 /// What it says of the rig, without the prior.
@@ -45,7 +52,7 @@ using KeyframeWindow = std::vector<Keyframe>;  ///< consecutive
 /// @brief By what factor the assumed pixel noise is too small for the residuals that the smoother leaves in
 /// the first window that it can solve; 1 if it can solve none.
 [[nodiscard]] double noise_in_residuals(const std::vector<KeyframeWindow>& windows,
-                                        const Recording& recording, const StereoCalibration& given,
+                                        const WindowInputs& inputs, const StereoCalibration& given,
                                         SmootherOptions how);
 
 /// A sentence about a window that could not be solved.

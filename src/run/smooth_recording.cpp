@@ -24,6 +24,7 @@
 #include "limber/run/rig_parts.hpp"
 #include "limber/smooth/causal_smoother.hpp"
 #include "run/smooth_setup.hpp"
+#include "run/window_record.hpp"
 
 namespace limber {
 
@@ -163,9 +164,9 @@ Guess best_guess(const Recording& recording, const SmoothOptions& options, const
         told(kShareOfGuess * (k * frame_count(recording) + n) / (methods.size() * frame_count(recording)));
       });
       const std::vector<StereoFrame> frames = kept.from(guess.record.trajectory.front().t_ns);
-      const double cost = cost_of_start(
-          {frames, recording.imu, recording.odometry, guess.states, prior_of(guess, options.run)},
-          setup.calibration, how);
+      const double cost =
+          cost_of_start({frames, guess.imu, recording.odometry, guess.states, prior_of(guess, options.run)},
+                        setup.calibration, how);
       if (!best_cost || cost < *best_cost) {
         best_cost = cost;
         best = std::move(guess);
@@ -208,7 +209,7 @@ SmootherResult solve(const Recording& recording, const std::vector<StereoFrame>&
     throw std::invalid_argument(
         fmt::format("smooth: expected at most {} frames in one problem, found {}", kMostFrames, found));
   }
-  const SmootherInput input{frames, recording.imu, recording.odometry, guess.states,
+  const SmootherInput input{frames, guess.imu, recording.odometry, guess.states,
                             prior_of(guess, options.run)};
   constexpr std::size_t kRest = kShareOfAll - kShareOfGuess;
   if (options.causal_window_s) {
@@ -289,6 +290,9 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
                                   ? setup.navigator.odometry_scale
                                   : guess.record.pixel_noise->length_sigma;
   detail::take_imu_noise(guess.record.imu_noise, how, notes);
+  if (auto clock = detail::clock_in_words(guess.record)) {
+    notes.push_back(*std::move(clock));
+  }
   const std::vector<StereoFrame> frames = kept.from(guess.record.trajectory.front().t_ns);
   SmootherResult result = solve(recording, frames, guess, options, how, setup.calibration, told);
   if (!result.converged) {

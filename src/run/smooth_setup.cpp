@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "limber/predict/learned_odometry_noise.hpp"
+#include "run/samples_as_taken.hpp"
 
 namespace limber::detail {
 namespace {
@@ -90,6 +91,7 @@ Guess guess_by(Method method, const Recording& recording, RunOptions options, Ke
   const std::vector<NavigationState> before =
       states_before(out.record.trajectory, out.record.trajectory.size() - out.states.size());
   out.states.insert(out.states.begin(), before.begin(), before.end());
+  out.imu = samples_as_taken(recording, out.record, out.states.front().t_ns);
   return out;
 }
 

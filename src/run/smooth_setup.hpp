@@ -16,6 +16,7 @@ namespace limber::detail {
 struct Guess {
   RunRecord record;
   std::vector<NavigationState> states;
+  std::vector<ImuSample> imu;  ///< when they were taken, as far as the run found out
 };
 
 /// Asks the source for each frame once and keeps it.

@@ -17,24 +17,6 @@ namespace {
 constexpr double kClockMatters = 1e-3;  // [s]
 constexpr double kClockSurely = 5.0;    // of its sigma
 
-/// How an IMU's samples are used where they were not taken when they are stamped.
-void say_clock(const SensorStartResult& start, RunRecord& record) {
-  const auto& jump = start.clock_step;
-  const double offset_s = to_seconds(jump ? jump->offset_ns : start.initial.clock_offset_ns);
-  const char* const when = offset_s > 0.0 ? "earlier" : "later";
-  if (jump) {
-    record.notes.push_back(fmt::format(
-        "the IMU's clock stepped between {:.3f} s and {:.3f} s: its samples since then were taken {:.4f} s "
-        "{} than they are stamped, and are used so",
-        to_seconds(jump->after_ns), to_seconds(jump->before_ns), std::abs(offset_s), when));
-  } else if (std::abs(offset_s) > std::max(kClockMatters, kClockSurely * start.initial.clock_sigma)) {
-    record.notes.push_back(fmt::format(
-        "the IMU's samples were taken {:.4f} s {} than they are stamped, by the images (±{:.4f} s), and are "
-        "used so (--imu-clock)",
-        std::abs(offset_s), when, start.initial.clock_sigma));
-  }
-}
-
 /// How long it took, what is known, and what is not.
 void say_start(const SensorWindow& window, RunRecord& record) {
   const StartReport& report = window.report;
@@ -53,10 +35,32 @@ void say_start(const SensorWindow& window, RunRecord& record) {
       report.scale_sigma < 1.0 ? fmt::format("scale to {:.2g} %", 100.0 * report.scale_sigma)
                                : "scale not at all",
       report.missing.empty() ? "" : "; not known: " + report.missing));
-  say_clock(window.result, record);
+  if (auto clock = clock_in_words(record)) {
+    record.notes.push_back(*std::move(clock));
+  }
 }
 
 }  // namespace
+
+std::optional<std::string> clock_in_words(const RunRecord& record) {
+  const auto& jump = record.clock_step_of_start;
+  const double offset_s = to_seconds(jump ? jump->offset_ns : record.start.clock_offset_ns);
+  const double sigma_s = record.start.clock_sigma;
+  const char* const when = offset_s > 0.0 ? "earlier" : "later";
+  if (jump) {
+    return fmt::format(
+        "the IMU's clock stepped between {:.3f} s and {:.3f} s: its samples since then were taken {:.4f} s "
+        "{} than they are stamped, and are used so",
+        to_seconds(jump->after_ns), to_seconds(jump->before_ns), std::abs(offset_s), when);
+  }
+  if (std::abs(offset_s) <= std::max(kClockMatters, kClockSurely * sigma_s)) {
+    return std::nullopt;
+  }
+  return fmt::format(
+      "the IMU's samples were taken {:.4f} s {} than they are stamped, by the images (±{:.4f} s), and are "
+      "used so (--imu-clock learned)",
+      std::abs(offset_s), when, sigma_s);
+}
 
 void write_states(const std::vector<SmoothedState>& states, RunRecord& record) {
   for (std::size_t k = 0; k < states.size(); ++k) {

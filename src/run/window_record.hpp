@@ -2,12 +2,17 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "start_from_sensors.hpp"
 
 /// The frames of a start in the record of its run.
 namespace limber::detail {
+
+/// How an IMU's samples are used where they were not taken when they are stamped: by what the start found.
+[[nodiscard]] std::optional<std::string> clock_in_words(const RunRecord& record);
 
 /// The window's states, as far as they are known.
 void write_states(const std::vector<SmoothedState>& states, RunRecord& record);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -35,6 +36,9 @@ constexpr std::size_t kEnoughAgree = 5;
 /// Groups that tell how far off half of them are; times that, thresholds shrink to; and no further.
 constexpr std::size_t kEnoughToCompare = 10;
 constexpr double kBeyondHalf = 2.0, kLeastShare = 0.01;
+
+/// Half of the groups are off by no more than so many times what is usual, or something begins to happen.
+constexpr double kBeyondUsual = 1.25;
 
 /// Groups that agree on another pose and other parameters by no chance: three these fit exactly.
 constexpr std::size_t kEnoughElsewhere = 8;
@@ -68,18 +72,26 @@ Index worst_of(const GateThresholds& thresholds, GateReport& report) {
 }
 
 /// What noise is taken for may be much more than a frame shows of it: it stands for all that lasts in a
-/// point's pixels, too. A point that is off beside the others shows by theirs.
-GateThresholds as_half_are_off(const GateReport& report, const GateThresholds& widest) {
+/// point's pixels, too. How far half of the accepted groups are off beside what it lets expect, or nothing
+/// where these are few.
+std::optional<double> scatter_of(const GateReport& report, const GateThresholds& widest) {
   std::vector<double> ratios;
   for (std::size_t g = 0; g < report.dof.size(); ++g) {
     if (report.accepted[g] && report.dof[g] > 0) {
       ratios.push_back(report.distance[g] / widest.median_of(report.dof[g]));
     }
   }
-  if (ratios.size() < kEnoughToCompare) {
+  return ratios.size() < kEnoughToCompare ? std::nullopt : std::optional(median(std::move(ratios)));
+}
+
+/// A point that is off beside the others shows by theirs; where half of them begin to be off, by what is
+/// usual.
+GateThresholds as_half_are_off(const GateReport& report, const GateThresholds& widest, double usual) {
+  const std::optional<double> scatter = scatter_of(report, widest);
+  if (!scatter) {
     return widest;
   }
-  return widest.times(std::clamp(kBeyondHalf * median(std::move(ratios)), kLeastShare, 1.0));
+  return widest.times(std::clamp(kBeyondHalf * std::min(*scatter, usual), kLeastShare, 1.0));
 }
 
 /// How far off a group may be.
@@ -87,12 +99,15 @@ struct Limits {
   GateThresholds widest;
   bool compares;  ///< with half of the groups that are left: where the pose is not known, or not well, its
                   ///< own errors are far from alike
+  double usual = std::numeric_limits<double>::infinity();  ///< so far half of them may be off, beside widest
 
   /// By what the accepted groups show: beside a mismatch that is still among them parameters that are open
   /// put all others elsewhere.
   [[nodiscard]] GateThresholds of(const GateReport& report) const {
-    return compares ? as_half_are_off(report, widest) : widest;
+    return compares ? as_half_are_off(report, widest, usual) : widest;
   }
+  /// What noise puts a group off by, as far as that is known.
+  [[nodiscard]] GateThresholds noise() const { return widest.times(std::clamp(usual, kLeastShare, 1.0)); }
 };
 
 /// Drops the worst group as long as one fails. @return false if more than `most` failed
@@ -201,8 +216,7 @@ struct KnownPrediction {
 
 /// @return what refers to all of the arguments
 std::optional<KnownPrediction> known_prediction(const Judged& judged, const Innovation& innovation,
-                                                const PredictedPose& predicted,
-                                                const GateThresholds& widest) {
+                                                const PredictedPose& predicted, const Limits& limits) {
   if (!predicted.known) {
     return std::nullopt;
   }
@@ -210,10 +224,10 @@ std::optional<KnownPrediction> known_prediction(const Judged& judged, const Inno
       [&](const std::vector<bool>& some) {
         return predicted.by_pose.size() > 0 &&
                are_mismatched(with_free_everything(judged, innovation, predicted.by_pose).subset(some),
-                              widest);
+                              limits.widest);
       },
       [&](const GateReport& minority) {
-        return are_two_bodies(with_free_pose(judged, innovation), minority.accepted, widest);
+        return are_two_bodies(with_free_pose(judged, innovation), minority.accepted, limits.noise());
       }};
 }
 
@@ -357,19 +371,25 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   }
   judge.measure(report);
   Limits limits{widest, predicted.known};
+  const std::optional<double> scatter = scatter_of(report, widest);
   if (!known_well) {
     limits = {limits.of(report), false};
+  } else if (predicted.usual_scatter) {
+    limits.usual = kBeyondUsual * *predicted.usual_scatter;
   }
+  report.scatter = scatter;
   if (worst_of(limits.of(report), report) < 0) {
     return report;
   }
-  const std::optional<KnownPrediction> known = known_prediction(judged, innovation, predicted, widest);
+  const std::optional<KnownPrediction> known = known_prediction(judged, innovation, predicted, limits);
   GateReport out = refuse(judged, judge, std::move(report), limits, model.constrained.cols() == 0, known);
+  out.scatter = scatter;
   out.most_mismatched = out.most_mismatched || (known && refused_are_mismatched(*known, out));
   if (predicted.rig.size() > 0 && model.constrained.cols() == 0) {
     const bool contradicted = out.overruled;
     out = gate(innovation, groups, {predicted.rig, model.white_covariance}, widest,
-               {predicted.known, predicted.by_pose, predicted.P, {}});
+               {predicted.known, predicted.by_pose, predicted.P, {}, predicted.usual_scatter});
+    out.scatter = scatter;
     out.overruled = out.overruled || contradicted;
   }
   return out;

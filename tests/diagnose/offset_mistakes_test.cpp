@@ -93,6 +93,36 @@ HealthSummary wrong_by(HealthVerdict epipolar, HealthVerdict depth) {
   return out;
 }
 
+/// A run that has corrected it navigates and judges with the right one.
+TEST(ClockMistakes, AreNoneOfAClockThatTheRunHasCorrected) {
+  SensorOffsets offsets{.cam1 = {}, .cameras = TimeOffset{.seconds = 0.04, .sigma = 1e-4}};
+  const HealthSummary sound = wrong_by(kOk, kOk);
+  EXPECT_THAT(imu_clock_mistake(offsets).value(), HasSubstr("40.0 ± 0.1 ms later than stamped"));
+  EXPECT_FALSE(corrected_clock_in_words(offsets));
+  EXPECT_EQ(verdict_beside(offsets, sound), kCannotTell);
+  offsets.corrected_cameras = 0.0385;
+  EXPECT_THAT(clock_mistakes(offsets), IsEmpty());
+  EXPECT_THAT(corrected_clock_in_words(offsets).value(), HasSubstr("40.0 ± 0.1 ms later than stamped"));
+  EXPECT_EQ(verdict_beside(offsets, sound), kOk);
+  offsets.corrected_cameras = 0.02;
+  EXPECT_THAT(clock_mistakes(offsets), ElementsAre(HasSubstr("and 20.0 ms are assumed")));
+  EXPECT_FALSE(corrected_clock_in_words(offsets));
+}
+
+TEST(ClockMistakes, AreThoseOfTheRunWhereItsClockJumped) {
+  RunRecord record;
+  EXPECT_EQ(corrected_clock(record), 0.0);
+  record.start.clock_offset_ns = 40'000'000;
+  EXPECT_DOUBLE_EQ(corrected_clock(record), 0.04);
+  FrameReport frame;
+  frame.inputs.contradiction.emplace().clock_offset_ns = 41'000'000;
+  record.frames = {FrameReport{}, frame, FrameReport{}};
+  EXPECT_DOUBLE_EQ(corrected_clock(record), 0.041);
+  frame.inputs.contradiction->clock_offset_ns = 60'000'000;
+  record.frames.push_back(frame);
+  EXPECT_EQ(corrected_clock(record), 0.0);
+}
+
 TEST(VerdictBesideClocks, DoesNotAccuseTheRigOfWhatAClockDoes) {
   const SensorOffsets sound{.cam1 = {}, .cameras = TimeOffset{.seconds = 0.001, .sigma = 0.001}};
   const SensorOffsets imu_off{.cam1 = {}, .cameras = TimeOffset{.seconds = 0.02, .sigma = 0.001}};

@@ -136,6 +136,15 @@ TEST(RunAnswer, AdvisesToMendAClockThatIsOffWhateverTheRigIs) {
   EXPECT_EQ(said.answer().advice, kClockAdvice) << "as limber health prints";
 }
 
+TEST(RunAnswer, SaysWhichClockWasCorrectedAndAdvisesAsWithout) {
+  Said said(kOk);
+  const RunAnswer without = said.answer();
+  said.summary.corrected_clock = "time offset: late, which is corrected";
+  EXPECT_THAT(said.answer().sentences, Contains("time offset: late, which is corrected"));
+  EXPECT_EQ(said.answer().headline, without.headline);
+  EXPECT_EQ(said.answer().advice, without.advice);
+}
+
 TEST(RunAnswer, OfPosesThatAreWorseThanTheyClaimIsRed) {
   Said said(kOk);
   said.summary.camera_imu_mistakes = {{"turns: more", kGyroScaleAdvice, true}};

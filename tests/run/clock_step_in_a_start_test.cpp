@@ -61,7 +61,6 @@ void expect_offset_to_be_found(double offset_s, Method method) {
   }
   RunOptions options;
   options.method = method;
-  options.learn_imu_clock = true;
   const RunRecord record = run_recording(recording, options, matched_frames(recording));
   EXPECT_THAT(record.notes, Contains(HasSubstr("than they are stamped, by the images"))) << offset_s;
   const RunSummary summary = summarize(recording, options, record);
@@ -84,18 +83,17 @@ TEST(FullClockThatIsOff, IsFoundAndSaidAndTheRunIsWhatItClaims) {
 
 TEST(ClockThatIsOff, IsNotSaidOfOneThatIsNot) {
   const Recording recording = drone(0);
-  RunOptions options;
-  options.learn_imu_clock = true;
-  const RunRecord record = run_recording(recording, options, matched_frames(recording));
+  const RunRecord record = run_recording(recording, {}, matched_frames(recording));
   EXPECT_THAT(record.notes, Not(Contains(HasSubstr("than they are stamped"))));
 }
 
 TEST(ClockThatIsOff, IsLeftAloneWhereItIsStated) {
   const Recording recording = drone(0);
   RunOptions options;
+  EXPECT_TRUE(set_up_run(recording, options).navigator.learn_imu_clock);
+  options.learn_imu_clock = false;
   EXPECT_FALSE(set_up_run(recording, options).navigator.learn_imu_clock);
   options.learn_imu_clock = true;
-  EXPECT_TRUE(set_up_run(recording, options).navigator.learn_imu_clock);
   options.start = StartMode::kGroundTruth;
   EXPECT_FALSE(set_up_run(recording, options).navigator.learn_imu_clock);
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "limber/update/frame_innovation.hpp"
@@ -36,9 +37,11 @@ void move_pose(StereoProblem& problem, std::size_t first, double sigmas) {
   }
 }
 
-GateReport gated_where_most_may_move(const StereoProblem& problem, const ParameterErrorModel& model) {
+GateReport gated_where_most_may_move(const StereoProblem& problem, const ParameterErrorModel& model,
+                                     const std::optional<double>& usual_scatter = {}) {
   const FrameInnovation frame = form_frame_innovation(problem.P, problem.z);
-  return gate(frame.innovation, frame.groups, model, GateThresholds(0.999), {true, frame.by_pose});
+  return gate(frame.innovation, frame.groups, model, GateThresholds(0.999),
+              {true, frame.by_pose, {}, {}, usual_scatter});
 }
 
 /// A body that fills two thirds of the view and goes with the camera.
@@ -54,6 +57,54 @@ TEST(GateMajority, WhereMostMoveThoseThatThePredictionKnowsStand) {
       EXPECT_FALSE(report.overruled) << run;
       EXPECT_GE(std::count(report.accepted.begin(), report.accepted.begin() + 10, true), 8) << run;
       EXPECT_LE(std::count(report.accepted.begin() + 10, report.accepted.end(), true), 2) << run;
+    }
+  }
+}
+
+/// Of a state that is known well; what is assumed of pixels is three times what they show.
+StereoProblem with_quiet_pixels(Generator& generator) {
+  StereoProblem problem = with_state_known(random_frame(generator, 30), 100.0);
+  draw_residual(generator, problem);
+  problem.z.residual /= 3.0;
+  return problem;
+}
+
+/// By two sigmas of what is assumed of a pixel at first, as something does that begins to move.
+TEST(GateMajority, WhereMostBeginToMoveThoseThatAreOffAsUsualStand) {
+  Generator generator(23);
+  int stand = 0, stand_without = 0;
+  const auto is_told = [](const GateReport& report) {
+    return std::count(report.accepted.begin(), report.accepted.begin() + 12, true) >= 8 &&
+           std::count(report.accepted.begin() + 12, report.accepted.end(), true) <= 4;
+  };
+  for (int run = 0; run < 10; ++run) {
+    StereoProblem problem = with_quiet_pixels(generator);
+    const double usual = gated_where_most_may_move(problem, {}).scatter.value();
+    for (std::size_t g = 12; g < problem.z.groups.size(); ++g) {
+      const RowGroup& group = problem.z.groups[g];
+      problem.z.residual.segment(group.row, group.rows) +=
+          2.5 * problem.z.sigma.segment(group.row, group.rows);
+    }
+    for (const ParameterErrorModel& model : {ParameterErrorModel{}, problem.constrained()}) {
+      stand += is_told(gated_where_most_may_move(problem, model, usual)) ? 1 : 0;
+      stand_without += is_told(gated_where_most_may_move(problem, model)) ? 1 : 0;
+    }
+  }
+  EXPECT_GE(stand, 16) << "of 20";
+  EXPECT_LE(stand_without, 4) << "of 20: they move too far to test anything";
+}
+
+/// Images that blur, or are lit worse: no point is of something else.
+TEST(GateMajority, WhereAllAreOffMoreThanUsualHardlyAnyIsRefused) {
+  Generator generator(24);
+  for (int run = 0; run < 10; ++run) {
+    StereoProblem problem = with_quiet_pixels(generator);
+    const double usual = gated_where_most_may_move(problem, {}).scatter.value();
+    problem.z.residual *= 2.0;  // four times the variance
+    for (const ParameterErrorModel& model : {ParameterErrorModel{}, problem.constrained()}) {
+      const GateReport report = gated_where_most_may_move(problem, model, usual);
+      EXPECT_GE(std::count(report.accepted.begin(), report.accepted.end(), true), 22) << run;
+      EXPECT_GT(report.scatter.value(), 2.0 * usual) << run;
     }
   }
 }

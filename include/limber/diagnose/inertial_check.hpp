@@ -12,7 +12,10 @@
 /// Whether images and IMU contradict what is taken for exact between them: by the last 30 s of a run.
 namespace limber {
 
-/// One factor's offset, if it is that factor alone.
+/// A clock between cameras and IMU that is off by less is not mentioned [s]: all else is asked beside one.
+inline constexpr double kLeastClock = 3e-3;
+
+/// One factor's offset, if it is that factor and such a clock alone.
 struct InertialOffset {
   /// whose
   InertialFactor of = InertialFactor::kMountTurn;

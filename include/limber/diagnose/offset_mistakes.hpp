@@ -22,10 +22,11 @@ struct SensorOffsets {
   /// of cam1 against cam0, and of the cameras against the IMU; nothing where the recording does not show it
   std::optional<TimeOffset> cam1, cameras;
   double assumed_cam1 = 0.0, assumed_cameras = 0.0;  ///< the same by StereoCalibration::time_offset_s [s]
-  std::optional<MountTurn> mount;                    ///< of cam0 on the IMU; nothing as above
-  double focal_widths = 0.0;                         ///< focal length of cam0, in widths of its image
-  std::vector<TurnScale> scales;                     ///< as of CamerasBesideImu; none as above
-  double confusion = 1.0;                            ///< as there
+  double corrected_cameras = 0.0;         ///< by so much more a run found and took it, all along [s]
+  std::optional<MountTurn> mount;         ///< of cam0 on the IMU; nothing as above
+  double focal_widths = 0.0;              ///< focal length of cam0, in widths of its image
+  std::vector<TurnScale> scales;          ///< as of CamerasBesideImu; none as above
+  double confusion = 1.0;                 ///< as there
   std::optional<InertialCheck> inertial;  ///< of a run; nothing where none was asked, or none tells
 };
 
@@ -37,6 +38,10 @@ struct OffsetMistake {
   bool sigmas_hold = false;
 };
 
+/// How much later than stamped a run took the cameras to see, by the IMU's clock and all along, beyond what
+/// was assumed [s]; 0 where it found none, or a clock that jumped.
+[[nodiscard]] double corrected_clock(const RunRecord& record);
+
 /// All of them. @param calibration  with the rig as found: a wrong rig is no wrong clock
 [[nodiscard]] SensorOffsets sensor_offsets(const StereoCalibration& calibration,
                                            std::span<const StereoFrame> frames,
@@ -46,6 +51,15 @@ struct OffsetMistake {
 /// than 5 sigma. From few seconds sigma itself is hardly known, so that by Student's law chance must not do
 /// the same once in ten thousand recordings: 17 sigma from five seconds, 8 from eight.
 [[nodiscard]] std::vector<std::string> clock_mistakes(const SensorOffsets& offsets);
+
+/// That of cam1 among them.
+[[nodiscard]] std::optional<std::string> cam1_clock_mistake(const SensorOffsets& offsets);
+
+/// That of the cameras against the IMU; none where it is what a run has corrected.
+[[nodiscard]] std::optional<std::string> imu_clock_mistake(const SensorOffsets& offsets);
+
+/// A clock of the IMU that is off, as a run has corrected it, in words.
+[[nodiscard]] std::optional<std::string> corrected_clock_in_words(const SensorOffsets& offsets);
 
 /// @brief A mount that is turned against the calibration, in words: by more than 5 sigma as above, and by 0.4
 /// deg, or more where cam0 has a lens that is longer than its image is wide (0.4 deg for each width). What a
@@ -111,7 +125,7 @@ inline constexpr const char* kMistakeAdvice = "mend the mistake, and look again"
 /// What to do about a clock that is off.
 inline constexpr const char* kClockAdvice =
     "mend the clock (or give its offset: timeshift_cam_imu of a Kalibr file, --calib), and look again; until "
-    "then --imu-clock learned for the IMU's, --estimate dt0,dt1 for cam1's";
+    "then --imu-clock learned (the default) for the IMU's, --estimate dt0,dt1 for cam1's";
 
 /// What to do about turns that a focal length explains best.
 inline constexpr const char* kFocalAdvice =

@@ -84,6 +84,7 @@ struct RunSummary {
   std::vector<std::string>
       mistakes;  ///< of the calibration or of units, in words: no verdict on the rig beside them
   std::vector<std::string> clock_mistakes;         ///< clocks that are off, in words
+  std::optional<std::string> corrected_clock;      ///< one that is off, and was corrected, in words
   std::vector<OffsetMistake> camera_imu_mistakes;  ///< beside clocks that are off
   /// The method takes the length of the baseline for exact, and positions rest on it (but with odometry,
   /// which shows its metre in every sample); see add_scale_check.

@@ -83,7 +83,8 @@ struct FrameReport {
   /// After the frame's correction its points would have been farther from where they are seen than before: it
   /// was not made, and they were taken for new ones.
   bool led_astray = false;
-  double correction = 0.0;  ///< of position or attitude, the larger, in sigmas of the prediction [-]
+  std::optional<double> scatter{};  ///< see GateReport::scatter
+  double correction = 0.0;          ///< of position or attitude, the larger, in sigmas of the prediction [-]
   /// points that were not used, and why
   std::vector<Refusal> refused;
   std::optional<HealthReport> health;  ///< of the alarm, if watched; the verdict is `calibration`

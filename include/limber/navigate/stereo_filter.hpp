@@ -18,6 +18,7 @@
 #include "limber/navigate/frame_report.hpp"
 #include "limber/navigate/moving_tracks.hpp"
 #include "limber/navigate/navigator_options.hpp"
+#include "limber/navigate/usual_scatter.hpp"
 #include "limber/predict/input_buffer.hpp"
 #include "limber/predict/input_checks.hpp"
 #include "limber/predict/input_noise.hpp"
@@ -272,6 +273,7 @@ class StereoFilter {
   GateThresholds gate_thresholds_;
   LandmarkBudget budget_;
   MovingTracks moving_;
+  UsualScatter usual_scatter_;
   InputBuffer inputs_;
   InputChecks checks_;
   std::size_t late_ = 0;  // samples since the last frame

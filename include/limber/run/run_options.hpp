@@ -40,7 +40,7 @@ struct RunOptions {
   /// white by the recording and the start is the truth's, as in the paper.
   bool learn_imu_noise = true;
   /// IMU: see NavigatorOptions. Only with a start from the sensors.
-  bool learn_imu_clock = false;
+  bool learn_imu_clock = true;
   std::optional<double> sigma_px;  ///< nothing: the recording's, or the default
   /// sensors or truth
   StartMode start = StartMode::kAuto;

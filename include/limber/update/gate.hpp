@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "limber/update/innovation.hpp"
@@ -21,6 +22,9 @@ struct GateReport {
   bool overruled = false;
   /// Most groups were refused, and agree on nothing.
   bool most_mismatched = false;
+  /// How far half of the groups are off, beside what the noise that is assumed lets expect [-], squared;
+  /// before any is refused, and nothing where there are few.
+  std::optional<double> scatter{};
 
   /// Whether more than half of the groups were refused.
   [[nodiscard]] bool most_refused() const;
@@ -65,6 +69,9 @@ struct PredictedPose {
   Eigen::MatrixXd P{};
   /// c×k: how the parameters may be wrong before a point is called mismatched, beside P; may be empty.
   Eigen::MatrixXd rig{};
+  /// GateReport::scatter as the frames before had it, where that is known. Something that begins to move puts
+  /// half of the groups off at once.
+  std::optional<double> usual_scatter{};
 };
 
 /// @brief Judges each group on its *projected* residual, so that a wrong calibration refuses no point.

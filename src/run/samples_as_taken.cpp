@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "diagnose/samples_as_taken.hpp"
+#include "samples_as_taken.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -24,8 +24,9 @@ std::vector<ClockOffset> clock_offsets_in(const RunRecord& record) {
 
 }  // namespace
 
-std::vector<ImuSample> samples_as_taken(const Recording& recording, const RunRecord& record) {
-  const std::int64_t from_ns = record.last_frames.front().t_ns - kInputsBefore;
+std::vector<ImuSample> samples_as_taken(const Recording& recording, const RunRecord& record,
+                                        std::int64_t frame_ns) {
+  const std::int64_t from_ns = frame_ns - kInputsBefore;
   const std::vector<ClockOffset> offsets = clock_offsets_in(record);
   std::vector<ImuSample> out;
   for (ImuSample sample : recording.imu) {
