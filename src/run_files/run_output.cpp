@@ -77,6 +77,8 @@ Json to_json(const RunOptions& options) {
           {"clean", options.cleaning.clean},
           {"max_points", options.cleaning.max_points},
           {"false_alarms_per_hour", options.false_alarms_per_hour},
+          {"imu_noise", options.learn_imu_noise ? "learned" : "stated"},
+          {"imu_clock", options.learn_imu_clock ? "learned" : "stated"},
           {"seed", options.seed},
           {"run", options.run}};
 }
@@ -96,11 +98,13 @@ Json to_json(const std::vector<RunEvent>& events) {
   return out;
 }
 
-Json to_json(const StartReport& report) {
+Json to_json(const StartReport& report, const InitialState& start) {
   const auto known = [](double sigma) { return std::isfinite(sigma) ? Json(sigma) : Json(nullptr); };
   return {{"waited_s", report.waited_s},
           {"tilt_sigma_rad", known(report.tilt_sigma)},
           {"scale_sigma", known(report.scale_sigma)},
+          {"clock_offset_s", to_seconds(start.clock_offset_ns)},
+          {"clock_sigma_s", start.clock_sigma > 0.0 ? Json(start.clock_sigma) : Json(nullptr)},
           {"missing", report.missing}};
 }
 
@@ -200,7 +204,7 @@ Json to_json(const RunOptions& options, const RunRecord& record, const RunSummar
   json["imu_noise"] = record.imu_noise ? to_json(*record.imu_noise) : Json(nullptr);
   json["motion_noise"] = record.motion_noise ? to_json(*record.motion_noise) : Json(nullptr);
   json["odometry_noise"] = record.odometry_noise ? to_json(*record.odometry_noise) : Json(nullptr);
-  json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start) : Json(nullptr);
+  json["sensor_start"] = record.sensor_start ? to_json(*record.sensor_start, record.start) : Json(nullptr);
   json["alignment"] = s.alignment.empty() ? Json(nullptr) : Json(s.alignment);
   json["truth_tilt_deg"] = or_null(s.truth_tilt_deg);
   json["truth_is_level"] = s.truth_tilt_deg ? Json(s.truth_is_level) : Json(nullptr);

@@ -68,6 +68,8 @@ TEST(WriteRunOutput, SaysHowAStartFromTheSensorsWent) {
   EXPECT_EQ(start.at("waited_s"), run.record.sensor_start->waited_s);
   EXPECT_GT(start.at("tilt_sigma_rad").get<double>(), 0.0);
   EXPECT_GT(start.at("scale_sigma").get<double>(), 0.0);
+  EXPECT_EQ(start.at("clock_offset_s"), 1e-9 * static_cast<double>(run.record.start.clock_offset_ns));
+  EXPECT_GT(start.at("clock_sigma_s").get<double>(), 0.0);
   const Judged told(short_recording());
   write_run_output(folder.path(), told.options, told.record, told.summary);
   EXPECT_TRUE(Json::parse(testing::read_text(folder.path() / "summary.json")).at("sensor_start").is_null());
