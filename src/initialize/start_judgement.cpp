@@ -108,7 +108,8 @@ StartReport StartWindow::solve_and_judge() {
   solve();
   StartReport out = judged();
   bool failed = disagrees();
-  if ((failed || out.status != StartStatus::kWaiting || !knows_clock()) && learn_clock_or_step()) {
+  const Asked asked = failed || out.status != StartStatus::kWaiting ? Asked::kAtTheEnd : Asked::kMeanwhile;
+  if ((asked == Asked::kAtTheEnd || !knows_clock()) && learn_clock_or_step(asked)) {
     out = judged();
     failed = disagrees();
   }
@@ -216,15 +217,15 @@ std::optional<StartWindow> StartWindow::trusting(StartStatus status) const {
 
 /// A clock that steps looks like one that is off, by what it is for most of the window: where images and
 /// inputs agreed better before, a step may explain more.
-bool StartWindow::learn_clock_or_step() {
+bool StartWindow::learn_clock_or_step(Asked asked) {
   if (!may_learn_clock()) {
     return false;
   }
   if (!agreed || misfit() <= kAgrees * least_misfit) {
-    return learn_clock();
+    return learn_clock(asked);
   }
   StartWindow stepped = *this;
-  const bool learned = learn_clock();
+  const bool learned = learn_clock(asked);
   const bool explained = learned && misfit() > kAgrees * least_misfit && stepped.explain_by_clock() &&
                          stepped.normal.cost < kFitsMuchBetter * normal.cost;
   if (explained) {

@@ -159,10 +159,12 @@ struct StartWindow {
   bool explain_by_clock();
   /// Well enough as long as the start waits.
   [[nodiscard]] bool knows_clock() const { return clock_sigma > 0.0 && clock_sigma < 1e-3; }
+  /// While a window waits for more, the clock moves where it is surely off alone.
+  enum class Asked { kMeanwhile, kAtTheEnd };
   /// @return whether the solution is another one, because the clock is off
-  bool learn_clock();
+  bool learn_clock(Asked asked);
   [[nodiscard]] bool may_learn_clock() const;
-  bool learn_clock_or_step();
+  bool learn_clock_or_step(Asked asked);
   [[nodiscard]] StartWindow with_clock(double later_s) const;
   WindowState solved_with(const StampJump& step, WindowState state, WindowNormal& there);
   void read_inputs_anew();

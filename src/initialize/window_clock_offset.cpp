@@ -22,6 +22,8 @@ namespace {
 constexpr double kPlausibleClock = 0.05, kLargestClock = 0.25;  // [s]
 constexpr int kClockRounds = 6;
 constexpr int kNearSteps = 6, kShiftSteps = 10;  // of a solution, from one that is near
+constexpr double kTellsClock = 3e-3;             // [s], of a sigma
+constexpr double kSurely = 5.0;                  // sigmas
 constexpr double kSmallClock = 2e-4;             // [s]: less changes nothing
 constexpr double kWithin = 0.25;                 // of its sigma, the same
 /// Of the cost: pixels are worth less in it than they show themselves to be.
@@ -59,6 +61,12 @@ std::optional<LaterBy> later_by(const WindowModel& model, WindowState state) {
                  std::sqrt(factor.inverse()(clock, clock))};
 }
 
+/// A window that waits for more is too short for what hardly tells: mismatches and scales of a gyro look like
+/// a clock by several of its sigmas, and a clock that is wrong is defended by all that was fitted to it.
+bool is_surely_off(const LaterBy& later) {
+  return later.sigma <= kTellsClock && std::abs(later.seconds) > kSurely * later.sigma;
+}
+
 }  // namespace
 
 /// The same window where samples are stamped later by so much; its solution is where it was.
@@ -79,7 +87,7 @@ bool StartWindow::may_learn_clock() const {
          !(clock_step && clock_step->jumps()) && !estimates_time_offset(model.options);
 }
 
-bool StartWindow::learn_clock() {
+bool StartWindow::learn_clock(Asked asked) {
   StartWindow best = *this;
   for (int round = 0; round < kClockRounds; ++round) {
     const std::optional<LaterBy> later = later_by(best.model, *best.solution);
@@ -87,6 +95,9 @@ bool StartWindow::learn_clock() {
       break;
     }
     best.clock_sigma = later->sigma;
+    if (round == 0 && asked == Asked::kMeanwhile && !is_surely_off(*later)) {
+      break;
+    }
     if (std::abs(later->seconds) < std::max(kSmallClock, kWithin * later->sigma)) {
       break;
     }

@@ -96,10 +96,11 @@ GateThresholds as_half_are_off(const GateReport& report, const GateThresholds& w
 
 /// How far off a group may be.
 struct Limits {
+  static constexpr double kAnything = std::numeric_limits<double>::infinity();
   GateThresholds widest;
   bool compares;  ///< with half of the groups that are left: where the pose is not known, or not well, its
                   ///< own errors are far from alike
-  double usual = std::numeric_limits<double>::infinity();  ///< so far half of them may be off, beside widest
+  double usual = kAnything;  ///< so far half of them may be off, beside widest
 
   /// By what the accepted groups show: beside a mismatch that is still among them parameters that are open
   /// put all others elsewhere.
@@ -150,9 +151,11 @@ Judged with_free_pose(const Judged& judged, const Innovation& innovation) {
 }
 
 /// The accepted groups and the others cannot be of one rigid world: no pose puts both where they are.
-bool are_two_bodies(const Judged& judged, const std::vector<bool>& accepted,
-                    const GateThresholds& thresholds) {
-  std::vector<bool> refused = accepted;
+bool are_two_bodies(const Judged& judged, const GateReport& report, const GateThresholds& thresholds) {
+  if (report.all_accepted()) {
+    return false;
+  }
+  std::vector<bool> refused = report.accepted;
   refused.flip();
   const Judged without = judged.subset(refused);
   const Judge of_all(judged), of_others(without);
@@ -227,7 +230,7 @@ std::optional<KnownPrediction> known_prediction(const Judged& judged, const Inno
                               limits.widest);
       },
       [&](const GateReport& minority) {
-        return are_two_bodies(with_free_pose(judged, innovation), minority.accepted, limits.noise());
+        return are_two_bodies(with_free_pose(judged, innovation), minority, limits.noise());
       }};
 }
 
@@ -319,6 +322,14 @@ GateReport refuse(const Judged& judged, Judge& judge, GateReport report, const L
   return report;
 }
 
+/// Where half of the groups are farther off than usual: something moves, because no pose and no parameters
+/// put those that are refused and the others where they are. An input that fails moves all alike.
+bool is_beyond_usual(const Judged& judged, const Innovation& innovation, const PredictedPose& predicted,
+                     const Limits& limits, const GateReport& report) {
+  return !report.overruled &&
+         are_two_bodies(with_free_everything(judged, innovation, predicted.by_pose), report, limits.noise());
+}
+
 /// Most groups are refused, and they do not agree with each other, as a body that moves would.
 bool refused_are_mismatched(const KnownPrediction& known, const GateReport& report) {
   std::vector<bool> refused = report.accepted;
@@ -381,8 +392,14 @@ GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& group
   if (worst_of(limits.of(report), report) < 0) {
     return report;
   }
+  const bool trusts = model.constrained.cols() == 0;
   const std::optional<KnownPrediction> known = known_prediction(judged, innovation, predicted, limits);
-  GateReport out = refuse(judged, judge, std::move(report), limits, model.constrained.cols() == 0, known);
+  GateReport out = refuse(judged, judge, report, limits, trusts, known);
+  if (limits.usual < scatter.value_or(0.0) && !is_beyond_usual(judged, innovation, predicted, limits, out)) {
+    limits.usual = Limits::kAnything;
+    Judge anew(judged);
+    out = refuse(judged, anew, std::move(report), limits, trusts, known);
+  }
   out.scatter = scatter;
   out.most_mismatched = out.most_mismatched || (known && refused_are_mismatched(*known, out));
   if (predicted.rig.size() > 0 && model.constrained.cols() == 0) {
