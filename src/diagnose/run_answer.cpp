@@ -189,7 +189,7 @@ void judge_calibration(const RunOptions& options, const RunRecord& record, const
   }
 }
 
-/// A rig that is wrong may be why, and what to do about it stays.
+/// A mistake or a rig that is wrong may be why, and what to do about it stays.
 void say_it_is_lost(const RunRecord& record, const RunSummary& s, RunAnswer& out) {
   const double since = seconds_between(record.trajectory.front().t_ns, *s.inputs.lost_since_ns);
   const bool wrong_rig = s.health && s.health->verdict == HealthVerdict::kDecalibrated;
@@ -197,7 +197,10 @@ void say_it_is_lost(const RunRecord& record, const RunSummary& s, RunAnswer& out
   std::string words =
       "the filter broke down, or images or its own sigmas contradict its state, and nothing brought it back";
   std::string advice = fmt::format("use no pose later than {:.1f} s; the notes below say what failed", since);
-  if (wrong_rig) {
+  if (!s.mistakes.empty()) {
+    out.sentences.push_back(std::move(words));
+    out.headline += fmt::format(", lost since {:.1f} s", since);
+  } else if (wrong_rig) {
     out.sentences.insert(out.sentences.begin(), std::move(words));
     out.headline = fmt::format("lost since {:.1f} s, {}", since, out.headline);
     out.advice = advice + "; " + out.advice;

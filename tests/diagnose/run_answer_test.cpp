@@ -128,6 +128,18 @@ TEST(RunAnswer, SaysThatThePosesWereAlignedWithATruthThatIsNotLevel) {
               AllOf(HasSubstr("not level"), HasSubstr("77.0 deg"), HasSubstr("of the aligned poses")));
 }
 
+/// Units, say: it was hidden behind what it had done.
+TEST(RunAnswer, OfALostRunNamesTheMistakeThatMayBeWhy) {
+  Said said(kOk);
+  said.summary.mistakes = {"the accelerometer is in g"};
+  said.summary.inputs.lost_since_ns = 7'500'000'000;
+  const RunAnswer answer = said.answer();
+  EXPECT_EQ(answer.headline, "looks like a mistake, lost since 2.5 s");
+  EXPECT_EQ(answer.sentences.at(0), "the accelerometer is in g");
+  EXPECT_THAT(answer.sentences.at(1), HasSubstr("nothing brought it back"));
+  EXPECT_EQ(answer.advice, kMistakeAdvice);
+}
+
 TEST(RunAnswer, AdvisesToMendAClockThatIsOffWhateverTheRigIs) {
   Said said(kOk);
   said.summary.clock_mistakes = {"time offset: beside the IMU, the cameras are taken late"};

@@ -94,6 +94,27 @@ TEST(GateMajority, WhereMostBeginToMoveThoseThatAreOffAsUsualStand) {
   EXPECT_LE(stand_without, 4) << "of 20: they move too far to test anything";
 }
 
+/// A bias that steps, or a rig that bends, is judged as if nothing were usual.
+TEST(GateMajority, WhatAPoseOrARigExplainsIsNothingThatMoves) {
+  Generator generator(25);
+  for (int run = 0; run < 10; ++run) {
+    StereoProblem problem = with_quiet_pixels(generator);
+    const double usual = gated_where_most_may_move(problem, {}).scatter.value();
+    const VectorXd by_rig = problem.z.D * problem.C * VectorXd::Constant(problem.C.cols(), 1.0);
+    if (run % 2 == 0) {
+      move_pose(problem, 0, 100.0);
+    } else {
+      problem.z.residual += by_rig * (3.0 * problem.z.sigma.norm() / by_rig.norm());
+    }
+    for (const ParameterErrorModel& model : {ParameterErrorModel{}, problem.constrained()}) {
+      const GateReport report = gated_where_most_may_move(problem, model, usual);
+      const GateReport without = gated_where_most_may_move(problem, model);
+      EXPECT_EQ(report.accepted, without.accepted) << run;
+      EXPECT_EQ(report.overruled, without.overruled) << run;
+    }
+  }
+}
+
 /// Images that blur, or are lit worse: no point is of something else.
 TEST(GateMajority, WhereAllAreOffMoreThanUsualHardlyAnyIsRefused) {
   Generator generator(24);

@@ -87,13 +87,15 @@ struct PredictedPose {
 /// than that. Then thresholds are those of the noise that is assumed, but no more than twice what the
 /// distance of half of the groups lets expect: that noise stands for what lasts in pixels, too, and is
 /// several times what a frame shows. Something that begins to move would be within it, and take the state
-/// along. Where five groups or more go on agreeing with it, while no pose puts both them and the
-/// others where they are, there are two bodies, and the one that the prediction knows is the world. And where
-/// it is known to some pixels, while no pose and no parameters put half of the groups, and eight, near where
-/// they are, these are mismatched, and what agrees with the prediction is kept, which may be nothing.
-/// Where nothing but the images tell of the motion, each is judged after what the pose can explain of all,
-/// too: else whatever some motion explains would pass. A filter that constrains nothing refuses those alone
-/// that are mismatched whatever the rig is; where most are off with the rig as it is, the gate is overruled.
+/// along. Where half of the groups are farther off than usual, what is usual bounds that, if those that fail
+/// then and the others are of no one rigid world, with any rig. Where five groups or more go on agreeing with
+/// it, while no pose puts both them and the others where they are, there are two bodies, and the one that the
+/// prediction knows is the world. And where it is known to some pixels, while no pose and no parameters put
+/// half of the groups, and eight, near where they are, these are mismatched, and what agrees with the
+/// prediction is kept, which may be nothing. Where nothing but the images tell of the motion, each is judged
+/// after what the pose can explain of all, too: else whatever some motion explains would pass. A filter that
+/// constrains nothing refuses those alone that are mismatched whatever the rig is; where most are off with
+/// the rig as it is, the gate is overruled.
 /// @param groups  partition of the rows of the innovation: of a measurement as it is, or turned
 /// @note O(m³) for S⁻¹, then O(m²) for each group that is dropped and nothing for gross outliers.
 [[nodiscard]] GateReport gate(const Innovation& innovation, const std::vector<RowGroup>& groups,
