@@ -13,17 +13,6 @@ namespace {
 
 constexpr std::size_t kFirstLook = 100;  // frames
 
-std::vector<std::string> all_but_clock_of_imu(const SensorOffsets& offsets) {
-  std::vector<std::string> out;
-  if (auto of_cam1 = cam1_clock_mistake(offsets)) {
-    out.push_back(*std::move(of_cam1));
-  }
-  for (OffsetMistake& mistake : camera_imu_mistakes(offsets)) {
-    out.push_back(std::move(mistake.words));
-  }
-  return out;
-}
-
 }  // namespace
 
 std::vector<StereoFrame> at_stamps(std::vector<StereoFrame> frames, const StereoCalibration& assumed) {
@@ -82,7 +71,9 @@ void FirstFrames::look_again() {
   look(frames);
   if (!over_) {
     offsets_ = sensor_offsets(assumed_, frames, recording_.imu);
-    say(all_but_clock_of_imu(offsets_));
+    SensorOffsets but_clock_of_imu = offsets_;
+    but_clock_of_imu.cameras.reset();
+    say(offset_mistakes(but_clock_of_imu));
   }
   over_ = true;
 }

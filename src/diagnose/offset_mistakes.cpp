@@ -11,6 +11,7 @@
 #include "diagnose/clustered_regression.hpp"
 #include "limber/core/angle.hpp"
 #include "limber/core/time.hpp"
+#include "run/samples_as_taken.hpp"
 
 namespace limber {
 namespace {
@@ -117,22 +118,13 @@ double corrected_clock(const RunRecord& record) {
   }
   const double of_start = to_seconds(record.start.clock_offset_ns);
   double out = of_start;
-  for (const FrameReport& frame : record.frames) {
-    if (frame.inputs.contradiction && frame.inputs.contradiction->clock_offset_ns) {
-      out = to_seconds(*frame.inputs.contradiction->clock_offset_ns);
-      if (std::abs(out - of_start) > kLeastClock) {
-        return 0.0;
-      }
+  for (const detail::ClockOffset& found : detail::clock_offsets_in(record)) {
+    out = to_seconds(found.offset_ns);
+    if (std::abs(out - of_start) > kLeastClock) {
+      return 0.0;
     }
   }
   return out;
-}
-
-std::optional<std::string> cam1_clock_mistake(const SensorOffsets& offsets) {
-  if (!cam1_is_off(offsets)) {
-    return std::nullopt;
-  }
-  return "time offset: beside cam0, cam1 is taken " + mistake_in_words(*offsets.cam1, offsets.assumed_cam1);
 }
 
 std::optional<std::string> imu_clock_mistake(const SensorOffsets& offsets) {
@@ -152,10 +144,12 @@ std::optional<std::string> corrected_clock_in_words(const SensorOffsets& offsets
 
 std::vector<std::string> clock_mistakes(const SensorOffsets& offsets) {
   std::vector<std::string> out;
-  for (auto mistake : {cam1_clock_mistake(offsets), imu_clock_mistake(offsets)}) {
-    if (mistake) {
-      out.push_back(*std::move(mistake));
-    }
+  if (cam1_is_off(offsets)) {
+    out.push_back("time offset: beside cam0, cam1 is taken " +
+                  mistake_in_words(*offsets.cam1, offsets.assumed_cam1));
+  }
+  if (auto of_imu = imu_clock_mistake(offsets)) {
+    out.push_back(*std::move(of_imu));
   }
   return out;
 }

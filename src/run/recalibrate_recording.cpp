@@ -112,9 +112,7 @@ std::vector<KeyframeWindow> moving_windows(const std::vector<Keyframe>& keyframe
 void take_noise(const RunRecord& learned, const std::vector<KeyframeWindow>& windows,
                 const detail::WindowInputs& inputs, SmootherOptions& how, Recalibration& out) {
   detail::take_imu_noise(learned.imu_noise, how, out.notes);
-  if (auto clock = detail::clock_in_words(learned)) {
-    out.notes.push_back(*std::move(clock));
-  }
+  detail::say_clock(learned, out.notes);
   if (learned.pixel_noise && !windows.empty()) {
     how.sigma_px.setConstant(learned.pixel_noise->sigma_px);
     how.sigma_px *= detail::noise_in_residuals(windows, inputs, out.given, how);

@@ -5,12 +5,6 @@
 #include <iterator>
 
 namespace limber::detail {
-namespace {
-
-/// How much later than taken samples are stamped from that frame on.
-struct ClockOffset {
-  std::int64_t t_ns, offset_ns;
-};
 
 std::vector<ClockOffset> clock_offsets_in(const RunRecord& record) {
   std::vector<ClockOffset> out;
@@ -21,8 +15,6 @@ std::vector<ClockOffset> clock_offsets_in(const RunRecord& record) {
   }
   return out;
 }
-
-}  // namespace
 
 std::vector<ImuSample> samples_as_taken(const Recording& recording, const RunRecord& record,
                                         std::int64_t frame_ns) {

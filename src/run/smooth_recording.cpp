@@ -290,9 +290,7 @@ RunRecord smooth_recording(const Recording& recording, const SmoothOptions& opti
                                   ? setup.navigator.odometry_scale
                                   : guess.record.pixel_noise->length_sigma;
   detail::take_imu_noise(guess.record.imu_noise, how, notes);
-  if (auto clock = detail::clock_in_words(guess.record)) {
-    notes.push_back(*std::move(clock));
-  }
+  detail::say_clock(guess.record, notes);
   const std::vector<StereoFrame> frames = kept.from(guess.record.trajectory.front().t_ns);
   SmootherResult result = solve(recording, frames, guess, options, how, setup.calibration, told);
   if (!result.converged) {

@@ -35,31 +35,27 @@ void say_start(const SensorWindow& window, RunRecord& record) {
       report.scale_sigma < 1.0 ? fmt::format("scale to {:.2g} %", 100.0 * report.scale_sigma)
                                : "scale not at all",
       report.missing.empty() ? "" : "; not known: " + report.missing));
-  if (auto clock = clock_in_words(record)) {
-    record.notes.push_back(*std::move(clock));
-  }
+  say_clock(record, record.notes);
 }
 
 }  // namespace
 
-std::optional<std::string> clock_in_words(const RunRecord& record) {
+void say_clock(const RunRecord& record, std::vector<std::string>& notes) {
   const auto& jump = record.clock_step_of_start;
   const double offset_s = to_seconds(jump ? jump->offset_ns : record.start.clock_offset_ns);
   const double sigma_s = record.start.clock_sigma;
   const char* const when = offset_s > 0.0 ? "earlier" : "later";
   if (jump) {
-    return fmt::format(
+    notes.push_back(fmt::format(
         "the IMU's clock stepped between {:.3f} s and {:.3f} s: its samples since then were taken {:.4f} s "
         "{} than they are stamped, and are used so",
-        to_seconds(jump->after_ns), to_seconds(jump->before_ns), std::abs(offset_s), when);
+        to_seconds(jump->after_ns), to_seconds(jump->before_ns), std::abs(offset_s), when));
+  } else if (std::abs(offset_s) > std::max(kClockMatters, kClockSurely * sigma_s)) {
+    notes.push_back(fmt::format(
+        "the IMU's samples were taken {:.4f} s {} than they are stamped, by the images (±{:.4f} s), and are "
+        "used so (--imu-clock learned)",
+        std::abs(offset_s), when, sigma_s));
   }
-  if (std::abs(offset_s) <= std::max(kClockMatters, kClockSurely * sigma_s)) {
-    return std::nullopt;
-  }
-  return fmt::format(
-      "the IMU's samples were taken {:.4f} s {} than they are stamped, by the images (±{:.4f} s), and are "
-      "used so (--imu-clock learned)",
-      std::abs(offset_s), when, sigma_s);
 }
 
 void write_states(const std::vector<SmoothedState>& states, RunRecord& record) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +11,8 @@
 namespace limber::detail {
 
 /// How an IMU's samples are used where they were not taken when they are stamped: by what the start found.
-[[nodiscard]] std::optional<std::string> clock_in_words(const RunRecord& record);
+/// Nothing where they are used as stamped, or nearly.
+void say_clock(const RunRecord& record, std::vector<std::string>& notes);
 
 /// The window's states, as far as they are known.
 void write_states(const std::vector<SmoothedState>& states, RunRecord& record);

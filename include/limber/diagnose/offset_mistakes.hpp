@@ -52,10 +52,7 @@ struct OffsetMistake {
 /// the same once in ten thousand recordings: 17 sigma from five seconds, 8 from eight.
 [[nodiscard]] std::vector<std::string> clock_mistakes(const SensorOffsets& offsets);
 
-/// That of cam1 among them.
-[[nodiscard]] std::optional<std::string> cam1_clock_mistake(const SensorOffsets& offsets);
-
-/// That of the cameras against the IMU; none where it is what a run has corrected.
+/// That of the cameras against the IMU among them; none where it is what a run has corrected.
 [[nodiscard]] std::optional<std::string> imu_clock_mistake(const SensorOffsets& offsets);
 
 /// A clock of the IMU that is off, as a run has corrected it, in words.
